@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "geocloth/parametrize/import.h"
+#include "geocloth/parametrize/quality.h"
+#include "geocloth/parametrize/repair.h"
+
+namespace geocloth {
+
+struct ConvertOptions {
+  ImportOptions import;
+  RepairOptions repair;
+  FlattenOptions flatten;
+  std::filesystem::path stages;  ///< folder for every intermediate as a file; empty: none
+};
+
+/// A part that is too small for a pixel at the chosen spacing and is carried by its neighbour.
+struct CarriedPart {
+  uint32_t part = 0, faces = 0;
+  double area_share = 0;
+  std::string why;
+};
+
+struct ConvertReport {
+  Topology source;
+  double source_bbox_diagonal = 0;                 ///< [m]
+  uint32_t source_vertices = 0, source_faces = 0;  ///< as counted in the file (faces: polygons)
+  std::vector<Repair> repairs;
+  Topology cleaned;
+  std::vector<CarriedPart> carried;
+  Topology represented;
+  Topology welded;
+  Quality quality;
+  std::vector<std::pair<std::string, double>> seconds;  ///< stage name, wall seconds, in order
+  std::vector<std::string> warnings;                    ///< plain words
+};
+
+struct ConvertResult {
+  ClothAsset asset;
+  FlatSurface flat;  ///< kept for pictures
+  ConvertReport report;
+};
+
+/// import_mesh, repair_mesh, cut_to_disks, flatten, rasterize, build_image, bind_source, measure_quality, in that order
+/// and nothing else; then the checks.
+/// @throws Error(verification) when the welded grid mesh differs in topology from the represented surface, or when
+///   copies do not coincide, triangles are flipped, charts overlap or springs cross an outline
+[[nodiscard]] ConvertResult convert(const std::filesystem::path& path, const ConvertOptions& options = {},
+                                    const Progress& progress = {});
+
+/// The same from a mesh in memory.
+[[nodiscard]] ConvertResult convert(const TriangleMesh& mesh, const ConvertOptions& options = {},
+                                    const Progress& progress = {});
+
+/// The report as JSON text with the keys that users rely on.
+[[nodiscard]] std::string to_json(const ConvertResult& result);
+
+}  // namespace geocloth

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "geocloth/parametrize/cut.h"
+
+namespace geocloth {
+
+/// A pixel of a chart's outline and the vertex that it samples exactly.
+struct OutlineSample {
+  uint32_t x, y;    ///< pixel, relative to the chart's corner
+  uint32_t vertex;  ///< vertex of the FlatSurface
+};
+
+/// A chart's rectangle in the atlas and its outline.
+struct FlatChart {
+  uint32_t x0 = 0, y0 = 0;             ///< [pixels] top left corner in the atlas
+  uint32_t width = 0, height = 0;      ///< [pixels]
+  double spacing = 0;                  ///< [m] nominal spring length of this chart: sqrt(area / cells)
+  std::vector<OutlineSample> outline;  ///< counter-clockwise in uv (y up); every outline pixel once
+};
+
+/// Charts in the plane, packed into one atlas. Triangles have positive area in uv, charts do not overlap.
+/// The mesh is the cut surface with vertices inserted on seams and elsewhere; mates got theirs at equal places.
+struct FlatSurface {
+  uint32_t width = 0, height = 0;  ///< [pixels] of the atlas
+  std::vector<Point3> position;    ///< per vertex [m]
+  std::vector<Point2> uv;          ///< per vertex [pixels] relative to the chart's corner: u right, v DOWN (row number)
+  std::vector<Triangle> triangle;  ///< counter-clockwise from outside in 3D
+  std::vector<uint32_t> chart;     ///< per triangle
+  std::vector<uint32_t> point;     ///< per vertex: its surface point (inserted vertices have new ones, shared by mates)
+  uint32_t point_count = 0;
+  std::vector<uint32_t> clean_vertex;    ///< per vertex: vertex of the clean surface, kNone if inserted
+  std::vector<uint32_t> clean_triangle;  ///< per triangle: triangle of the clean surface it is part of
+  std::vector<FlatChart> charts;
+};
+
+struct FlattenOptions {
+  Layout layout = Layout::square;
+  /// Wanted number of valid pixels in all, as the side of a square. [8, 4096]
+  uint32_t resolution = 128;
+  /// Spring length [m]; when set it decides the number of pixels instead of `resolution`.
+  double spacing = 0;
+};
+
+/// Lays every component out in the plane and packs the charts.
+/// Layout square: a square per component; the outline is divided so that all runs of a seam get the same whole number
+/// of pixels (>= 3), nodes on pixels, cut ends never on a corner; a vertex is inserted for every outline pixel; edges
+/// that join two outline vertices are split. The interior starts from mean-value coordinates on the convex outline
+/// (Floater 1997, 2003: no flips) and is improved for stretch without flips. Where a square cannot hold a part (long
+/// tubes) the cut is extended to the vertex of greatest stretch (Gu et al. 2002, section 4).
+/// @throws Error(limit) when the atlas would exceed kMaxImageSide, Error(unsupported) for a layout that does not exist
+[[nodiscard]] FlatSurface flatten(const CleanSurface& clean, const CutSurface& cut, const FlattenOptions& options,
+                                  const Progress& progress = {});
+
+}  // namespace geocloth

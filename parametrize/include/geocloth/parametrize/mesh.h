@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "geocloth/asset/cloth_asset.h"
+
+namespace geocloth {
+
+using Point2 = std::array<double, 2>;
+using Point3 = std::array<double, 3>;
+
+inline constexpr uint32_t kNone = 0xFFFFFFFFU;  ///< "no such element"
+
+/// Reports how far a long operation is; called from one thread. Throw Error(cancelled) from it to stop the work.
+/// @param stage     name of the stage ("import", "repair", "cut", ...)
+/// @param fraction  0..1 of that stage
+using Progress = std::function<void(std::string_view stage, double fraction)>;
+
+/// A mesh as its file has it: triangulated, node transforms applied, in metres, y up, nothing repaired.
+struct TriangleMesh {
+  std::string name;                           ///< stem of the file name
+  std::vector<Point3> position;               ///< vertices of the file, in the file's order [m]
+  std::vector<Triangle> triangle;             ///< indices into position; may be degenerate or duplicated
+  std::vector<uint32_t> polygon;              ///< per triangle: number of the polygon of the file it was cut from
+  std::vector<std::array<Point2, 3>> uv;      ///< per triangle corner, or empty when the file has none
+  std::vector<std::array<Point3, 3>> normal;  ///< per triangle corner, unit length, or empty
+  std::vector<SourcePart> part;               ///< ranges of `triangle`, ascending, covering all of it
+  std::vector<SourceMaterial> material;
+  std::vector<SourceImage> image;
+  std::vector<ClothAsset::VertexGroup> vertex_groups;
+};
+
+/// A surface that is manifold and consistently oriented everywhere, together with the ties that repair cut.
+/// Every vertex has one fan of triangles. Vertices with equal `point` are copies of one surface point: they arise
+/// where an edge had more than two faces, at bow-tie vertices, and along the tear of a non-orientable part. Their
+/// positions are bit-identical. Every triangle has three different points and a positive area.
+struct CleanSurface {
+  std::vector<Point3> position;    ///< per vertex [m]
+  std::vector<Triangle> triangle;  ///< indices into position
+  std::vector<uint32_t> point;     ///< per vertex: its surface point, 0..point_count-1
+  uint32_t point_count = 0;
+  std::vector<uint32_t> component;  ///< per triangle: connected manifold component, 0..component_count-1
+  uint32_t component_count = 0;
+  std::vector<uint32_t> source_triangle;  ///< per triangle: triangle of the TriangleMesh, kNone if repair made it
+  std::vector<uint32_t> source_point;     ///< per source vertex: the point it was welded into, kNone if no face uses it
+};
+
+/// One kind of repair and how often it was done.
+struct Repair {
+  std::string kind;  ///< e.g. "welded_vertices", "degenerate_faces", "duplicate_faces", "flipped_faces",
+                     ///< "detached_sheets", "bow_ties", "t_junctions", "torn_edges"
+  uint64_t count = 0;
+};
+
+}  // namespace geocloth

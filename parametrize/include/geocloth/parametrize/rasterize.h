@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "geocloth/parametrize/flatten.h"
+
+namespace geocloth {
+
+/// Samples the charts at the pixels: rest positions, chart numbers, and for every valid pixel the flat triangle it
+/// lies in. Outline pixels take their vertex's position bit for bit.
+struct Raster {
+  uint32_t width = 0, height = 0;
+  std::vector<Point3> position;    ///< per pixel [m]
+  std::vector<uint16_t> chart;     ///< per pixel, kNoChart where not valid
+  std::vector<uint32_t> triangle;  ///< per pixel: flat triangle it samples, kNone where not valid
+  std::vector<uint32_t> point;     ///< per pixel: surface point for outline pixels, kNone otherwise
+};
+[[nodiscard]] Raster rasterize(const FlatSurface& flat, const Progress& progress = {});
+
+}  // namespace geocloth

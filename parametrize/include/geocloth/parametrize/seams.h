@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "geocloth/parametrize/rasterize.h"
+
+namespace geocloth {
+
+/// Fills the image part of an asset from a raster: split-vertex table (pixels of one point), triangles of the cells
+/// (the shorter diagonal that joins no two copies and repeats no edge of the welded mesh), spring validity per spring,
+/// bending across seams, area shares, spacing.
+[[nodiscard]] ClothAsset build_image(const FlatSurface& flat, const Raster& raster, Layout layout);
+
+/// Fills `source` and `binding`: the mesh of the file as render vertices, each bound to the grid triangle that holds
+/// its place in the chart.
+void bind_source(const TriangleMesh& mesh, const CleanSurface& clean, const FlatSurface& flat, const Raster& raster,
+                 ClothAsset& asset);
+
+}  // namespace geocloth

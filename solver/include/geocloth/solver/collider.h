@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <variant>
+
+#include "geocloth/solver/transform.h"
+
+namespace geocloth {
+
+struct Plane {
+  Vec3 point;            ///< [m]
+  Vec3 normal{0, 1, 0};  ///< unit length; cloth stays on this side
+};
+struct Sphere {
+  Vec3 center;       ///< [m]
+  float radius = 1;  ///< [m] > 0
+};
+/// Two spheres and the cone between them; a plain capsule when the radii are equal.
+struct Capsule {
+  Vec3 a, b;                         ///< [m]
+  float radius_a = 1, radius_b = 1;  ///< [m] > 0
+};
+struct Box {
+  Vec3 center;
+  Vec3 half_extents{1, 1, 1};  ///< [m] > 0
+  Quat rotate;
+};
+struct Ellipsoid {
+  Vec3 center;
+  Vec3 radii{1, 1, 1};  ///< [m] > 0
+  Quat rotate;
+};
+
+using ColliderShape = std::variant<Plane, Sphere, Capsule, Box, Ellipsoid>;
+
+/// A solid that cloth cannot enter. The shape is given at rest; `pose` moves it.
+struct Collider {
+  std::string name;
+  ColliderShape shape;
+  float friction = 0.3F;  ///< Coulomb coefficient >= 0
+  Transform pose;         ///< scale must be 1
+};
+
+/// Signed distance [m] of a point to the collider's surface in its pose, negative inside. Ellipsoid: exact to 1e-6 of
+/// its largest radius.
+[[nodiscard]] float signed_distance(const Collider& collider, const Vec3& point);
+
+}  // namespace geocloth

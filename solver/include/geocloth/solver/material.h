@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <string_view>
+
+namespace geocloth {
+
+/// What the cloth is made of, in physical units: results do not depend on resolution or on the number of substeps.
+struct Material {
+  float areal_density = 0.2F;   ///< [kg/m^2] > 0
+  float stretch_warp = 1000.F;  ///< [N/m] force per width and strain along +v; > 0; larger is stiffer
+  float stretch_weft = 1000.F;  ///< [N/m] the same along u
+  float shear = 100.F;          ///< [N/m]
+  float bend_warp = 1e-5F;      ///< [N m] bending rigidity along +v; >= 0
+  float bend_weft = 1e-5F;      ///< [N m]
+  float damping = 1.0F;         ///< [1/s] share of the velocity lost per second; >= 0
+  float thickness = 0.002F;     ///< [m] the cloth's middle surface keeps this distance from colliders; >= 0
+  float friction = 0.3F;        ///< Coulomb coefficient, combined with the collider's by the geometric mean; >= 0
+  float max_speed = 0.F;        ///< [m/s] 0 = no limit
+  float max_stretch = 0.F;      ///< long-range attachments: largest strain along the surface to a pin; 0 = off
+
+  /// The seeds' own dimensionless parameters; they depend on the step. Used instead of the physical ones when >= 0.
+  float stiffness = -1.F;       ///< 0..1 share of a structural or shear spring's error that one projection removes
+  float bend_stiffness = -1.F;  ///< 0..1 the same for bending springs
+  float verlet_damping = -1.F;  ///< Zeller's k, 0..1: x + k (x - x_prev)
+};
+
+/// A measured fabric.
+struct MaterialPreset {
+  std::string_view name;
+  Material material;
+  std::string_view source;  ///< where the numbers come from
+};
+[[nodiscard]] std::span<const MaterialPreset> material_presets();
+/// nullptr when there is none of that name.
+[[nodiscard]] const MaterialPreset* find_material_preset(std::string_view name);
+
+}  // namespace geocloth

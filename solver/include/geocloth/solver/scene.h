@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "geocloth/solver/solver.h"
+
+namespace geocloth {
+
+/// Which points of a cloth a pin holds; see "where" in the scene file.
+struct WhereTop {
+  float share;
+};  ///< the highest share of the bounding box's height, at rest in the scene
+struct WhereBoundary {
+  std::optional<uint32_t> index;
+};  ///< boundary loop, longest first; not set: the highest one
+struct WhereBox {
+  Vec3 min, max;
+};
+struct WhereSphere {
+  Vec3 center;
+  float radius;
+};
+struct WhereVertices {
+  std::vector<uint32_t> source_vertex;
+};
+struct WhereVertexGroup {
+  std::string name;
+};
+using Where = std::variant<WhereTop, WhereBoundary, WhereBox, WhereSphere, WhereVertices, WhereVertexGroup>;
+
+struct ScenePin {
+  Where where;
+  std::string follow = "cloth";  ///< "cloth" (the cloth's motion), "world" (stays), or a collider's name
+  Motion motion;                 ///< on top of what it follows
+};
+
+struct SceneCloth {
+  std::filesystem::path asset;  ///< resolved against the scene file's folder
+  Material material;
+  Transform transform;
+  Motion motion;  ///< the parent's motion, applied before `transform`'s result: pins with follow "cloth" take part
+  Vec3 inertia_scale{1, 1, 1};
+  std::vector<ScenePin> pins;
+};
+
+struct SceneCollider {
+  Collider collider;
+  Motion motion;
+};
+
+/// A scene file, version 1, checked.
+struct Scene {
+  std::filesystem::path path;
+  double frame_rate = 60;  ///< [1/s]
+  uint32_t frames = 120;
+  uint32_t substeps = 16, relaxation_steps = 1;
+  Vec3 gravity{0, -9.81F, 0};
+  std::vector<SceneCloth> cloths;
+  std::vector<SceneCollider> colliders;
+  Wind wind;
+};
+
+/// Parses a scene. Unknown keys are errors that name the nearest known key; wrong types and ranges name the JSON path.
+/// @throws Error(io), Error(invalid_data), Error(unsupported) for what the file format has and this version does not do
+[[nodiscard]] Scene read_scene(const std::filesystem::path& path);
+[[nodiscard]] Scene parse_scene(std::string_view text, const std::filesystem::path& path);
+
+/// Hangs one asset by its highest boundary for 120 frames.
+[[nodiscard]] Scene default_scene(const std::filesystem::path& asset);
+
+/// The collider in its pose at a time [s].
+[[nodiscard]] Collider collider_at(const SceneCollider& collider, double time);
+
+/// Pixels that a selector takes, ascending, all copies included. @throws Error(invalid_data) when it selects none
+[[nodiscard]] std::vector<uint32_t> select_pixels(const ClothAsset& asset, const Transform& transform,
+                                                  const Where& where);
+
+/// A scene being played: assets loaded, pins chosen, keyframes evaluated frame by frame.
+class Simulation {
+ public:
+  /// Reads the assets that the scene names. Settings' substeps, relaxation_steps, frame_time and gravity come from the
+  /// scene.
+  Simulation(Scene scene, SolverSettings settings);
+
+  /// Advances one frame.
+  void step();
+
+  [[nodiscard]] uint32_t frame() const { return frame_; }  ///< frames done
+  [[nodiscard]] double time() const;                       ///< [s]
+  [[nodiscard]] const Scene& scene() const { return scene_; }
+  [[nodiscard]] const std::vector<ClothDesc>& cloths() const { return cloths_; }
+  [[nodiscard]] std::vector<Collider> colliders() const;  ///< at time()
+  [[nodiscard]] Solver& solver() { return *solver_; }
+
+ private:
+  void update_pins();
+
+  Scene scene_;
+  std::vector<ClothDesc> cloths_;
+  struct PinSet {
+    uint32_t cloth;
+    ScenePin pin;
+    std::vector<uint32_t> pixels;
+    std::vector<Vec3> rest;  ///< positions in the scene at time 0
+  };
+  std::vector<PinSet> pins_;
+  std::unique_ptr<Solver> solver_;
+  uint32_t frame_ = 0;
+};
+
+}  // namespace geocloth

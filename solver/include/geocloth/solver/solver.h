@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "geocloth/asset/cloth_asset.h"
+#include "geocloth/solver/collider.h"
+#include "geocloth/solver/device.h"
+#include "geocloth/solver/material.h"
+#include "geocloth/solver/transform.h"
+
+namespace geocloth {
+
+/// One garment in the solver.
+struct ClothDesc {
+  std::shared_ptr<const ClothAsset> asset;  ///< must outlive construction only
+  Material material;
+  Transform transform;  ///< where its rest shape starts; scale also scales rest lengths and areas
+};
+
+struct Wind {
+  Vec3 velocity;         ///< [m/s]
+  float turbulence = 0;  ///< gust speed as a share of |velocity|; >= 0
+  float frequency = 1;   ///< [1/s] of the slowest gust; > 0
+  float drag = 1;        ///< drag coefficient across the cloth; >= 0
+  float lift = 0;        ///< lift coefficient; >= 0
+};
+
+struct SolverSettings {
+  Backend backend = Backend::automatic;
+  std::string device;             ///< part of a device's name; empty: by backend
+  uint32_t threads = 1;           ///< cpu backend; the result does not depend on it
+  double frame_time = 1.0 / 60;   ///< [s] > 0
+  uint32_t substeps = 16;         ///< per frame, 1..256; more is stiffer and loses less energy
+  uint32_t relaxation_steps = 1;  ///< sweeps over all constraints per substep, 1..256
+  Vec3 gravity{0, -9.81F, 0};     ///< [m/s^2]
+  bool timings = false;           ///< measure every pass (slower)
+  bool check_copies = false;      ///< measure the copy gap and the penetration after every substep (slower)
+};
+
+/// A pinned point: it follows `target`, which is reached at the end of the next frame. Copies are pinned with it.
+struct Pin {
+  uint32_t pixel = 0;
+  Vec3 target;  ///< [m]
+};
+
+struct PassTiming {
+  std::string pass;    ///< name as in the pass list
+  double seconds = 0;  ///< sum over the frames since the last reset
+};
+
+struct SolverStatistics {
+  std::string backend, device, path;  ///< e.g. "vulkan", "llvmpipe ...", "plain"
+  uint32_t threads = 1;
+  uint64_t particles = 0;          ///< valid pixels
+  uint64_t springs = 0;            ///< projected once per relaxation step, all families and seam bends
+  std::vector<PassTiming> passes;  ///< with SolverSettings::timings
+  double copy_gap = 0;             ///< [m] largest distance between copies after any substep, with check_copies
+  double penetration = 0;  ///< [m] largest depth below a collider's surface after any substep, with check_copies
+};
+
+/// Simulates any number of garments. Not copyable; movable; use from one thread at a time.
+class Solver {
+ public:
+  /// @throws Error(invalid_argument) for a value out of range, Error(device) when no device fits
+  Solver(std::span<const ClothDesc> cloths, const SolverSettings& settings);
+  Solver(Solver&&) noexcept;
+  Solver& operator=(Solver&&) noexcept;
+  ~Solver();
+
+  /// Takes effect in the next step. Colliders are matched by index with those of the last call: from there they move
+  /// evenly to the new pose over the frame. A changed number, or teleport, places them without a velocity.
+  void set_colliders(std::span<const Collider> colliders, bool teleport = false);
+  void set_wind(const Wind& wind);
+  void set_gravity(const Vec3& gravity);
+  /// Replaces the pins of a cloth. A pin that was not there before starts from where its point is.
+  void set_pins(uint32_t cloth, std::span<const Pin> pins);
+
+  /// Advances by one frame: on Vulkan it only submits.
+  void step();
+
+  /// Waits for the device and copies positions [m] or unit normals, one per pixel (zero where not valid).
+  void read_positions(uint32_t cloth, std::vector<Vec3>& out);
+  void read_normals(uint32_t cloth, std::vector<Vec3>& out);
+  /// Velocities [m/s] over the last substep.
+  void read_velocities(uint32_t cloth, std::vector<Vec3>& out);
+  /// Puts a cloth into a given state, one position and velocity per pixel; copies must agree.
+  void write_state(uint32_t cloth, std::span<const Vec3> positions, std::span<const Vec3> velocities);
+
+  [[nodiscard]] uint32_t cloth_count() const;
+  [[nodiscard]] SolverStatistics statistics();
+  void wait();
+
+  class Impl;
+  [[nodiscard]] Impl& impl() { return *impl_; }  ///< for vulkan_interop.h
+
+ private:
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Measures of a state, in double precision on the host.
+struct StretchStatistics {
+  double max = 0, p99 = 0, mean = 0;  ///< of length / rest length over the valid structural springs
+};
+[[nodiscard]] StretchStatistics measure_stretch(const ClothAsset& asset, float scale, std::span<const Vec3> positions);
+
+struct Energy {
+  double kinetic = 0, potential = 0, elastic = 0;  ///< [J]; potential is zero at the height y = 0
+};
+[[nodiscard]] Energy measure_energy(const ClothDesc& cloth, const Vec3& gravity, std::span<const Vec3> positions,
+                                    std::span<const Vec3> velocities);
+
+/// 64-bit FNV-1a of the bits of the positions of the valid pixels: equal states, equal hashes.
+[[nodiscard]] uint64_t hash_state(const ClothAsset& asset, std::span<const Vec3> positions);
+
+}  // namespace geocloth

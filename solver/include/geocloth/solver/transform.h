@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "geocloth/asset/vec.h"
+
+namespace geocloth {
+
+/// Unit quaternion, w + xi + yj + zk.
+struct Quat {
+  float x = 0, y = 0, z = 0, w = 1;
+  bool operator==(const Quat&) const = default;
+};
+[[nodiscard]] Quat operator*(const Quat& a, const Quat& b);
+[[nodiscard]] Quat conjugate(const Quat& q);
+[[nodiscard]] Vec3 rotate(const Quat& q, const Vec3& v);
+/// Rotations about x, then y, then z (fixed axes) [degrees].
+[[nodiscard]] Quat quat_from_euler_deg(const Vec3& degrees);
+/// Shortest-path spherical interpolation, t in 0..1.
+[[nodiscard]] Quat slerp(const Quat& a, const Quat& b, float t);
+
+/// x' = translate + rotate * (scale * x)
+struct Transform {
+  Vec3 translate;
+  Quat rotate;
+  float scale = 1;
+};
+[[nodiscard]] Vec3 apply(const Transform& t, const Vec3& p);
+/// apply(compose(a, b), p) == apply(a, apply(b, p))
+[[nodiscard]] Transform compose(const Transform& a, const Transform& b);
+
+/// A pose over time. Linear in translation, spherical in rotation; held before the first and after the last key.
+struct Keyframe {
+  double time = 0;  ///< [s], ascending
+  Vec3 translate;
+  Quat rotate;
+};
+using Motion = std::vector<Keyframe>;
+/// Identity for an empty motion.
+[[nodiscard]] Transform pose_at(std::span<const Keyframe> motion, double time);
+
+}  // namespace geocloth
