@@ -1,2 +1,108 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-int main() { return 2; }
+// The program: a table of commands, one file per command. Parsing ends before any work starts, so that wrong usage
+// (exit status 2) is told apart from work that failed (1).
+#include <array>
+#include <cstdio>
+#include <exception>
+#include <new>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <fmt/format.h>
+
+#include "command.h"
+#include "geocloth/asset/error.h"
+#include "progress.h"
+
+namespace {
+
+using geocloth::CommandRun;
+
+enum ExitStatus { kDone = 0, kFailed = 1, kWrongUsage = 2 };
+
+struct Command {
+  const char* name;
+  const char* summary;
+  CommandRun (*add)(CLI::App& app);
+};
+
+constexpr std::array<Command, 5> kCommands{{
+    {"convert", "turn a garment mesh into an asset: geometry image and split-vertex table", geocloth::add_convert},
+    {"inspect", "say what is in an asset, or write its grid mesh", geocloth::add_inspect},
+    {"simulate", "run a scene and write the motion", geocloth::add_simulate},
+    {"render", "make pictures of an asset or of a simulated motion, off screen", geocloth::add_render},
+    {"devices", "list what can run the solver, and why a device cannot", geocloth::add_devices},
+}};
+
+/// One line, whatever the message holds.
+void print_error(std::string_view command, std::string message) {
+  for (char& c : message) {
+    if (c == '\n' || c == '\r') c = ' ';
+  }
+  fmt::print(stderr, "geocloth{}{}: {}\n", command.empty() ? "" : " ", command, message);
+}
+
+int report_usage(const CLI::App& program, const std::string& command, const CLI::ParseError& error) {
+  if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return program.exit(error);
+  print_error(command, fmt::format("{}; see geocloth {}--help", error.what(), command.empty() ? "" : command + " "));
+  return kWrongUsage;
+}
+
+int run_command(const std::string& name, const CommandRun& run) {
+  try {
+    run();
+    return kDone;
+  } catch (const std::bad_alloc&) {
+    print_error(name, "out of memory; use a smaller --resolution or a smaller mesh");
+  } catch (const std::exception& error) {
+    print_error(name, error.what());
+  }
+  return kFailed;
+}
+
+int run_program(int argc, char** argv) {
+  CLI::App program{"geocloth: garment meshes as geometry images, simulated as cloth", "geocloth"};
+  program.set_version_flag("--version", "geocloth " GEOCLOTH_VERSION, "print the version and leave");
+  program.set_help_flag("-h,--help", "print this help and leave; geocloth COMMAND --help for a command's options");
+  program.get_formatter()->column_width(34);
+  program.require_subcommand(1);
+
+  std::vector<CLI::App*> apps;
+  std::vector<CommandRun> runs;
+  for (const Command& command : kCommands) {
+    CLI::App* app = program.add_subcommand(command.name, command.summary);
+    app->set_help_flag("-h,--help", "print this help and leave");
+    runs.push_back(command.add(*app));
+    apps.push_back(app);
+  }
+
+  const auto chosen = [&] {
+    std::size_t i = 0;
+    while (i < apps.size() && !apps[i]->parsed()) ++i;
+    return i;
+  };
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const std::size_t i = chosen();
+    return report_usage(program, i < apps.size() ? kCommands[i].name : "", error);
+  }
+  const std::size_t i = chosen();
+  return run_command(kCommands[i].name, runs[i]);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  geocloth::remove_unfinished_files_on_interrupt();
+  try {
+    return run_program(argc, argv);
+  } catch (const std::exception& error) {
+    print_error("", error.what());
+    return kFailed;
+  }
+}

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Progress and interruption. Interrupting needs no cooperation of the running stage (CGAL calls can last many
+// seconds): every output lives under a temporary name until it is complete, the handler removes those names with
+// async-signal-safe calls only, and leaves.
+#include "progress.h"
+
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <utility>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "geocloth/asset/output_file.h"
+
+namespace geocloth {
+namespace {
+
+constexpr int kBarWidth = 30;
+constexpr int kStatusInterrupted = 130;
+
+void handle_interrupt(int /*signal*/) {
+  remove_unfinished_files();
+  _exit(kStatusInterrupted);
+}
+
+}  // namespace
+
+ProgressDisplay::ProgressDisplay(std::string command, bool quiet)
+    : command_(std::move(command)), quiet_(quiet), terminal_(isatty(STDERR_FILENO) == 1) {}
+
+ProgressDisplay::~ProgressDisplay() {
+  if (!quiet_ && terminal_ && percent_ >= 0) fmt::print(stderr, "\r\x1b[K");
+}
+
+void ProgressDisplay::show(std::string_view stage, double fraction) {
+  if (quiet_) return;
+  const int percent = static_cast<int>(100 * std::clamp(fraction, 0.0, 1.0));
+  const bool new_stage = stage != stage_;
+  if (!new_stage && percent == percent_) return;
+  const auto now = std::chrono::steady_clock::now();
+  const auto pause = terminal_ ? std::chrono::milliseconds(50) : std::chrono::milliseconds(1000);
+  if (!new_stage && percent < 100 && now - shown_at_ < pause) return;
+
+  stage_ = stage;
+  percent_ = percent;
+  shown_at_ = now;
+  if (terminal_) {
+    const int filled = percent * kBarWidth / 100;
+    fmt::print(stderr, "\r\x1b[K{} [{:#<{}}{:.<{}}] {:3} %", stage_, "", filled, "", kBarWidth - filled, percent_);
+  } else {
+    fmt::print(stderr, "geocloth {}: {} {} %\n", command_, stage_, percent_);
+  }
+  std::fflush(stderr);
+}
+
+void remove_unfinished_files_on_interrupt() {
+  struct sigaction action {};
+  action.sa_handler = handle_interrupt;
+  sigemptyset(&action.sa_mask);
+  sigaddset(&action.sa_mask, SIGINT);
+  sigaddset(&action.sa_mask, SIGTERM);
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+}  // namespace geocloth

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <chrono>
+#include <string>
+#include <string_view>
+
+namespace geocloth {
+
+/// Says on standard error how far a long command is: a bar that redraws itself on a terminal, otherwise a plain line
+/// when a stage starts and then at most one a second; nothing when quiet. Use from one thread.
+class ProgressDisplay {
+ public:
+  ProgressDisplay(std::string command, bool quiet);
+  ProgressDisplay(const ProgressDisplay&) = delete;
+  ProgressDisplay& operator=(const ProgressDisplay&) = delete;
+  /// Takes the bar away, so that a message after it stands on a line of its own.
+  ~ProgressDisplay();
+
+  /// @param fraction  0..1 of that stage; 1 is always shown
+  void show(std::string_view stage, double fraction);
+
+ private:
+  std::string command_;
+  bool quiet_;
+  bool terminal_;
+  std::string stage_;
+  int percent_ = -1;
+  std::chrono::steady_clock::time_point shown_at_;
+};
+
+/// From here on SIGINT and SIGTERM remove the unfinished output files and end the program with status 130.
+void remove_unfinished_files_on_interrupt();
+
+}  // namespace geocloth
