@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vulkan/buffer.h"
+
+#include <algorithm>
+
+namespace geocloth::vulkan {
+namespace {
+
+using Property = vk::MemoryPropertyFlagBits;
+
+struct MemoryKind {
+  vk::MemoryPropertyFlags required, preferred;
+};
+
+MemoryKind memory_kind(Memory memory) {
+  switch (memory) {
+    case Memory::device:
+      return {{}, Property::eDeviceLocal};
+    case Memory::upload:
+      return {Property::eHostVisible | Property::eHostCoherent, Property::eDeviceLocal};
+    case Memory::readback:
+      return {Property::eHostVisible | Property::eHostCoherent, Property::eHostCached};
+  }
+  return {};
+}
+
+}  // namespace
+
+Buffer::Buffer(std::shared_ptr<const Context> context, vk::DeviceSize bytes, vk::BufferUsageFlags usage, Memory memory)
+    : context_(std::move(context)), bytes_(std::max<vk::DeviceSize>(bytes, 16)) {  // Vulkan has no empty buffers
+  buffer_ = vk::raii::Buffer(context_->device(), vk::BufferCreateInfo{.size = bytes_, .usage = usage});
+  const MemoryKind kind = memory_kind(memory);
+  memory_ = context_->allocate(buffer_.getMemoryRequirements(), kind.required, kind.preferred);
+  buffer_.bindMemory(*memory_, 0);
+  if (memory != Memory::device) mapped_ = static_cast<std::byte*>(memory_.mapMemory(0, VK_WHOLE_SIZE));
+}
+
+}  // namespace geocloth::vulkan
