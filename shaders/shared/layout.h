@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+// How the state of one cloth lies in memory, for both backends.
+//
+// Per pixel, row by row, pixel (0,0) at the top left (Vulkan: images of width x height; cpu: arrays):
+//   position   rgba32f   xyz [m] relative to SimulationData::origin, w = inverse mass [1/kg]; w = 0: pinned or not
+//   valid previous   rgba32f   xyz position at the start of the substep; velocity = (position - previous) / dt carry
+//   rgba32f   xyz what rounding took away when the position was predicted (compensated sum) normal     rgba32f   xyz
+//   unit normal (zero where not valid), w = its length before it was made a unit springs    rgba32f   one image for
+//   each family: (rest length a [m], compliance a [m/N], rest b, compliance b), for
+//                        the two forward springs a, b of the family; rest length 0: no spring
+//                        structural: right, down; shear: down-right, down-left; bending: right two, down two
+//   cell       r32ui     CellBit of cloth_asset.h
+// Buffers: see the structs below. `pixel` is always y * width + x.
+#ifndef GEOCLOTH_SHARED_LAYOUT_H
+#define GEOCLOTH_SHARED_LAYOUT_H
+
+#include "types.h"
+
+#ifdef __cplusplus
+#include <cstddef>
+namespace geocloth::shader {
+#endif
+
+// Descriptor set 0, one for each cloth.
+const uint kBindingParams = 0u;             // uniform  ClothParams
+const uint kBindingPosition = 1u;           // image rgba32f
+const uint kBindingPrevious = 2u;           // image rgba32f
+const uint kBindingCarry = 3u;              // image rgba32f
+const uint kBindingNormal = 4u;             // image rgba32f
+const uint kBindingSpringsStructural = 5u;  // image rgba32f
+const uint kBindingSpringsShear = 6u;       // image rgba32f
+const uint kBindingSpringsBending = 7u;     // image rgba32f
+const uint kBindingCell = 8u;               // image r32ui
+const uint kBindingMultipliers = 9u;        // buffer float[], see kMultiplier* (only with relaxation_steps > 1)
+const uint kBindingAttachments = 10u;       // buffer Attachment[pixels] (only with max_stretch > 0)
+const uint kBindingSeamBends = 11u;         // buffer SeamSpring[]
+const uint kBindingSplitOffset = 12u;       // buffer uint[rows + 1]
+const uint kBindingSplitPixel = 13u;        // buffer uint[]
+const uint kBindingPins = 14u;              // buffer PinTarget[]
+const uint kBindingColliderShapes = 15u;    // buffer ColliderShape[colliders]
+const uint kBindingColliderPoses = 16u;     // buffer ColliderPose[(substeps + 1) * colliders], [substep][collider]
+const uint kBindingSubsteps = 17u;          // buffer Substep[substeps]
+const uint kBindingMeasures = 18u;          // buffer uint[kMeasureCount], bits of non-negative floats, atomicMax
+
+// Springs: component c = 0..5 in the order of SpringBit; the multiplier of component c at a pixel is at
+// c * pixels + pixel, that of seam bend i at kSpringComponents * pixels + i.
+const uint kSpringComponents = 6u;
+// Groups: springs of one group share no pixel; component c is projected by the groups 2 c and 2 c + 1.
+const uint kSpringGroups = 12u;
+
+const uint kWindWaves = 4u;
+
+const uint kShapePlane = 0u;
+const uint kShapeSphere = 1u;
+const uint kShapeCapsule = 2u;
+const uint kShapeBox = 3u;
+const uint kShapeEllipsoid = 4u;
+
+const uint kMeasureCopyGap = 0u;      // [m] largest distance between copies
+const uint kMeasurePenetration = 1u;  // [m] largest depth below a collider's surface, points that are not pinned
+const uint kMeasureCount = 2u;
+
+// What changes from frame to frame and cloth to cloth.
+struct ClothParams {
+  uint width;
+  uint height;
+  uint collider_count;
+  uint air;           // 1: wind and drag act
+  vec4 gravity_step;  // xyz: dt^2 g [m]
+  vec4 wind;          // xyz: mean velocity of the air [m/s]
+  float dt;           // of a substep [s]
+  float inverse_dt;   // [1/s]
+  float inverse_dt2;  // [1/s^2]
+  float keep;         // share of the displacement that a substep keeps: exp(-damping dt), or Zeller's k
+  float thickness;    // [m]
+  float friction;
+  float max_step;    // [m] longest way in a substep; 0: no limit
+  float air_factor;  // air density / (2 areal density) [1/m]
+  float drag;
+  float lift;
+  float stretch_limit;     // 1 + max_stretch; 0: no long-range attachments
+  float share_structural;  // share of the error that a projection removes: 1, or the seeds' stiffness
+  float share_shear;
+  float share_bending;
+  float unused0;
+  float unused1;
+};
+
+// A gust: velocity gust * sin(dot(wave, position) + phase).
+struct Wave {
+  vec4 wave;  // xyz: wave vector [1/m]; w: phase [turns], 0..1
+  vec4 gust;  // xyz [m/s]
+};
+
+struct Substep {
+  float pin_fraction;  // share of the way that is left to its target that a pinned point goes: 1 / (substeps left)
+  float unused0;
+  float unused1;
+  float unused2;
+  Wave waves[kWindWaves];
+};
+
+// A pinned pixel; all copies of a point are listed.
+struct PinTarget {
+  vec4 target;  // xyz [m] relative to the origin
+  uvec4 pixel;  // x
+};
+
+// Long-range attachment of a pixel: it stays within length * stretch_limit of the anchor, a pinned pixel.
+struct Attachment {
+  uint anchor;   // pixel; kNoAnchor: none
+  float length;  // [m] along the surface at rest
+};
+const uint kNoAnchor = 0xFFFFFFFFu;
+
+// A bending spring across a seam. Springs of one colour share no pixel; a colour is a contiguous range.
+struct SeamSpring {
+  uint a;
+  uint b;
+  float rest;        // [m]
+  float compliance;  // [m/N]
+};
+
+// A collider in its local frame, centred on the origin.
+//   plane      half-space y <= 0
+//   sphere     a.x radius
+//   capsule    spheres at a.xyz with radius a.w and at b.xyz with radius b.w, and the cone between them
+//   box        a.xyz half extents
+//   ellipsoid  a.xyz radii
+struct ColliderShape {
+  vec4 a;
+  vec4 b;
+  uint kind;
+  float friction;
+  float core;  // [m] smallest half width: a way longer than this is swept
+  float unused0;
+};
+
+// World from local: (dot(row0.xyz, p) + row0.w, ...); the rows' xyz are a rotation matrix.
+struct ColliderPose {
+  vec4 row0;
+  vec4 row1;
+  vec4 row2;
+};
+
+// Push constants of a dispatch.
+struct PassConstants {
+  uint substep;           // index into Substep[] and ColliderPose[]
+  uint group;             // spring group 0..11
+  uint first;             // first seam bend of the colour, first row, first pin
+  uint count;             // how many of them
+  uint read_multiplier;   // 1: XPBD's accumulated multiplier is read (not in the first relaxation step)
+  uint write_multiplier;  // 1: and written (not in the last one)
+};
+
+#ifdef __cplusplus
+static_assert(sizeof(ClothParams) == 112 && offsetof(ClothParams, gravity_step) == 16 &&
+              offsetof(ClothParams, dt) == 48);
+static_assert(sizeof(Wave) == 32 && sizeof(Substep) == 16 + 32 * kWindWaves);
+static_assert(sizeof(PinTarget) == 32 && sizeof(Attachment) == 8 && sizeof(SeamSpring) == 16);
+static_assert(sizeof(ColliderShape) == 48 && sizeof(ColliderPose) == 48 && sizeof(PassConstants) == 24);
+}  // namespace geocloth::shader
+#endif
+
+#endif

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "geocloth/solver/solver.h"
+#include "pass.h"
+#include "shared/layout.h"
+
+namespace geocloth {
+
+/// All that a backend needs to know of one cloth, built once by upload.cpp; layout as in shared/layout.h.
+struct ClothData {
+  uint32_t width = 0, height = 0;
+  [[nodiscard]] uint32_t pixel_count() const { return width * height; }
+
+  std::vector<shader::vec4> position;                ///< start; w = inverse mass without pins, 0 where not valid
+  std::array<std::vector<shader::vec4>, 3> springs;  ///< structural, shear, bending
+  std::vector<uint32_t> cell;
+  std::vector<shader::SeamSpring> seam_bends;  ///< ordered by colour
+  std::vector<uint32_t> seam_color_offset;     ///< colours + 1 entries; empty without seam bends
+  std::vector<uint32_t> split_offset;          ///< rows + 1 entries; empty without rows
+  std::vector<uint32_t> split_pixel;
+  bool bending = false;            ///< some bending spring or seam bend is there
+  bool attachments = false;        ///< max_stretch > 0
+  uint64_t springs_per_sweep = 0;  ///< springs and seam bends that one relaxation step projects
+
+  [[nodiscard]] uint32_t split_rows() const {
+    return split_offset.empty() ? 0 : static_cast<uint32_t>(split_offset.size() - 1);
+  }
+  [[nodiscard]] uint32_t seam_colors() const {
+    return seam_color_offset.empty() ? 0 : static_cast<uint32_t>(seam_color_offset.size() - 1);
+  }
+};
+
+struct SimulationData {
+  std::vector<ClothData> cloths;
+  Vec3 origin;  ///< [m] world position of the solver's coordinate origin; whole multiples of 4 m, zero near the world's
+  uint32_t substeps = 1, relaxation_steps = 1;
+  bool check = false;    ///< measure after every substep
+  bool timings = false;  ///< measure every pass
+};
+
+/// One cloth in one frame.
+struct ClothFrame {
+  shader::ClothParams params;
+  std::vector<shader::PinTarget> pins;  ///< ascending by pixel, all copies listed
+
+  /// The set of pinned pixels differs from the last frame's: inverse_mass (and attachments, when ClothData has them)
+  /// replace what the backend holds, before the first substep. Positions stay.
+  bool pins_changed = false;
+  std::vector<float> inverse_mass;              ///< one per pixel
+  std::vector<shader::Attachment> attachments;  ///< one per pixel
+};
+
+/// One frame. Poses and waves are already evaluated for every substep.
+struct FrameInput {
+  std::vector<shader::ColliderShape> shapes;
+  std::vector<shader::ColliderPose> poses;  ///< (substeps + 1) * shapes: pose s is before substep s, s + 1 after it
+  std::vector<shader::Substep> substeps;
+  std::vector<ClothFrame> cloths;
+};
+
+/// What differs between the ways to run the passes. Positions are relative to SimulationData::origin everywhere.
+class SolverBackend {
+ public:
+  SolverBackend() = default;
+  SolverBackend(const SolverBackend&) = delete;
+  SolverBackend& operator=(const SolverBackend&) = delete;
+  virtual ~SolverBackend() = default;
+
+  /// Runs all substeps of a frame and its normals. May return before the work is done.
+  virtual void run_frame(const FrameInput& frame) = 0;
+  /// Blocks until everything submitted is done. @throws Error(device) if the device failed
+  virtual void wait() = 0;
+
+  /// These wait. One vec4 per pixel; the meaning of w is that of shared/layout.h.
+  virtual void read_positions(uint32_t cloth, std::vector<shader::vec4>& out) = 0;
+  virtual void read_previous(uint32_t cloth, std::vector<shader::vec4>& out) = 0;
+  virtual void read_normals(uint32_t cloth, std::vector<shader::vec4>& out) = 0;
+  /// Replaces positions (w included), previous positions; clears the carry; recomputes the normals.
+  virtual void write_state(uint32_t cloth, std::span<const shader::vec4> position,
+                           std::span<const shader::vec4> previous) = 0;
+
+  /// Fills backend, device, path, threads, passes, copy_gap and penetration; waits.
+  virtual void fill_statistics(SolverStatistics& statistics) = 0;
+};
+
+/// The schedule of one cloth in one frame.
+[[nodiscard]] ScheduleOptions schedule_options(const SimulationData& data, uint32_t cloth, const FrameInput& frame);
+
+/// Plain C++ over threads; the result does not depend on their number.
+[[nodiscard]] std::unique_ptr<SolverBackend> make_cpu_backend(SimulationData data, uint32_t threads);
+/// @param device  part of a device's name; empty: the best one, a software device only when there is no other
+/// @throws Error(device) when no device fits, with the reason for each
+[[nodiscard]] std::unique_ptr<SolverBackend> make_vulkan_backend(SimulationData data, const std::string& device);
+
+}  // namespace geocloth

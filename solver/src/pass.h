@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+namespace geocloth {
+
+/// The passes of a frame. Both backends walk the schedules below; each pass is one function of the cpu backend and one
+/// shader in shaders/cloth/, and its name is the name in timings and debug labels.
+enum class Pass : uint8_t {
+  normals,         ///< per pixel: area-weighted normal of its own cells, made a unit, length in w
+  normals_stitch,  ///< per split row: sum over the copies, made a unit, written to every copy
+  predict,         ///< per pixel: Verlet with damping, gravity and air; previous = position
+  pins,            ///< per pin: one step towards the target
+  structural,      ///< per spring, groups 0..3
+  shear,           ///< per spring, groups 4..7
+  bending,         ///< per spring, groups 8..11
+  seam_bends,      ///< per seam bend, one group for each colour
+  stitch,          ///< per split row: mass-weighted mean of the copies, written to every copy
+  limit,           ///< per pixel: long-range attachment; copies are equal before it and so they are after it
+  collide,         ///< per pixel: largest speed, then colliders with friction; writes position and previous
+  check_copies,    ///< per split row: largest distance between copies
+  check_colliders  ///< per pixel: largest depth in a collider
+};
+
+struct PassInfo {
+  Pass pass;
+  std::string_view name;
+  std::string_view shader;  ///< file in shaders/cloth/
+};
+inline constexpr std::array<PassInfo, 13> kPasses{{
+    {Pass::normals, "normals", "normals.comp"},
+    {Pass::normals_stitch, "normals_stitch", "normals_stitch.comp"},
+    {Pass::predict, "predict", "predict.comp"},
+    {Pass::pins, "pins", "pins.comp"},
+    {Pass::structural, "structural", "springs.comp"},
+    {Pass::shear, "shear", "springs.comp"},
+    {Pass::bending, "bending", "springs.comp"},
+    {Pass::seam_bends, "seam_bends", "seam_bends.comp"},
+    {Pass::stitch, "stitch", "stitch.comp"},
+    {Pass::limit, "limit", "limit.comp"},
+    {Pass::collide, "collide", "collide.comp"},
+    {Pass::check_copies, "check_copies", "check_copies.comp"},
+    {Pass::check_colliders, "check_colliders", "check_colliders.comp"},
+}};
+[[nodiscard]] constexpr const PassInfo& info(Pass pass) {
+  return kPasses[static_cast<size_t>(pass)];
+}
+
+/// One entry of a schedule: a pass over all of a cloth, or one group of springs of it.
+struct PassStep {
+  Pass pass;
+  uint32_t group = 0;       ///< spring group 0..11, or the colour of the seam bends
+  uint32_t relaxation = 0;  ///< 0..relaxation_steps - 1
+};
+
+/// What a schedule depends on besides the pass list. Passes that would do nothing are left out.
+struct ScheduleOptions {
+  uint32_t relaxation_steps = 1;
+  bool air = false;          ///< wind or drag acts: normals are needed in every substep
+  bool pins = false;         ///< the cloth has pins in this frame
+  bool splits = false;       ///< the split-vertex table has rows
+  bool bending = false;      ///< some bending spring has a finite compliance
+  bool attachments = false;  ///< max_stretch > 0 and pins
+  bool collide = false;      ///< colliders, or max_speed > 0
+  bool check = false;        ///< measure copies and colliders after every substep
+  uint32_t seam_colors = 0;
+};
+
+/// The passes of one substep in their order:
+///   [normals] predict pins { structural, stitch, shear, bending, seam bends, stitch } x relaxation limit collide
+///   [check]
+[[nodiscard]] std::vector<PassStep> substep_schedule(const ScheduleOptions& options);
+
+/// The passes after the last substep of a frame: normals.
+[[nodiscard]] std::vector<PassStep> frame_schedule(const ScheduleOptions& options);
+
+}  // namespace geocloth
