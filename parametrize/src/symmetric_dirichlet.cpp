@@ -1,0 +1,306 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Symmetric Dirichlet energy (Schreiner et al. 2004; Smith and Schaefer 2015) by projected Newton steps.
+// Per triangle psi(F) = g(s1) + g(s2) with g(s) = s^2 + s^-2 of the singular values of the map's 2 x 2 gradient F. Its
+// Hessian has a closed-form eigensystem (Smith, de Goes, Kim 2019, "Analytic eigensystems for isotropic distortion
+// energies"): two scalings, a twist and a flip; only the twist can be negative and is clamped, which makes every step a
+// descent direction. The step is limited so that no triangle's determinant reaches zero (Smith and Schaefer 2015, 3.3).
+
+#include "symmetric_dirichlet.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/SparseCholesky>
+
+#include "geocloth/asset/error.h"
+#include "point_math.h"
+
+namespace geocloth {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+using Gradient = std::array<std::array<double, 2>, 3>;  // per corner k, column j: dF(i,j) / du(k,i)
+using Matrix4 = Eigen::Matrix4d;
+
+struct Element {
+  Gradient gradient;
+  double weight;  // share of the total area
+};
+
+Element make_element(const Point3& a, const Point3& b, const Point3& c) {
+  const Point3 e1 = b - a;
+  const Point3 e2 = c - a;
+  const double l = length(e1);
+  const double x = dot(e1, e2) / l;
+  const double height = length(cross(e1, e2)) / l;
+  // Inverse of the rest frame [l x; 0 height].
+  const double b00 = 1 / l;
+  const double b01 = -x / (l * height);
+  const double b11 = 1 / height;
+  return {{{{-b00, -b01 - b11}, {b00, b01}, {0, b11}}}, 0.5 * l * height};
+}
+
+struct Map {
+  double f00, f10, f01, f11;
+  [[nodiscard]] double determinant() const { return f00 * f11 - f01 * f10; }
+  [[nodiscard]] double squared_norm() const { return f00 * f00 + f10 * f10 + f01 * f01 + f11 * f11; }
+};
+
+Map map_of(const Element& e, const Triangle& t, std::span<const Point2> uv) {
+  Map f{0, 0, 0, 0};
+  for (size_t k = 0; k < 3; ++k) {
+    const Point2& u = uv[t[k]];
+    f.f00 += u[0] * e.gradient[k][0];
+    f.f10 += u[1] * e.gradient[k][0];
+    f.f01 += u[0] * e.gradient[k][1];
+    f.f11 += u[1] * e.gradient[k][1];
+  }
+  return f;
+}
+
+double density(const Map& f) {
+  const double d = f.determinant();
+  return d > 0 ? f.squared_norm() * (1 + 1 / (d * d)) : kInfinity;
+}
+
+/// Gradient of the density by F, column-major: (00, 10, 01, 11).
+Eigen::Vector4d density_gradient(const Map& f) {
+  const double d = f.determinant();
+  const double a = 2 * (1 + 1 / (d * d));
+  const double b = -2 * f.squared_norm() / (d * d * d);
+  return {a * f.f00 + b * f.f11, a * f.f10 - b * f.f01, a * f.f01 - b * f.f10, a * f.f11 + b * f.f00};
+}
+
+/// The density's Hessian with its negative eigenvalue clamped.
+Matrix4 projected_hessian(const Map& f) {
+  const double e = (f.f00 + f.f11) / 2;
+  const double m = (f.f00 - f.f11) / 2;
+  const double g = (f.f10 + f.f01) / 2;
+  const double h = (f.f10 - f.f01) / 2;
+  const double q = std::hypot(e, h);
+  const double r = std::hypot(m, g);
+  const double s1 = q + r;
+  const double s2 = std::max(f.determinant() / s1, 1e-300);  // q - r without cancellation
+  const double a1 = std::atan2(g, m);
+  const double a2 = std::atan2(h, e);
+  const double phi = (a2 + a1) / 2;
+  const double theta = (a2 - a1) / 2;
+  const double cu = std::cos(phi), su = std::sin(phi), cv = std::cos(theta), sv = std::sin(theta);
+  // F = U diag(s1, s2) Vt with U = rotation(phi), Vt = rotation(theta). Outer products of U's columns and Vt's rows.
+  const Eigen::Vector2d u1(cu, su), u2(-su, cu), v1(cv, -sv), v2(sv, cv);
+  const auto outer = [](const Eigen::Vector2d& u, const Eigen::Vector2d& v) {
+    return Eigen::Vector4d(u[0] * v[0], u[1] * v[0], u[0] * v[1], u[1] * v[1]);
+  };
+  const Eigen::Vector4d scale1 = outer(u1, v1);
+  const Eigen::Vector4d scale2 = outer(u2, v2);
+  const Eigen::Vector4d o12 = outer(u1, v2);
+  const Eigen::Vector4d o21 = outer(u2, v1);
+  const Eigen::Vector4d twist = (o21 - o12) * std::sqrt(0.5);
+  const Eigen::Vector4d flip = (o21 + o12) * std::sqrt(0.5);
+  const auto second = [](double s) { return 2 + 6 / (s * s * s * s); };
+  const double i1 = 1 / s1;
+  const double i2 = 1 / s2;
+  const double twist_value = 2 - 2 * (i1 * i1 * i1 + i2 * i2 * i2) / (s1 + s2);
+  // (g'(s1) - g'(s2)) / (s1 - s2), written without the difference quotient.
+  const double flip_value = 2 + 2 * (i1 * i1 * i1 * i2 + i1 * i1 * i2 * i2 + i1 * i2 * i2 * i2);
+  Matrix4 result = second(s1) * scale1 * scale1.transpose();
+  result += second(s2) * scale2 * scale2.transpose();
+  result += flip_value * flip * flip.transpose();
+  result += std::max(twist_value, 0.0) * twist * twist.transpose();
+  return result;
+}
+
+/// The smallest positive root of a t^2 + b t + c with c > 0, or infinity.
+double first_root(double a, double b, double c) {
+  const double discriminant = b * b - 4 * a * c;
+  if (discriminant < 0) return kInfinity;
+  const double root = std::sqrt(discriminant);
+  if (b < 0) return 2 * c / (-b + root);
+  if (a < 0) return (-b - root) / (2 * a);
+  return kInfinity;
+}
+
+}  // namespace
+
+struct SymmetricDirichlet::Impl {
+  std::vector<Triangle> triangle;
+  std::vector<Element> element;
+  std::vector<int32_t> unknown;  // per vertex: index among the free vertices, -1 when fixed
+  int32_t unknowns = 0;
+  Eigen::SparseMatrix<double> hessian;
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> solver;
+  std::vector<std::array<int32_t, 21>> slot;  // per triangle: where its lower entries go in the matrix' values
+  bool analysed = false;
+
+  [[nodiscard]] double energy(std::span<const Point2> uv) const {
+    double sum = 0;
+    for (size_t t = 0; t < triangle.size(); ++t)
+      sum += element[t].weight * density(map_of(element[t], triangle[t], uv));
+    return sum;
+  }
+
+  /// Lower entries (row >= column) among the six unknowns of a triangle, in a fixed order.
+  template <typename Visit>
+  void for_lower_entries(size_t t, const Visit& visit) const {
+    size_t n = 0;
+    for (int p = 0; p < 6; ++p) {
+      for (int q = 0; q <= p; ++q, ++n) {
+        const int32_t vp = unknown[triangle[t][static_cast<size_t>(p / 2)]];
+        const int32_t vq = unknown[triangle[t][static_cast<size_t>(q / 2)]];
+        if (vp < 0 || vq < 0) continue;
+        const int32_t row = 2 * vp + p % 2;
+        const int32_t column = 2 * vq + q % 2;
+        visit(n, p, q, std::max(row, column), std::min(row, column));
+      }
+    }
+  }
+
+  void analyse() {
+    std::vector<Eigen::Triplet<double>> entries;
+    entries.reserve(triangle.size() * 21);
+    for (size_t t = 0; t < triangle.size(); ++t) {
+      for_lower_entries(t,
+                        [&](size_t, int, int, int32_t row, int32_t column) { entries.emplace_back(row, column, 0.0); });
+    }
+    hessian.resize(2 * unknowns, 2 * unknowns);
+    hessian.setFromTriplets(entries.begin(), entries.end());
+    slot.assign(triangle.size(), {});
+    const int* outer = hessian.outerIndexPtr();
+    const int* inner = hessian.innerIndexPtr();
+    for (size_t t = 0; t < triangle.size(); ++t) {
+      for_lower_entries(t, [&](size_t n, int, int, int32_t row, int32_t column) {
+        slot[t][n] =
+            static_cast<int32_t>(std::lower_bound(inner + outer[column], inner + outer[column + 1], row) - inner);
+      });
+    }
+    solver.analyzePattern(hessian);
+    analysed = true;
+  }
+
+  void assemble(std::span<const Point2> uv, Eigen::VectorXd& gradient) {
+    gradient.setZero(2 * unknowns);
+    double* values = hessian.valuePtr();
+    std::fill(values, values + hessian.nonZeros(), 0.0);
+    for (size_t t = 0; t < triangle.size(); ++t) {
+      const Element& e = element[t];
+      const Map f = map_of(e, triangle[t], uv);
+      const Eigen::Vector4d first = e.weight * density_gradient(f);
+      const Matrix4 second = e.weight * projected_hessian(f);
+      // Chain rule: the unknown (corner k, coordinate i) moves F(i, j) by gradient[k][j], F(i, j) at index i + 2 j.
+      Eigen::Matrix<double, 4, 6> chain = Eigen::Matrix<double, 4, 6>::Zero();
+      for (int k = 0; k < 3; ++k) {
+        for (int j = 0; j < 2; ++j) {
+          const double value = e.gradient[static_cast<size_t>(k)][static_cast<size_t>(j)];
+          chain(2 * j, 2 * k) = value;
+          chain(2 * j + 1, 2 * k + 1) = value;
+        }
+      }
+      const Eigen::Matrix<double, 6, 1> local_gradient = chain.transpose() * first;
+      const Eigen::Matrix<double, 6, 6> local_hessian = chain.transpose() * second * chain;
+      for (int p = 0; p < 6; ++p) {
+        const int32_t v = unknown[triangle[t][static_cast<size_t>(p / 2)]];
+        if (v >= 0) gradient[2 * v + p % 2] += local_gradient[p];
+      }
+      for_lower_entries(t,
+                        [&](size_t n, int p, int q, int32_t, int32_t) { values[slot[t][n]] += local_hessian(p, q); });
+    }
+    // Rigid motions of a free map cost nothing: a little of the mean diagonal keeps the factorisation regular.
+    const double regular = 1e-8 * hessian.diagonal().mean();
+    for (int32_t i = 0; i < 2 * unknowns; ++i) values[hessian.outerIndexPtr()[i]] += regular;
+  }
+
+  /// The largest step along `direction` before a triangle's determinant becomes zero.
+  [[nodiscard]] double largest_step(std::span<const Point2> uv, std::span<const Point2> direction) const {
+    double limit = kInfinity;
+    for (const Triangle& t : triangle) {
+      const Point2 a{uv[t[1]][0] - uv[t[0]][0], uv[t[1]][1] - uv[t[0]][1]};
+      const Point2 b{uv[t[2]][0] - uv[t[0]][0], uv[t[2]][1] - uv[t[0]][1]};
+      const Point2 c{direction[t[1]][0] - direction[t[0]][0], direction[t[1]][1] - direction[t[0]][1]};
+      const Point2 d{direction[t[2]][0] - direction[t[0]][0], direction[t[2]][1] - direction[t[0]][1]};
+      limit =
+          std::min(limit, first_root(c[0] * d[1] - c[1] * d[0], a[0] * d[1] - a[1] * d[0] + c[0] * b[1] - c[1] * b[0],
+                                     a[0] * b[1] - a[1] * b[0]));
+    }
+    return limit;
+  }
+};
+
+SymmetricDirichlet::SymmetricDirichlet(std::span<const Point3> position, std::span<const Triangle> triangle,
+                                       std::span<const uint8_t> fixed)
+    : impl_(std::make_unique<Impl>()) {
+  impl_->triangle.assign(triangle.begin(), triangle.end());
+  impl_->element.reserve(triangle.size());
+  double area = 0;
+  for (const Triangle& t : triangle) {
+    impl_->element.push_back(make_element(position[t[0]], position[t[1]], position[t[2]]));
+    area += impl_->element.back().weight;
+  }
+  for (Element& e : impl_->element) e.weight /= area;
+  impl_->unknown.assign(position.size(), -1);
+  std::vector<uint8_t> used(position.size(), 0);
+  for (const Triangle& t : triangle) used[t[0]] = used[t[1]] = used[t[2]] = 1;
+  for (size_t v = 0; v < position.size(); ++v) {
+    if (used[v] != 0 && (fixed.empty() || fixed[v] == 0)) impl_->unknown[v] = impl_->unknowns++;
+  }
+}
+
+SymmetricDirichlet::SymmetricDirichlet(SymmetricDirichlet&&) noexcept = default;
+SymmetricDirichlet& SymmetricDirichlet::operator=(SymmetricDirichlet&&) noexcept = default;
+SymmetricDirichlet::~SymmetricDirichlet() = default;
+
+double SymmetricDirichlet::energy(std::span<const Point2> uv) const {
+  return impl_->energy(uv);
+}
+
+std::vector<double> SymmetricDirichlet::energy_per_triangle(std::span<const Point2> uv) const {
+  std::vector<double> result(impl_->triangle.size());
+  for (size_t t = 0; t < result.size(); ++t) result[t] = density(map_of(impl_->element[t], impl_->triangle[t], uv));
+  return result;
+}
+
+double SymmetricDirichlet::minimise(std::vector<Point2>& uv, uint32_t max_iterations, double tolerance) {
+  Impl& s = *impl_;
+  double current = s.energy(uv);
+  if (!std::isfinite(current))
+    throw Error(ErrorCode::verification, "the start of the flattening has a flipped triangle");
+  if (s.unknowns == 0) return current;
+  if (!s.analysed) s.analyse();
+  Eigen::VectorXd gradient;
+  std::vector<Point2> direction(uv.size(), Point2{0, 0});
+  std::vector<Point2> trial;
+  for (uint32_t iteration = 0; iteration < max_iterations; ++iteration) {
+    s.assemble(uv, gradient);
+    s.solver.factorize(s.hessian);
+    if (s.solver.info() != Eigen::Success) break;
+    const Eigen::VectorXd step = s.solver.solve(-gradient);
+    const double slope = gradient.dot(step);
+    if (!std::isfinite(slope) || slope >= 0) break;
+    for (size_t v = 0; v < uv.size(); ++v) {
+      if (s.unknown[v] >= 0) direction[v] = {step[2 * s.unknown[v]], step[2 * s.unknown[v] + 1]};
+    }
+    double t = std::min(1.0, 0.9 * s.largest_step(uv, direction));
+    double reached = kInfinity;
+    for (int halving = 0; halving < 40; ++halving, t *= 0.5) {
+      trial = uv;
+      for (size_t v = 0; v < uv.size(); ++v) {
+        trial[v][0] += t * direction[v][0];
+        trial[v][1] += t * direction[v][1];
+      }
+      reached = s.energy(trial);
+      if (reached <= current + 1e-4 * t * slope) break;
+      reached = kInfinity;
+    }
+    if (!std::isfinite(reached)) break;
+    uv.swap(trial);
+    const double fall = current - reached;
+    current = reached;
+    if (fall < tolerance * current) break;
+  }
+  return current;
+}
+
+}  // namespace geocloth
