@@ -274,9 +274,31 @@ Double3 unit(const Double3& a, const Double3& otherwise) {
   const double l = std::sqrt(dot(a, a));
   return l > 0 ? a * (1 / l) : otherwise;
 }
+Vec3 to_float(const Double3& a) {
+  return {static_cast<float>(a.x), static_cast<float>(a.y), static_cast<float>(a.z)};
+}
 /// Some unit vector across the unit vector n.
 Double3 any_across(const Double3& n) {
   return unit(cross(n, std::abs(n.x) < 0.5 ? Double3{1, 0, 0} : Double3{0, 1, 0}), {0, 0, 1});
+}
+
+/// The axes T, B, N at a bound vertex.
+struct Frame {
+  Double3 t, b, n;
+  [[nodiscard]] Double3 to_space(const Double3& local) const {
+    Double3 sum = t * local.x;
+    sum += b * local.y;
+    return sum += n * local.z;
+  }
+};
+
+Frame binding_frame(const Binding& binding, const std::vector<Vec3>& position, const std::vector<Vec3>& normal) {
+  Double3 direction;
+  for (std::size_t k = 0; k < 3; ++k) direction += to_double(normal[binding.pixel[k]]) * double{binding.weight[k]};
+  const Double3 n = unit(direction, to_double(normal[binding.pixel[0]]));
+  const Double3 edge = to_double(position[binding.pixel[1]]) - to_double(position[binding.pixel[0]]);
+  const Double3 t = unit(edge - n * dot(edge, n), any_across(n));
+  return {t, cross(n, t), n};
 }
 
 }  // namespace
@@ -324,30 +346,44 @@ void compute_normals(const ClothAsset& asset, const std::vector<Vec3>& position,
   normal.assign(asset.pixel_count(), Vec3{});
   for (uint32_t i = 0; i < asset.pixel_count(); ++i) {
     if (!asset.valid(i)) continue;
-    const Double3 n = unit(sum[first_copy[i]], {0, 1, 0});
-    normal[i] = {static_cast<float>(n.x), static_cast<float>(n.y), static_cast<float>(n.z)};
+    normal[i] = to_float(unit(sum[first_copy[i]], {0, 1, 0}));
   }
 }
 
 void evaluate_binding(const ClothAsset& asset, const std::vector<Vec3>& position, const std::vector<Vec3>& normal,
-                      std::vector<Vec3>& out) {
+                      std::vector<Vec3>& out, float scale) {
   check_size("position", position.size(), asset.pixel_count());
   check_size("normal", normal.size(), asset.pixel_count());
   out.resize(asset.binding.size());
   for (std::size_t i = 0; i < asset.binding.size(); ++i) {
     const Binding& binding = asset.binding[i];
-    Double3 point, direction;
-    for (std::size_t k = 0; k < 3; ++k) {
-      point += to_double(position[binding.pixel[k]]) * double{binding.weight[k]};
-      direction += to_double(normal[binding.pixel[k]]) * double{binding.weight[k]};
-    }
-    const Double3 n = unit(direction, to_double(normal[binding.pixel[0]]));
-    const Double3 edge = to_double(position[binding.pixel[1]]) - to_double(position[binding.pixel[0]]);
-    const Double3 t = unit(edge - n * dot(edge, n), any_across(n));
-    point += t * double{binding.offset.x};
-    point += cross(n, t) * double{binding.offset.y};
-    point += n * double{binding.offset.z};
-    out[i] = {static_cast<float>(point.x), static_cast<float>(point.y), static_cast<float>(point.z)};
+    Double3 point = binding_frame(binding, position, normal).to_space(to_double(binding.offset) * double{scale});
+    for (std::size_t k = 0; k < 3; ++k) point += to_double(position[binding.pixel[k]]) * double{binding.weight[k]};
+    out[i] = to_float(point);
+  }
+}
+
+std::vector<Vec3> bind_normals(const ClothAsset& asset) {
+  std::vector<Vec3> rest_normal, bound;
+  compute_normals(asset, asset.rest_position, rest_normal);
+  bound.reserve(asset.binding.size());
+  for (std::size_t i = 0; i < asset.binding.size(); ++i) {
+    const Frame frame = binding_frame(asset.binding[i], asset.rest_position, rest_normal);
+    const Double3 n = to_double(asset.source.normal[i]);
+    bound.push_back(to_float({dot(n, frame.t), dot(n, frame.b), dot(n, frame.n)}));
+  }
+  return bound;
+}
+
+void evaluate_bound_normals(const ClothAsset& asset, const std::vector<Vec3>& bound, const std::vector<Vec3>& position,
+                            const std::vector<Vec3>& normal, std::vector<Vec3>& out) {
+  check_size("bound normals", bound.size(), asset.binding.size());
+  check_size("position", position.size(), asset.pixel_count());
+  check_size("normal", normal.size(), asset.pixel_count());
+  out.resize(asset.binding.size());
+  for (std::size_t i = 0; i < asset.binding.size(); ++i) {
+    const Frame frame = binding_frame(asset.binding[i], position, normal);
+    out[i] = to_float(unit(frame.to_space(to_double(bound[i])), frame.n));
   }
 }
 

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cstring>
 #include <limits>
+#include <memory>
 #include <mutex>
 #include <new>
 #include <string>
@@ -172,6 +173,17 @@ void OutputFile::write(std::span<const std::byte> bytes) {
 
 void OutputFile::write(std::string_view text) {
   write(std::as_bytes(std::span(text.data(), text.size())));
+}
+
+void OutputFile::append_file(const fs::path& path) {
+  std::FILE* source = std::fopen(path.c_str(), "rbe");
+  if (source == nullptr) fail_errno(path, "cannot be read", errno);
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> owner(source, std::fclose);
+  std::vector<std::byte> block(std::size_t{1} << 20U);
+  while (const std::size_t got = std::fread(block.data(), 1, block.size(), source)) {
+    write(std::span(block).first(got));
+  }
+  if (std::ferror(source) != 0) fail_errno(path, "cannot be read", errno);
 }
 
 void OutputFile::seek(std::uint64_t offset) {

@@ -111,7 +111,7 @@ struct SourcePart {
 struct SourceMesh {
   std::vector<Vec3> position;           ///< [m]
   std::vector<Vec3> normal;             ///< unit length; as many as positions
-  std::vector<Vec2> uv;                 ///< as many as positions, or empty
+  std::vector<Vec2> uv;                 ///< as many as positions, or empty; (0,0) is the picture's upper left corner
   std::vector<uint32_t> source_vertex;  ///< index of the vertex in the file; as many as positions
   std::vector<Triangle> triangle;
   std::vector<SourcePart> part;  ///< ranges of `triangle`, ascending, covering all of it
@@ -166,7 +166,18 @@ void compute_normals(const ClothAsset& asset, const std::vector<Vec3>& position,
 /// Evaluates the binding: where every vertex of the source mesh is when the grid stands at `position`.
 /// @param position, normal  one per pixel
 /// @param out               resized to one per source (render) vertex
+/// @param scale             of the garment in its scene: offsets grow with it
 void evaluate_binding(const ClothAsset& asset, const std::vector<Vec3>& position, const std::vector<Vec3>& normal,
-                      std::vector<Vec3>& out);
+                      std::vector<Vec3>& out, float scale = 1);
+
+/// Normals of the source mesh as coordinates in the frames (T, B, N) of the binding at rest, one per render vertex.
+[[nodiscard]] std::vector<Vec3> bind_normals(const ClothAsset& asset);
+
+/// Turns the normals of the source mesh with the grid: hard edges of the garment stay hard.
+/// @param bound             what bind_normals gave
+/// @param position, normal  one per pixel
+/// @param out               resized to one per render vertex; unit length
+void evaluate_bound_normals(const ClothAsset& asset, const std::vector<Vec3>& bound, const std::vector<Vec3>& position,
+                            const std::vector<Vec3>& normal, std::vector<Vec3>& out);
 
 }  // namespace geocloth

@@ -32,6 +32,8 @@ class OutputFile {
   /// @throws Error(io) when the disk refuses
   void write(std::span<const std::byte> bytes);
   void write(std::string_view text);
+  /// Appends what another file holds, a block at a time.
+  void append_file(const std::filesystem::path& path);
   /// Sets where the next write() goes, for headers whose numbers are known last.
   void seek(std::uint64_t offset);
   /// Flushes and closes the temporary file, which waits for commit(): thousands can wait without a file handle each.
