@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Pictures by which a conversion is judged at a glance. The first is the one of Gu, Gortler and Hoppe 2002: positions
+// as colours are smooth wherever the image is, so a tear or a fold shows at once. Distortion is that of Sander et al.
+// 2001 from the Jacobian at each pixel: area = s1 s2, anisotropy = s1 / s2.
+#include "render/asset_pictures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "geocloth/asset/error.h"
+#include "render/canvas.h"
+#include "render/color_map.h"
+#include "render/seam_lines.h"
+
+namespace geocloth {
+namespace {
+
+constexpr Color kPaper{32, 33, 37, 255}, kInk{214, 216, 220, 255}, kNode{255, 255, 255, 255};
+constexpr uint32_t kWantedSide = 1024;  ///< [pixels] small pictures are enlarged to about this
+constexpr int kTextScale = 2, kLineHeight = 24, kMargin = 12;
+
+uint32_t enlargement(uint32_t width, uint32_t height) {
+  return std::clamp(kWantedSide / std::max(width, height), 1U, 64U);
+}
+
+uint8_t to_byte(float unit) {
+  return static_cast<uint8_t>(std::lround(std::clamp(unit, 0.F, 1.F) * 255));
+}
+
+/// Derivative of the surface along one direction of the image [m per pixel]: the mean of the springs on both sides.
+std::optional<Vec3> derivative(const ClothAsset& asset, uint32_t pixel, uint8_t bit, uint32_t step) {
+  Vec3 sum;
+  float count = 0;
+  if ((asset.spring_mask[pixel] & bit) != 0) {
+    sum += asset.rest_position[pixel + step] - asset.rest_position[pixel];
+    ++count;
+  }
+  if (pixel >= step && (asset.spring_mask[pixel - step] & bit) != 0) {
+    sum += asset.rest_position[pixel] - asset.rest_position[pixel - step];
+    ++count;
+  }
+  if (count == 0) return std::nullopt;
+  return sum * (1 / count);
+}
+
+/// Singular values of the Jacobian (du, dv), by its first fundamental form (a b; b c).
+PixelDistortion distortion_of(const Vec3& du, const Vec3& dv) {
+  const double a = dot(du, du), b = dot(du, dv), c = dot(dv, dv);
+  const double middle = (a + c) / 2, radius = std::hypot((a - c) / 2, b);
+  const double large = std::sqrt(middle + radius), small = std::sqrt(std::max(middle - radius, 0.0));
+  return {static_cast<float>(large * small), static_cast<float>(std::min(large / std::max(small, 1e-30), 1e6))};
+}
+
+/// Draws every pixel of the asset by color(pixel), the others in paper.
+template <typename F>
+Picture draw_pixels(const ClothAsset& asset, F&& color) {
+  Picture picture(asset.width, asset.height, kPaper);
+  for (uint32_t pixel = 0; pixel < asset.pixel_count(); ++pixel)
+    if (asset.valid(pixel)) picture.pixel[pixel] = color(pixel);
+  return picture;
+}
+
+/// A picture with room for lines of text under it.
+Picture with_caption(const Picture& picture, int lines) {
+  const uint32_t width = std::max(picture.width, 760U);
+  Picture result(width, picture.height + static_cast<uint32_t>(lines * kLineHeight + kMargin), kPaper);
+  blit(result, picture, 0, 0);
+  return result;
+}
+
+std::string describe(const ClothAsset& asset) {
+  return fmt::format("{} x {} pixels, {} valid, {} chart{}, spacing {:.3g} mm, {} layout", asset.width, asset.height,
+                     count_valid_pixels(asset), asset.chart_count, asset.chart_count == 1 ? "" : "s",
+                     asset.spacing * 1000, to_string(asset.layout));
+}
+
+/// Writes words in different colours behind each other.
+void draw_key(Picture& picture, int x, int y, const std::vector<std::pair<std::string, Color>>& words) {
+  for (const auto& [word, color] : words) {
+    fill_rectangle(picture, x, y, 14, 14, color);
+    draw_text(picture, x + 20, y, kTextScale, word, kInk);
+    x += 20 + text_width(word, kTextScale) + 24;
+  }
+}
+
+/// One heat map: how a value becomes a place on the scale, and what stands at the scale's marks.
+struct Scale {
+  std::string title;
+  Color (*color)(float);
+  float (*place)(float);  ///< value to 0..1
+  std::vector<float> marks;
+};
+
+void draw_scale(Picture& picture, int x, int y, int width, const Scale& scale) {
+  draw_text(picture, x, y, kTextScale, scale.title, kInk);
+  const int bar = y + kLineHeight;
+  for (int i = 0; i < width; ++i)
+    fill_rectangle(picture, x + i, bar, 1, 16, scale.color((static_cast<float>(i) + 0.5F) / static_cast<float>(width)));
+  for (const float mark : scale.marks) {
+    const int at = x + static_cast<int>(scale.place(mark) * static_cast<float>(width - 1));
+    const std::string text = fmt::format("{:.3g}", mark);
+    fill_rectangle(picture, at, bar + 16, 1, 4, kInk);
+    const int left = at - text_width(text, kTextScale) / 2;
+    draw_text(picture, std::clamp(left, x, x + width - text_width(text, kTextScale)), bar + 22, kTextScale, text, kInk);
+  }
+}
+
+float percentile(std::vector<float> values, double share) {
+  if (values.empty()) return 0;
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+}  // namespace
+
+std::vector<PixelDistortion> measure_distortion(const ClothAsset& asset) {
+  std::vector<PixelDistortion> result(asset.pixel_count());
+  const float per_spacing = asset.spacing > 0 ? 1 / asset.spacing : 0;
+  for (uint32_t pixel = 0; pixel < asset.pixel_count(); ++pixel) {
+    if (!asset.valid(pixel)) continue;
+    const auto du = derivative(asset, pixel, kSpringRight, 1);
+    const auto dv = derivative(asset, pixel, kSpringDown, asset.width);
+    if (du && dv) result[pixel] = distortion_of(*du * per_spacing, *dv * per_spacing);
+  }
+  return result;
+}
+
+Picture draw_geometry_image(const ClothAsset& asset) {
+  constexpr float kHuge = std::numeric_limits<float>::max();
+  Vec3 low{kHuge, kHuge, kHuge}, high{-kHuge, -kHuge, -kHuge};
+  for (uint32_t pixel = 0; pixel < asset.pixel_count(); ++pixel) {
+    if (!asset.valid(pixel)) continue;
+    const Vec3& p = asset.rest_position[pixel];
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+  const auto place = [](float v, float from, float to) { return to > from ? (v - from) / (to - from) : 0.5F; };
+  return draw_pixels(asset, [&](uint32_t pixel) {
+    const Vec3& p = asset.rest_position[pixel];
+    return Color{to_byte(place(p.x, low.x, high.x)), to_byte(place(p.y, low.y, high.y)),
+                 to_byte(place(p.z, low.z, high.z)), 255};
+  });
+}
+
+Picture draw_normal_map(const ClothAsset& asset) {
+  std::vector<Vec3> normal;
+  compute_normals(asset, asset.rest_position, normal);
+  return draw_pixels(asset, [&](uint32_t pixel) {
+    const Vec3& n = normal[pixel];
+    return Color{to_byte(n.x / 2 + 0.5F), to_byte(n.y / 2 + 0.5F), to_byte(n.z / 2 + 0.5F), 255};
+  });
+}
+
+Picture draw_chart_map(const ClothAsset& asset) {
+  const SeamLines lines = find_seam_lines(asset);
+  const auto chart_color = [&](uint32_t pixel) { return shaded(distinct_color(asset.chart[pixel]), 0.8F); };
+  const uint32_t scale = enlargement(asset.width, asset.height);
+  const Picture base = draw_pixels(asset, [&](uint32_t pixel) {
+    const bool border = lines.on_outline[pixel] != 0 && lines.pixel_seam[pixel] == kNoSeam;
+    return border ? shaded(chart_color(pixel), 0.45F) : chart_color(pixel);
+  });
+  Picture picture = with_caption(enlarged(base, scale), 3);
+  // A split pixel shows its seam's colour; enough of the chart's own stays around it where there is room.
+  const int inset = scale >= 6 ? static_cast<int>(scale) / 6 : 0;
+  for (uint32_t y = 0; y < asset.height; ++y)
+    for (uint32_t x = 0; x < asset.width; ++x) {
+      const uint32_t seam = lines.pixel_seam[size_t{y} * asset.width + x];
+      if (seam == kNoSeam) continue;
+      const int side = static_cast<int>(scale) - 2 * inset;
+      fill_rectangle(picture, static_cast<int>(x * scale) + inset, static_cast<int>(y * scale) + inset, side, side,
+                     seam == kSeamNode ? kNode : distinct_color(seam + 101));
+    }
+  const int top = static_cast<int>(base.height * scale) + kMargin;
+  draw_text(picture, kMargin, top, kTextScale, describe(asset), kInk);
+  draw_text(picture, kMargin, top + kLineHeight, kTextScale,
+            fmt::format("{} seams, {} split points; mates have the same colour", lines.seam_count, asset.splits.rows()),
+            kInk);
+  draw_key(picture, kMargin, top + 2 * kLineHeight,
+           {{"free border", shaded(distinct_color(0), 0.36F)}, {"seam", distinct_color(101)}, {"node", kNode}});
+  return picture;
+}
+
+Picture draw_distortion(const ClothAsset& asset) {
+  const std::vector<PixelDistortion> distortion = measure_distortion(asset);
+  const Scale area{"area of the surface per area of the image",
+                   diverging_color,
+                   [](float v) { return v > 0 ? std::clamp(std::log2(v) / 4 + 0.5F, 0.F, 1.F) : 0.5F; },
+                   {0.25F, 0.5F, 1, 2, 4}};
+  const Scale anisotropy{"anisotropy (larger over smaller stretch)",
+                         sequential_color,
+                         [](float v) { return std::clamp(std::log2(v) / 2, 0.F, 1.F); },
+                         {1, 1.5F, 2, 3, 4}};
+  const uint32_t scale = std::max(1U, enlargement(asset.width, asset.height) * 3 / 4);
+  const Picture left =
+      enlarged(draw_pixels(asset, [&](uint32_t p) { return area.color(area.place(distortion[p].area)); }), scale);
+  const Picture right = enlarged(
+      draw_pixels(asset, [&](uint32_t p) { return anisotropy.color(anisotropy.place(distortion[p].anisotropy)); }),
+      scale);
+  std::vector<float> areas, anisotropies;
+  for (const PixelDistortion& d : distortion) {
+    if (d.area <= 0) continue;
+    areas.push_back(d.area);
+    anisotropies.push_back(d.anisotropy);
+  }
+
+  const int panel = std::max(static_cast<int>(left.width), 620), gap = 2 * kMargin;
+  Picture picture(static_cast<uint32_t>(2 * panel + gap), left.height + 5 * kLineHeight + kMargin, kPaper);
+  const int top = static_cast<int>(left.height) + kMargin, bar = std::min(panel - 2 * kMargin, 600);
+  const auto draw_panel = [&](int x, const Picture& map, const Scale& map_scale, const std::vector<float>& values) {
+    blit(picture, map, x, 0);
+    draw_scale(picture, x + kMargin, top, bar, map_scale);
+    draw_text(picture, x + kMargin, top + 3 * kLineHeight, kTextScale,
+              fmt::format("5% {:.3g}   median {:.3g}   95% {:.3g}", percentile(values, 0.05), percentile(values, 0.5),
+                          percentile(values, 0.95)),
+              kInk);
+  };
+  draw_panel(0, left, area, areas);
+  draw_panel(panel + gap, right, anisotropy, anisotropies);
+  return picture;
+}
+
+Picture draw_flat_surface(const FlatSurface& flat) {
+  const uint32_t scale = enlargement(flat.width, flat.height);
+  Picture picture(flat.width * scale, flat.height * scale, kPaper);
+  const auto place = [&](uint32_t triangle, uint32_t corner) {
+    const FlatChart& chart = flat.charts[flat.chart[triangle]];
+    const Point2& uv = flat.uv[flat.triangle[triangle][corner]];
+    // Pixel centres carry the samples.
+    return Vec2{static_cast<float>((uv[0] + chart.x0 + 0.5) * scale),
+                static_cast<float>((uv[1] + chart.y0 + 0.5) * scale)};
+  };
+  for (uint32_t t = 0; t < flat.triangle.size(); ++t)
+    for (uint32_t i = 0; i < 3; ++i) {
+      const Vec2 a = place(t, i), b = place(t, (i + 1) % 3);
+      draw_line(picture, a.x, a.y, b.x, b.y, 0.6F, distinct_color(flat.chart[t]));
+    }
+  for (const FlatChart& chart : flat.charts)
+    for (const OutlineSample& sample : chart.outline)
+      fill_disc(picture, (static_cast<float>(chart.x0 + sample.x) + 0.5F) * static_cast<float>(scale),
+                (static_cast<float>(chart.y0 + sample.y) + 0.5F) * static_cast<float>(scale),
+                std::max(1.F, static_cast<float>(scale) * 0.2F), kInk);
+  return picture;
+}
+
+std::vector<std::filesystem::path> write_pictures(const ClothAsset& asset, const FlatSurface* flat,
+                                                  const std::filesystem::path& folder) {
+  std::error_code failure;
+  std::filesystem::create_directories(folder, failure);
+  if (failure || !std::filesystem::is_directory(folder))
+    throw Error(ErrorCode::io, folder.string() + ": the folder cannot be made; choose another for the pictures");
+  const uint32_t scale = enlargement(asset.width, asset.height);
+  std::vector<std::filesystem::path> files;
+  const auto write = [&](const char* name, const Picture& picture) {
+    files.push_back(folder / name);
+    write_png(picture, files.back());
+  };
+  write("geometry_image.png", enlarged(draw_geometry_image(asset), scale));
+  write("normals.png", enlarged(draw_normal_map(asset), scale));
+  write("charts.png", draw_chart_map(asset));
+  write("distortion.png", draw_distortion(asset));
+  if (flat != nullptr) write("flat.png", draw_flat_surface(*flat));
+  return files;
+}
+
+}  // namespace geocloth
