@@ -41,6 +41,7 @@ const uint kBindingColliderShapes = 15u;    // buffer ColliderShape[colliders]
 const uint kBindingColliderPoses = 16u;     // buffer ColliderPose[(substeps + 1) * colliders], [substep][collider]
 const uint kBindingSubsteps = 17u;          // buffer Substep[substeps]
 const uint kBindingMeasures = 18u;          // buffer uint[kMeasureCount], bits of non-negative floats, atomicMax
+const uint kBindingInverseMass = 19u;       // buffer float[pixels], read when the pins change
 
 // Springs: component c = 0..5 in the order of SpringBit; the multiplier of component c at a pixel is at
 // c * pixels + pixel, that of seam bend i at kSpringComponents * pixels + i.
@@ -124,7 +125,8 @@ struct SeamSpring {
 // A collider in its local frame, centred on the origin.
 //   plane      half-space y <= 0
 //   sphere     a.x radius
-//   capsule    spheres at a.xyz with radius a.w and at b.xyz with radius b.w, and the cone between them
+//   capsule    about the x axis: a.x half length, a.y radius at -a.x, a.z radius at +a.x, b.x = (a.y - a.z) / length,
+//              b.y = tangent of that taper; neither end ball holds the other
 //   box        a.xyz half extents
 //   ellipsoid  a.xyz radii
 struct ColliderShape {

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+// Contact of a point with any number of colliders, with Coulomb friction (Macklin, Mueller, Chentanez, Kim 2014,
+// "Unified Particle Physics for Real-Time Applications", section 6.1) on the displacement relative to the collider's.
+//
+// The includer defines before this file:
+//   struct ColliderSet (a handle), ColliderShape collider_shape(ColliderSet set, uint i),
+//   ColliderPose collider_pose(ColliderSet set, uint pose, uint i)   with pose s before substep s and s + 1 after it.
+#ifndef GEOCLOTH_LIB_COLLIDE_H
+#define GEOCLOTH_LIB_COLLIDE_H
+
+#include "../shared/layout.h"
+#include "shapes.h"
+#include "vector.h"
+
+#ifdef __cplusplus
+namespace geocloth::shader {
+#endif
+
+const uint kSweepSteps = 16u;
+const uint kContactRounds = 12u;
+const float kContactSlack = 1e-6f;  // [m] overlap between colliders that is not worth another round
+
+struct PointState {
+  vec3 position;
+  vec3 previous;
+  vec3 carry;  // see predict.h: the displacement is position - previous + carry
+};
+
+struct Contact {
+  bool touches;
+  vec3 normal;  // of the collider, in its frame
+  float depth;  // [m] how far the point is to be pushed out
+};
+
+inline vec3 to_local(ColliderPose pose, vec3 p) {
+  precise vec3 d = p - vec3(pose.row0.w, pose.row1.w, pose.row2.w);
+  precise vec3 r = xyz(pose.row0) * d.x + xyz(pose.row1) * d.y + xyz(pose.row2) * d.z;
+  return r;
+}
+
+inline vec3 rotate_to_world(ColliderPose pose, vec3 v) {
+  return vec3(dot3(xyz(pose.row0), v), dot3(xyz(pose.row1), v), dot3(xyz(pose.row2), v));
+}
+
+inline vec3 to_world(ColliderPose pose, vec3 p) {
+  precise vec3 r = rotate_to_world(pose, p) + vec3(pose.row0.w, pose.row1.w, pose.row2.w);
+  return r;
+}
+
+inline Contact no_contact() {
+  Contact r;
+  r.touches = false;
+  r.normal = vec3(0.0f, 1.0f, 0.0f);
+  r.depth = 0.0f;
+  return r;
+}
+
+// The point's way p0 -> p1 in the collider's frame is longer than the collider is thick: find where it enters, by steps
+// as long as the distance to the surface, and keep the point on the outer side of the tangent plane there.
+inline Contact sweep(ColliderShape shape, vec3 p0, vec3 p1, float way, float thickness) {
+  precise vec3 direction = (p1 - p0) * (1.0f / way);
+  precise float gap = nearest_of_shape(shape, p0).distance - thickness;
+  if (gap <= 0.0f) return no_contact();
+  precise float travelled = 0.0f;
+  for (uint i = 0u; i < kSweepSteps; ++i) {
+    travelled = travelled + gap;
+    if (travelled >= way) return no_contact();
+    precise vec3 q = p0 + direction * travelled;
+    Nearest near = nearest_of_shape(shape, q);
+    gap = near.distance - thickness;
+    if (gap < 0.01f * shape.core) {
+      precise float height = dot3(p1 - q, near.normal) + gap;
+      Contact r;
+      r.touches = height < 0.0f;
+      r.normal = near.normal;
+      r.depth = -height;
+      return r;
+    }
+  }
+  return no_contact();
+}
+
+inline Contact find_contact(ColliderShape shape, vec3 p0, vec3 p1, float thickness, bool swept) {
+  Nearest near = nearest_of_shape(shape, p1);
+  precise float gap = near.distance - thickness;
+  precise float way = length3(p1 - p0);
+  if (gap > way) return no_contact();
+  if (swept && way > 0.5f * shape.core) {
+    Contact entry = sweep(shape, p0, p1, way, thickness);
+    if (entry.touches) return entry;
+  }
+  Contact r;
+  r.touches = gap < 0.0f;
+  r.normal = near.normal;
+  r.depth = -gap;
+  return r;
+}
+
+// Pushes the point out along the contact normal; takes away what of the relative displacement leads inwards, never adds
+// speed for the push itself (a point that starts deep inside comes out at rest), and brakes the rest by friction.
+inline PointState respond(PointState point, ColliderPose before, ColliderPose after, vec3 local, Contact contact,
+                          float friction) {
+  vec3 n = rotate_to_world(after, contact.normal);
+  precise vec3 on_surface = local + contact.normal * contact.depth;
+  precise vec3 carried = to_world(after, on_surface) - to_world(before, on_surface);
+  precise vec3 displacement = (point.position - point.previous) + point.carry;
+  precise vec3 relative = displacement - carried;
+  precise float along = dot3(relative, n);
+  precise vec3 sliding = relative - n * along;
+  precise float slid = length3(sliding);
+  precise float brake = friction * contact.depth;
+  precise float held = slid > brake ? brake * (1.0f / slid) : 1.0f;
+
+  precise vec3 position = point.position + n * contact.depth - sliding * held;
+  precise vec3 kept = carried + sliding * (1.0f - held) + n * max(along, 0.0f);
+  precise vec3 previous = position - kept;
+  precise vec3 carry = kept - (position - previous);
+  PointState r;
+  r.position = position;
+  r.previous = previous;
+  r.carry = carry;
+  return r;
+}
+
+inline PointState limit_speed(PointState point, float max_step) {
+  precise vec3 displacement = (point.position - point.previous) + point.carry;
+  precise float way = length3(displacement);
+  PointState r = point;
+  if (max_step > 0.0f && way > max_step) {
+    precise vec3 position = point.previous + displacement * (max_step * (1.0f / way));
+    r.position = position;
+    r.carry = vec3(0.0f, 0.0f, 0.0f);
+  }
+  return r;
+}
+
+// All colliders in their order, with sweep and friction; then, while the point is still in one of several, it is only
+// pushed out, until all agree or the rounds are used up.
+inline PointState collide(ColliderSet set, ClothParams params, uint substep, PointState point) {
+  PointState state = limit_speed(point, params.max_step);
+  vec3 start = state.previous;
+  bool again = params.collider_count > 0u;
+  for (uint round = 0u; round < kContactRounds && again; ++round) {
+    again = false;
+    for (uint i = 0u; i < params.collider_count; ++i) {
+      ColliderShape shape = collider_shape(set, i);
+      ColliderPose before = collider_pose(set, substep, i);
+      ColliderPose after = collider_pose(set, substep + 1u, i);
+      vec3 local = to_local(after, state.position);
+      Contact contact = find_contact(shape, to_local(before, start), local, params.thickness, round == 0u);
+      if (contact.touches && (round == 0u || contact.depth > kContactSlack)) {
+        float friction = round == 0u ? sqrt(params.friction * shape.friction) : 0.0f;
+        state = respond(state, before, after, local, contact, friction);
+        again = params.collider_count > 1u;
+      }
+    }
+  }
+  return state;
+}
+
+// Largest depth [m] of a point below a collider's surface after a substep; 0 outside of all.
+inline float depth_in_colliders(ColliderSet set, uint collider_count, uint substep, vec3 position) {
+  float depth = 0.0f;
+  for (uint i = 0u; i < collider_count; ++i) {
+    vec3 local = to_local(collider_pose(set, substep + 1u, i), position);
+    depth = max(depth, -nearest_of_shape(collider_shape(set, i), local).distance);
+  }
+  return depth;
+}
+
+#ifdef __cplusplus
+}  // namespace geocloth::shader
+#endif
+
+#endif

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// Verlet prediction: x + k (x - previous) + dt^2 a (Zeller 2005), with the forces of the air.
+//
+// Air: every piece of cloth is a thin plate in a stream (Wilson et al. 2014, "Simulating wind effects on cloth and
+// hair"): with the relative velocity v, unit normal n towards the lee, c = |v . n|, per area
+//   drag = rho/2 Cd c v,   lift = rho/2 Cl c |v| (n - (n . v) v / |v|^2),
+// so that a plate that falls flat ends at v = sqrt(2 m g / (rho Cd A)). Gusts are a few waves that travel with the
+// wind.
+#ifndef GEOCLOTH_LIB_PREDICT_H
+#define GEOCLOTH_LIB_PREDICT_H
+
+#include "../shared/layout.h"
+#include "vector.h"
+
+#ifdef __cplusplus
+namespace geocloth::shader {
+#endif
+
+struct Predicted {
+  vec3 position;
+  vec3 carry;
+};
+
+// One wave's share of the air's velocity at a point [m/s].
+inline vec3 gust_at(Wave wave, vec3 position) {
+  precise float turns = dot3(xyz(wave.wave), position) + wave.wave.w;
+  precise vec3 v = xyz(wave.gust) * sine_of_turns(turns);
+  return v;
+}
+
+// Acceleration [m/s^2] of cloth with the unit normal n that moves at `velocity` in air that moves at `air`.
+// The drag is taken implicitly, so that light cloth in a strong wind is stable at any step.
+inline vec3 air_acceleration(ClothParams params, vec3 air, vec3 velocity, vec3 n) {
+  precise vec3 v = air - velocity;
+  precise float speed = length3(v);
+  precise float toward = dot3(v, n);
+  precise float c = abs(toward);
+  precise float drag = params.air_factor * params.drag * c;
+  precise float lift = params.air_factor * params.lift * c;
+  precise float inverse_speed = speed > 1e-9f ? 1.0f / speed : 0.0f;
+  precise vec3 lee = toward < 0.0f ? -n : n;
+  precise vec3 sideways = lee * speed - v * (c * inverse_speed);
+  precise vec3 force = v * drag + sideways * lift;
+  precise vec3 a = force * (1.0f / (1.0f + (drag + lift) * params.dt));
+  return a;
+}
+
+// Compensated: `carry` is the part of the displacement that position - previous cannot show in single precision.
+inline Predicted predict(ClothParams params, vec3 position, vec3 previous, vec3 carry, vec3 acceleration) {
+  precise vec3 way = (position - previous) + carry;
+  precise vec3 increment = way * params.keep + xyz(params.gravity_step) + acceleration * (params.dt * params.dt);
+  precise vec3 next = position + increment;
+  precise vec3 lost = increment - (next - position);
+  Predicted r;
+  r.position = next;
+  r.carry = lost;
+  return r;
+}
+
+#ifdef __cplusplus
+}  // namespace geocloth::shader
+#endif
+
+#endif

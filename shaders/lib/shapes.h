@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// Signed distance and outward normal of every collider shape, in the shape's own frame. Exact, hence 1-Lipschitz, which
+// the sweep in collide.h relies on.
+#ifndef GEOCLOTH_LIB_SHAPES_H
+#define GEOCLOTH_LIB_SHAPES_H
+
+#include "../shared/layout.h"
+#include "vector.h"
+
+#ifdef __cplusplus
+namespace geocloth::shader {
+#endif
+
+struct Nearest {
+  float distance;  // [m] negative inside
+  vec3 normal;     // unit, outwards
+};
+
+inline Nearest make_nearest(float distance, vec3 normal) {
+  Nearest r;
+  r.distance = distance;
+  r.normal = normal;
+  return r;
+}
+
+// The centre itself goes out along +y; a capsule's axis is x, so that +y leads out of it too.
+inline Nearest nearest_ball(vec3 from_center, float radius) {
+  vec4 u = unit_and_length(from_center);
+  precise float distance = u.w - radius;
+  return make_nearest(distance, u.w > 0.0f ? xyz(u) : vec3(0.0f, 1.0f, 0.0f));
+}
+
+// The ball of the family between the ends that is nearest: with s along the axis and rho from it, the one at
+// s - rho tan(taper), clamped to the ends.
+inline Nearest nearest_capsule(ColliderShape shape, vec3 p) {
+  precise float rho = sqrt(p.y * p.y + p.z * p.z);
+  precise float along = min(max(p.x - rho * shape.b.y, -shape.a.x), shape.a.x);
+  precise float radius = 0.5f * (shape.a.y + shape.a.z) - shape.b.x * along;
+  return nearest_ball(p - vec3(along, 0.0f, 0.0f), radius);
+}
+
+inline float sign_of(float a) {
+  return a < 0.0f ? -1.0f : 1.0f;
+}
+
+inline Nearest nearest_box(vec3 half_extents, vec3 p) {
+  precise vec3 q = vec3(abs(p.x), abs(p.y), abs(p.z)) - half_extents;
+  vec3 side = vec3(sign_of(p.x), sign_of(p.y), sign_of(p.z));
+  float largest = max(q.x, max(q.y, q.z));
+  if (largest > 0.0f) {
+    vec4 u = unit_and_length(vec3(max(q.x, 0.0f), max(q.y, 0.0f), max(q.z, 0.0f)));
+    return make_nearest(u.w, xyz(u) * side);
+  }
+  vec3 n = q.x == largest ? vec3(side.x, 0.0f, 0.0f)
+                          : (q.y == largest ? vec3(0.0f, side.y, 0.0f) : vec3(0.0f, 0.0f, side.z));
+  return make_nearest(largest, n);
+}
+
+// Closest point by Eberly's equation sum (r y / (t + r^2))^2 = 1 in units of the largest radius: convex and falling
+// right of its last pole, so Newton's method from the left climbs to the root without a bracket.
+inline Nearest nearest_ellipsoid(vec3 radii, vec3 p) {
+  float largest = max(radii.x, max(radii.y, radii.z));
+  precise float far = length3(p) - largest;
+  if (far > largest) {  // nothing that far is in reach of a contact: a lower bound will do
+    return make_nearest(far, xyz(unit_and_length(p)));
+  }
+  precise float scale = 1.0f / largest;
+  precise vec3 r = radii * scale;
+  precise vec3 r2 = r * r;
+  precise vec3 y =
+      vec3(max(abs(p.x) * scale, 1e-5f * r.x), max(abs(p.y) * scale, 1e-5f * r.y), max(abs(p.z) * scale, 1e-5f * r.z));
+  precise vec3 ry = r * y;
+  precise float t = max(ry.x - r2.x, max(ry.y - r2.y, ry.z - r2.z));
+  precise vec3 s = vec3(0.0f, 0.0f, 0.0f);
+  for (uint i = 0u; i < 12u; ++i) {
+    s = vec3(1.0f / (t + r2.x), 1.0f / (t + r2.y), 1.0f / (t + r2.z));
+    precise vec3 g = ry * s;
+    precise float value = dot3(g, g) - 1.0f;
+    precise float slope = 2.0f * dot3(g * g, s);
+    precise float step = value * (1.0f / max(slope, 1e-20f));
+    t = t + max(step, 0.0f);
+  }
+  s = vec3(1.0f / (t + r2.x), 1.0f / (t + r2.y), 1.0f / (t + r2.z));
+  precise vec3 g = ry * s;                                      // closest point divided by the radii
+  precise vec3 on_unit = g * (1.0f / max(length3(g), 1e-20f));  // the root is never exact: back to the surface
+  precise vec3 q = on_unit * r;
+  precise vec3 outward = vec3(on_unit.x * (1.0f / r.x), on_unit.y * (1.0f / r.y), on_unit.z * (1.0f / r.z));
+  vec3 n = xyz(unit_and_length(outward));
+  precise vec3 from_surface = vec3(abs(p.x), abs(p.y), abs(p.z)) * scale - q;
+  precise float distance = dot3(from_surface, n) * largest;
+  return make_nearest(distance, n * vec3(sign_of(p.x), sign_of(p.y), sign_of(p.z)));
+}
+
+inline Nearest nearest_of_shape(ColliderShape shape, vec3 p) {
+  if (shape.kind == kShapePlane) return make_nearest(p.y, vec3(0.0f, 1.0f, 0.0f));
+  if (shape.kind == kShapeSphere) return nearest_ball(p, shape.a.x);
+  if (shape.kind == kShapeCapsule) return nearest_capsule(shape, p);
+  if (shape.kind == kShapeBox) return nearest_box(xyz(shape.a), p);
+  return nearest_ellipsoid(xyz(shape.a), p);
+}
+
+#ifdef __cplusplus
+}  // namespace geocloth::shader
+#endif
+
+#endif
