@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Floater, Mean value coordinates, 2003; Yoshizawa, Belyaev, Seidel, A fast and simple stretch-minimizing mesh
+// parameterization, 2004. The mean-value weights are made symmetric (w_ij + w_ji): any positive weights embed, and a
+// symmetric matrix factorises several times faster. Dividing row i by s_i and w_ij by s_j is dividing by s_i s_j, which
+// keeps the symmetry and is the same equation as Yoshizawa's.
+#include "disk_embedding.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/SparseCholesky>
+
+#include "geocloth/asset/error.h"
+#include "point_math.h"
+
+namespace geocloth {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// Tangents of half angles of needle triangles span many magnitudes; beyond this share of the mean they only cost
+// precision.
+constexpr double kLeastWeight = 1e-4, kGreatestWeight = 1e4;
+
+struct Side {
+  uint32_t a, b;  // vertices of an edge, seen from one triangle
+  double weight;
+};
+
+/// tan(angle / 2) between two directions, finite for every input.
+double half_tangent(const Point3& p, const Point3& q) {
+  const double cross_length = length(cross(p, q)), scalar = dot(p, q), lengths = length(p) * length(q);
+  const double tangent = cross_length / (lengths + scalar);
+  return std::isfinite(tangent) ? tangent : 1e6;
+}
+
+double signed_area(const Point2& a, const Point2& b, const Point2& c) {
+  return 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]));
+}
+
+}  // namespace
+
+struct DiskEmbedding::Impl {
+  std::vector<Triangle> triangle;
+  std::vector<double> area;                           // per triangle [m^2]
+  std::vector<std::array<double, 3>> squared_length;  // per triangle: of the edge from corner i to the next
+  std::vector<std::array<double, 3>> weight;          // per triangle: share of the weight of that edge
+  std::vector<int32_t> unknown;                       // per vertex, -1 when fixed
+  int32_t unknowns = 0;
+  double total_area = 0;
+  std::vector<double> vertex_stretch;  // per vertex: divisor of the weights
+  Eigen::SparseMatrix<double> matrix;
+  std::unique_ptr<Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>> solver;
+
+  void weigh(std::span<const Point3> position, Weights kind) {
+    weight.resize(triangle.size());
+    double sum = 0;
+    for (size_t t = 0; t < triangle.size(); ++t) {
+      for (size_t i = 0; i < 3; ++i) {
+        const Point3 &a = position[triangle[t][i]], &b = position[triangle[t][(i + 1) % 3]],
+                     &c = position[triangle[t][(i + 2) % 3]];
+        weight[t][i] =
+            kind == Weights::uniform ? 1 : (half_tangent(b - a, c - a) + half_tangent(a - b, c - b)) / distance(a, b);
+        if (!std::isfinite(weight[t][i])) weight[t][i] = 1e300;
+        sum += std::log(weight[t][i]);
+      }
+    }
+    const double typical = std::exp(sum / (3 * static_cast<double>(triangle.size())));
+    for (auto& w : weight) {
+      for (double& x : w) x = std::clamp(x / typical, kLeastWeight, kGreatestWeight);
+    }
+  }
+
+  void factorise() {
+    std::vector<Eigen::Triplet<double>> entries;
+    entries.reserve(triangle.size() * 12);
+    for_each_side([&](uint32_t a, uint32_t b, double w) {
+      const int32_t i = unknown[a], j = unknown[b];
+      if (i >= 0) entries.emplace_back(i, i, w);
+      if (j >= 0) entries.emplace_back(j, j, w);
+      if (i >= 0 && j >= 0) {
+        entries.emplace_back(i, j, -w);
+        entries.emplace_back(j, i, -w);
+      }
+    });
+    matrix.resize(unknowns, unknowns);
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    if (!solver) {
+      solver = std::make_unique<Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>>();
+      solver->analyzePattern(matrix);
+    }
+    solver->factorize(matrix);
+    if (solver->info() != Eigen::Success) {
+      throw Error(ErrorCode::verification, "the embedding of a part could not be solved");
+    }
+  }
+
+  template <typename Visit>
+  void for_each_side(const Visit& visit) const {
+    for (size_t t = 0; t < triangle.size(); ++t) {
+      for (size_t i = 0; i < 3; ++i) {
+        const uint32_t a = triangle[t][i], b = triangle[t][(i + 1) % 3];
+        visit(a, b, weight[t][i] / (vertex_stretch[a] * vertex_stretch[b]));
+      }
+    }
+  }
+
+  void solve(std::vector<Point2>& uv) const {
+    if (unknowns == 0) return;
+    Eigen::MatrixX2d right = Eigen::MatrixX2d::Zero(unknowns, 2);
+    for_each_side([&](uint32_t a, uint32_t b, double w) {
+      for (int swap = 0; swap < 2; ++swap, std::swap(a, b)) {
+        if (unknown[a] < 0 || unknown[b] >= 0) continue;
+        right(unknown[a], 0) += w * uv[b][0];
+        right(unknown[a], 1) += w * uv[b][1];
+      }
+    });
+    const Eigen::MatrixX2d solution = solver->solve(right);
+    for (size_t v = 0; v < unknown.size(); ++v) {
+      if (unknown[v] >= 0) uv[v] = {solution(unknown[v], 0), solution(unknown[v], 1)};
+    }
+  }
+
+  /// Half the squared norm of the map from the plane to the surface: (a + c) / 2 in Sander's notation. By the cotangent
+  /// formula with the sides' roles exchanged: the squared length of a plane edge weighs the opposite angle of the
+  /// surface.
+  [[nodiscard]] double squared_stretch(size_t t, std::span<const Point2> uv) const {
+    const Point2 &a = uv[triangle[t][0]], &b = uv[triangle[t][1]], &c = uv[triangle[t][2]];
+    const double flat = signed_area(a, b, c);
+    if (!(flat > 0)) return kInfinity;
+    const auto squared = [](const Point2& p, const Point2& q) {
+      return (p[0] - q[0]) * (p[0] - q[0]) + (p[1] - q[1]) * (p[1] - q[1]);
+    };
+    const std::array<double, 3> plane{squared(a, b), squared(b, c), squared(c, a)};
+    double sum = 0;
+    for (size_t i = 0; i < 3; ++i) {
+      sum += squared_length[t][i] * (plane[(i + 1) % 3] + plane[(i + 2) % 3] - plane[i]);
+    }
+    const double stretch = sum / (16 * flat * flat);
+    return std::isfinite(stretch) && stretch > 0 ? stretch : kInfinity;
+  }
+};
+
+DiskEmbedding::DiskEmbedding(std::span<const Point3> position, std::span<const Triangle> triangle,
+                             std::span<const uint8_t> fixed, Weights weights)
+    : impl_(std::make_unique<Impl>()) {
+  Impl& s = *impl_;
+  s.triangle.assign(triangle.begin(), triangle.end());
+  for (const Triangle& t : triangle) {
+    s.area.push_back(triangle_area(position[t[0]], position[t[1]], position[t[2]]));
+    s.total_area += s.area.back();
+    std::array<double, 3> squared{};
+    for (size_t i = 0; i < 3; ++i) {
+      const Point3 edge = position[t[(i + 1) % 3]] - position[t[i]];
+      squared[i] = dot(edge, edge);
+    }
+    s.squared_length.push_back(squared);
+  }
+  s.unknown.assign(position.size(), -1);
+  for (size_t v = 0; v < position.size(); ++v) {
+    if (fixed[v] == 0) s.unknown[v] = s.unknowns++;
+  }
+  s.vertex_stretch.assign(position.size(), 1.0);
+  s.weigh(position, weights);
+  if (s.unknowns > 0) s.factorise();
+}
+
+DiskEmbedding::DiskEmbedding(DiskEmbedding&&) noexcept = default;
+DiskEmbedding& DiskEmbedding::operator=(DiskEmbedding&&) noexcept = default;
+DiskEmbedding::~DiskEmbedding() = default;
+
+void DiskEmbedding::solve(std::vector<Point2>& uv) const {
+  impl_->solve(uv);
+}
+
+double DiskEmbedding::l2_stretch(std::span<const Point2> uv) const {
+  double sum = 0, flat_area = 0;
+  for (size_t t = 0; t < impl_->triangle.size(); ++t) {
+    const Triangle& corners = impl_->triangle[t];
+    sum += impl_->area[t] * impl_->squared_stretch(t, uv);
+    flat_area += signed_area(uv[corners[0]], uv[corners[1]], uv[corners[2]]);
+  }
+  const double squared = sum / impl_->total_area * (flat_area / impl_->total_area);
+  return std::isfinite(squared) ? std::sqrt(squared) : kInfinity;
+}
+
+std::vector<double> DiskEmbedding::stretch_per_triangle(std::span<const Point2> uv) const {
+  std::vector<double> result(impl_->triangle.size());
+  for (size_t t = 0; t < result.size(); ++t) result[t] = impl_->squared_stretch(t, uv);
+  return result;
+}
+
+double DiskEmbedding::relax_stretch(std::vector<Point2>& uv, int rounds) {
+  Impl& s = *impl_;
+  double best = l2_stretch(uv);
+  if (s.unknowns == 0) return best;
+  std::vector<Point2> trial = uv;
+  for (int round = 0; round < rounds && std::isfinite(best); ++round) {
+    std::vector<double> sum(s.unknown.size(), 0.0), weight(s.unknown.size(), 0.0);
+    for (size_t t = 0; t < s.triangle.size(); ++t) {
+      const double stretch = s.squared_stretch(t, uv);
+      for (const uint32_t v : s.triangle[t]) {
+        sum[v] += s.area[t] * stretch;
+        weight[v] += s.area[t];
+      }
+    }
+    const std::vector<double> before = s.vertex_stretch;
+    for (size_t v = 0; v < sum.size(); ++v) {
+      if (weight[v] > 0) s.vertex_stretch[v] *= std::sqrt(sum[v] / weight[v]);
+    }
+    s.factorise();
+    s.solve(trial);
+    const double reached = l2_stretch(trial);
+    if (!(reached < best)) {
+      s.vertex_stretch = before;
+      break;
+    }
+    uv = trial;
+    const bool settled = reached > best * 0.999;
+    best = reached;
+    if (settled) break;
+  }
+  return best;
+}
+
+}  // namespace geocloth

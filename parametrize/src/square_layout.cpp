@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Gu, Gortler, Hoppe, Geometry Images, SIGGRAPH 2002, sections 3 and 4: every disk is mapped to a square (here a
+// rectangle whose sides differ by a pixel at most). Its outline is laid pixel by pixel along the border; where the
+// first corner goes is chosen among several places by the stretch that results, never so that a cut end is on a corner.
+// The inside starts from a convex embedding, which cannot flip, and is improved without flips.
+#include "square_layout.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "disk_embedding.h"
+#include "geocloth/asset/error.h"
+#include "half_edges.h"
+#include "pack.h"
+#include "point_math.h"
+#include "predicates.h"
+#include "refined_mesh.h"
+#include "seam_samples.h"
+#include "square_plan.h"
+#include "symmetric_dirichlet.h"
+
+namespace geocloth {
+namespace {
+
+constexpr size_t kCornerCandidates = 16;
+constexpr int kRelaxRounds = 8;
+constexpr uint32_t kNewtonSteps = 30;
+constexpr double kNewtonTolerance = 1e-4;
+
+/// One component with vertices of its own. Planar coordinates are mathematical (y up) and in pixels.
+struct Disk {
+  double bottom = 0;             // height - 1: the row of y = 0
+  std::vector<uint32_t> vertex;  // vertices of the refined mesh
+  std::vector<Point3> position;
+  std::vector<Triangle> triangle;
+  std::vector<uint8_t> fixed;
+  std::vector<OutlineStop> stop;  // local vertices
+  std::vector<uint32_t> sample;   // per step: local vertex
+  std::vector<Point2> uv;
+};
+
+using Size = std::array<uint32_t, 2>;
+
+std::vector<Disk> split_into_disks(const RefinedMesh& mesh, const std::vector<SampledOutline>& outlines) {
+  std::vector<Disk> disks(outlines.size());
+  std::vector<uint32_t> local(mesh.position.size(), kNone);
+  for (size_t t = 0; t < mesh.triangle.size(); ++t) {
+    Disk& disk = disks[mesh.component[t]];
+    Triangle corners{};
+    for (size_t i = 0; i < 3; ++i) {
+      const uint32_t v = mesh.triangle[t][i];
+      if (local[v] == kNone) {
+        local[v] = static_cast<uint32_t>(disk.vertex.size());
+        disk.vertex.push_back(v);
+        disk.position.push_back(mesh.position[v]);
+        disk.fixed.push_back(mesh.leaving[v] != kNone ? 1 : 0);
+      }
+      corners[i] = local[v];
+    }
+    disk.triangle.push_back(corners);
+  }
+  for (size_t c = 0; c < disks.size(); ++c) {
+    for (const OutlineStop& s : outlines[c].stop) {
+      disks[c].stop.push_back({local[s.vertex], s.step});
+      if (s.step == std::floor(s.step)) disks[c].sample.push_back(local[s.vertex]);
+    }
+    disks[c].uv.assign(disks[c].vertex.size(), Point2{0, 0});
+  }
+  return disks;
+}
+
+/// The place on a rectangle's border that is `along` steps from its lower left corner, counter-clockwise.
+Point2 on_rectangle(double along, const Size& size) {
+  const double right = size[0] - 1.0, top = size[1] - 1.0;
+  if (along <= right) return {along, 0};
+  if (along <= right + top) return {right, along - right};
+  if (along <= 2 * right + top) return {2 * right + top - along, top};
+  return {0, 2 * (right + top) - along};
+}
+
+void place_outline(Disk& disk, const Size& size, uint32_t corner_step) {
+  const auto steps = static_cast<double>(disk.sample.size());
+  for (const OutlineStop& s : disk.stop) {
+    const double along = s.step - corner_step;
+    disk.uv[s.vertex] = on_rectangle(along < 0 ? along + steps : along, size);
+  }
+}
+
+/// Steps on which the rectangle's lower left corner may lie: no corner on a cut end, whose two neighbours are copies of
+/// one point and would close the corner's cell. Turns by a quarter (a half, if not square) are the same and left out.
+std::vector<uint32_t> corner_steps(const Disk& disk, const RefinedMesh& mesh, const Size& size) {
+  const auto steps = static_cast<uint32_t>(disk.sample.size());
+  const auto point = [&](uint32_t step) { return mesh.point[disk.vertex[disk.sample[step % steps]]]; };
+  const auto is_end = [&](uint32_t step) { return point(step + steps - 1) == point(step + 1); };
+  const uint32_t a = size[0] - 1, b = size[1] - 1;
+  std::vector<uint32_t> free;
+  for (uint32_t first = 0; first < (a == b ? a : a + b); ++first) {
+    if (!is_end(first) && !is_end(first + a) && !is_end(first + a + b) && !is_end(first + 2 * a + b)) {
+      free.push_back(first);
+    }
+  }
+  return free;
+}
+
+/// The rectangle nearest to a square of the disk's perimeter that has a corner step.
+Size choose_size(const Disk& disk, const RefinedMesh& mesh, const Size& wanted, uint32_t component) {
+  for (uint32_t d = 0; wanted[1] >= d + 4; ++d) {
+    for (const Size& size : {Size{wanted[0] + d, wanted[1] - d}, Size{wanted[1] - d, wanted[0] + d}}) {
+      if (!corner_steps(disk, mesh, size).empty()) return size;
+    }
+  }
+  throw Error(ErrorCode::verification, "component " + std::to_string(component) +
+                                           " has cut ends on every possible corner; raise the resolution");
+}
+
+bool has_flips(const Disk& disk) {
+  return std::any_of(disk.triangle.begin(), disk.triangle.end(), [&](const Triangle& t) {
+    const auto down = [&](uint32_t v) { return Point2{disk.uv[v][0], disk.bottom - disk.uv[v][1]}; };
+    return orientation(down(t[0]), down(t[1]), down(t[2])) <= 0;
+  });
+}
+
+/// Embeds the disk with the corner step of least stretch; false if every one has a flip.
+bool embed(Disk& disk, const RefinedMesh& mesh, const Size& size, DiskEmbedding::Weights weights) {
+  DiskEmbedding embedding(disk.position, disk.triangle, disk.fixed, weights);
+  const std::vector<uint32_t> free = corner_steps(disk, mesh, size);
+  double best = std::numeric_limits<double>::infinity();
+  uint32_t best_step = free.front();
+  const size_t count = std::min(free.size(), kCornerCandidates);
+  for (size_t i = 0; i < count; ++i) {
+    const uint32_t step = free[i * free.size() / count];
+    place_outline(disk, size, step);
+    embedding.solve(disk.uv);
+    const double stretch = embedding.l2_stretch(disk.uv);
+    if (stretch < best) {
+      best = stretch;
+      best_step = step;
+    }
+  }
+  place_outline(disk, size, best_step);
+  embedding.solve(disk.uv);
+  if (has_flips(disk)) return false;
+  std::vector<Point2> relaxed = disk.uv;
+  embedding.relax_stretch(relaxed, kRelaxRounds);
+  std::swap(relaxed, disk.uv);
+  if (has_flips(disk)) std::swap(relaxed, disk.uv);
+  return true;
+}
+
+/// Symmetric Dirichlet energy with the outline fixed. The optimiser works in metres; outline vertices keep their exact
+/// places.
+void improve(Disk& disk, double spacing) {
+  SymmetricDirichlet energy(disk.position, disk.triangle, disk.fixed);
+  std::vector<Point2> metres = disk.uv;
+  for (Point2& p : metres) p = {p[0] * spacing, p[1] * spacing};
+  if (!std::isfinite(energy.energy(metres))) return;
+  energy.minimise(metres, kNewtonSteps, kNewtonTolerance);
+  const std::vector<Point2> before = disk.uv;
+  for (size_t v = 0; v < metres.size(); ++v) {
+    if (disk.fixed[v] == 0) disk.uv[v] = {metres[v][0] / spacing, metres[v][1] / spacing};
+  }
+  if (has_flips(disk)) disk.uv = before;
+}
+
+double area_of(const Disk& disk) {
+  double sum = 0;
+  for (const auto& [a, b, c] : disk.triangle) {
+    sum += triangle_area(disk.position[a], disk.position[b], disk.position[c]);
+  }
+  return sum;
+}
+
+std::vector<double> component_areas(const CutSurface& cut) {
+  std::vector<double> area(cut.component_count, 0.0);
+  for (size_t t = 0; t < cut.triangle.size(); ++t) {
+    const auto& [a, b, c] = cut.triangle[t];
+    area[cut.component[t]] += triangle_area(cut.position[a], cut.position[b], cut.position[c]);
+  }
+  return area;
+}
+
+FlatChart lay_out(Disk& disk, const RefinedMesh& mesh, const Size& wanted, uint32_t component) {
+  const Size size = choose_size(disk, mesh, wanted, component);
+  disk.bottom = size[1] - 1.0;
+  if (!embed(disk, mesh, size, DiskEmbedding::Weights::mean_value) &&
+      !embed(disk, mesh, size, DiskEmbedding::Weights::uniform)) {
+    throw Error(ErrorCode::verification,
+                "component " + std::to_string(component) + " cannot be laid out in a square without flipped triangles");
+  }
+  FlatChart chart;
+  chart.width = size[0];
+  chart.height = size[1];
+  chart.spacing = std::sqrt(area_of(disk) / (static_cast<double>(size[0] - 1) * (size[1] - 1)));
+  improve(disk, chart.spacing);
+  for (const uint32_t v : disk.sample) {
+    chart.outline.push_back(
+        {static_cast<uint32_t>(disk.uv[v][0]), size[1] - 1 - static_cast<uint32_t>(disk.uv[v][1]), disk.vertex[v]});
+  }
+  return chart;
+}
+
+}  // namespace
+
+FlatSurface lay_out_squares(const CutSurface& cut, const FlattenOptions& options, const Progress& progress) {
+  const std::vector<Outline> outlines = trace_outlines(cut);
+  const SquarePlan plan = plan_squares(cut, outlines, component_areas(cut), options);
+  (void)pack_rectangles(plan.size);  // an atlas that is too large is refused before the long work
+
+  RefinedMesh mesh = make_refined_mesh(cut);
+  const std::vector<SampledOutline> sampled = insert_seam_samples(mesh, outlines, plan.seam_steps);
+  split_edges_across(mesh);
+
+  FlatSurface flat;
+  flat.uv.resize(mesh.position.size());
+  std::vector<Disk> disks = split_into_disks(mesh, sampled);
+  for (uint32_t c = 0; c < disks.size(); ++c) {
+    if (progress) progress("flatten", static_cast<double>(c) / static_cast<double>(disks.size()));
+    flat.charts.push_back(lay_out(disks[c], mesh, plan.size[c], c));
+    for (size_t v = 0; v < disks[c].vertex.size(); ++v) {
+      flat.uv[disks[c].vertex[v]] = {disks[c].uv[v][0], disks[c].bottom - disks[c].uv[v][1]};
+    }
+  }
+
+  std::vector<Size> size;
+  for (const FlatChart& chart : flat.charts) size.push_back({chart.width, chart.height});
+  const Packing packing = pack_rectangles(size);
+  for (size_t c = 0; c < size.size(); ++c) {
+    flat.charts[c].x0 = packing.corner[c][0];
+    flat.charts[c].y0 = packing.corner[c][1];
+  }
+  flat.width = packing.width;
+  flat.height = packing.height;
+  flat.position = std::move(mesh.position);
+  flat.triangle = std::move(mesh.triangle);
+  flat.chart = std::move(mesh.component);
+  flat.point = std::move(mesh.point);
+  flat.point_count = mesh.point_count;
+  flat.clean_vertex = std::move(mesh.clean_vertex);
+  flat.clean_triangle = std::move(mesh.clean_triangle);
+  if (progress) progress("flatten", 1);
+  return flat;
+}
+
+}  // namespace geocloth
