@@ -1,1 +1,182 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Sampling of the charts at the pixels (Gu, Gortler, Hoppe 2002, section 3.3). Every flat triangle is scan-converted;
+// a pixel on an edge or a vertex goes to exactly one triangle because the signs are exact and ties are broken as if
+// the pixel were moved by an infinitesimal step (the rule that graphics hardware calls "top-left"). So a pixel that
+// two triangles claim is a true overlap. Outline pixels are not interpolated at all: they are their vertex.
+#include "geocloth/parametrize/rasterize.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "geocloth/asset/error.h"
+#include "point_math.h"
+#include "predicates.h"
+
+namespace geocloth {
+namespace {
+
+struct FlatTriangle {
+  std::array<Point2, 3> uv;
+};
+
+/// The part of row v that the triangle may cover, widened by a rounding margin; empty when first > second.
+std::array<double, 2> row_span(const FlatTriangle& t, double v) {
+  constexpr double kMargin = 1e-6;
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Point2 &a = t.uv[k], &b = t.uv[(k + 1) % 3];
+    if (std::min(a[1], b[1]) > v || std::max(a[1], b[1]) < v) continue;
+    const double height = b[1] - a[1];
+    if (height == 0) {
+      low = std::min({low, a[0], b[0]});
+      high = std::max({high, a[0], b[0]});
+    } else {
+      const double u = a[0] + (b[0] - a[0]) * ((v - a[1]) / height);
+      low = std::min(low, u);
+      high = std::max(high, u);
+    }
+  }
+  return {low - kMargin, high + kMargin};
+}
+
+/// Does the triangle, of orientation `sign`, own the pixel p?
+bool owns(const FlatTriangle& t, int sign, const Point2& p) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Point2 &a = t.uv[k], &b = t.uv[(k + 1) % 3];
+    const int side = sign * orientation(a, b, p);
+    if (side < 0) return false;
+    if (side > 0) continue;
+    const double du = sign * (b[0] - a[0]), dv = sign * (b[1] - a[1]);
+    if (dv < 0 || (dv == 0 && du < 0)) return false;
+  }
+  return true;
+}
+
+/// Barycentric coordinates of a point that lies in the triangle up to rounding: none is negative, their sum is 1.
+Point3 weights_inside(const FlatTriangle& t, const Point2& p) {
+  const double whole = signed_area_twice(t.uv[0], t.uv[1], t.uv[2]);
+  Point3 w{signed_area_twice(p, t.uv[1], t.uv[2]) / whole, signed_area_twice(t.uv[0], p, t.uv[2]) / whole,
+           signed_area_twice(t.uv[0], t.uv[1], p) / whole};
+  for (double& x : w) x = std::max(x, 0.0);
+  return w * (1 / (w[0] + w[1] + w[2]));
+}
+
+class Rasterizer {
+ public:
+  explicit Rasterizer(const FlatSurface& flat) : flat_(flat) {
+    if (flat.charts.size() >= kNoChart) {
+      throw Error(ErrorCode::limit, "the surface falls into " + std::to_string(flat.charts.size()) +
+                                        " charts; an image holds at most " + std::to_string(kNoChart - 1) +
+                                        ": remove loose parts from the mesh");
+    }
+    const std::size_t count = std::size_t{flat.width} * flat.height;
+    out_.width = flat.width;
+    out_.height = flat.height;
+    out_.position.assign(count, Point3{});
+    out_.chart.assign(count, kNoChart);
+    out_.triangle.assign(count, kNone);
+    out_.point.assign(count, kNone);
+    out_.vertex.assign(count, kNone);
+    overlapping_.assign(count, false);
+  }
+
+  void sample_outlines() {
+    for (std::size_t c = 0; c < flat_.charts.size(); ++c) {
+      const FlatChart& chart = flat_.charts[c];
+      if (chart.x0 + chart.width > flat_.width || chart.y0 + chart.height > flat_.height) {
+        throw Error(ErrorCode::invalid_argument, "chart " + std::to_string(c) + " leaves the atlas");
+      }
+      for (const OutlineSample& sample : chart.outline) {
+        if (sample.x >= chart.width || sample.y >= chart.height || sample.vertex >= flat_.position.size()) {
+          throw Error(ErrorCode::invalid_argument, "an outline sample of chart " + std::to_string(c) + " leaves it");
+        }
+        const std::size_t pixel = pixel_of(chart, sample.x, sample.y);
+        if (out_.chart[pixel] != kNoChart) {
+          overlapping_[pixel] = true;
+          continue;
+        }
+        out_.chart[pixel] = static_cast<uint16_t>(c);
+        out_.position[pixel] = flat_.position[sample.vertex];
+        out_.point[pixel] = flat_.point[sample.vertex];
+        out_.vertex[pixel] = sample.vertex;
+      }
+    }
+    give_outlines_a_triangle();
+  }
+
+  void sample_triangle(uint32_t index) {
+    const uint32_t c = flat_.chart[index];
+    const FlatChart& chart = flat_.charts[c];
+    const Triangle& corners = flat_.triangle[index];
+    const FlatTriangle t{{flat_.uv[corners[0]], flat_.uv[corners[1]], flat_.uv[corners[2]]}};
+    const int sign = orientation(t.uv[0], t.uv[1], t.uv[2]);
+    if (sign == 0) return;
+    const auto [low, high] = std::minmax({t.uv[0][1], t.uv[1][1], t.uv[2][1]});
+    const double last_row = std::min(std::floor(high), chart.height - 1.0);
+    for (double v = std::max(std::ceil(low), 0.0); v <= last_row; ++v) {
+      const auto [left, right] = row_span(t, v);
+      const double last_column = std::min(std::floor(right), chart.width - 1.0);
+      for (double u = std::max(std::ceil(left), 0.0); u <= last_column; ++u) {
+        const Point2 p{u, v};
+        if (!owns(t, sign, p)) continue;
+        claim(pixel_of(chart, static_cast<uint32_t>(u), static_cast<uint32_t>(v)), c, index, t, p);
+      }
+    }
+  }
+
+  Raster finish() {
+    out_.overlapping_pixels = static_cast<uint32_t>(std::count(overlapping_.begin(), overlapping_.end(), true));
+    return std::move(out_);
+  }
+
+ private:
+  [[nodiscard]] std::size_t pixel_of(const FlatChart& chart, uint32_t x, uint32_t y) const {
+    return std::size_t{chart.y0 + y} * flat_.width + chart.x0 + x;
+  }
+
+  /// An outline pixel lies in any of the triangles around its vertex; the first is as good as another.
+  void give_outlines_a_triangle() {
+    std::vector<uint32_t> first(flat_.position.size(), kNone);
+    for (uint32_t t = 0; t < flat_.triangle.size(); ++t) {
+      for (const uint32_t v : flat_.triangle[t]) first[v] = std::min(first[v], t);
+    }
+    for (std::size_t pixel = 0; pixel < out_.vertex.size(); ++pixel) {
+      if (out_.vertex[pixel] != kNone) out_.triangle[pixel] = first[out_.vertex[pixel]];
+    }
+  }
+
+  void claim(std::size_t pixel, uint32_t chart, uint32_t index, const FlatTriangle& t, const Point2& p) {
+    if (out_.chart[pixel] != kNoChart) {
+      // The outline's own pixels are spoken for; any other pixel here has two owners.
+      if (out_.chart[pixel] != chart || out_.vertex[pixel] == kNone) overlapping_[pixel] = true;
+      return;
+    }
+    const Point3 w = weights_inside(t, p);
+    const Triangle& corners = flat_.triangle[index];
+    out_.chart[pixel] = static_cast<uint16_t>(chart);
+    out_.triangle[pixel] = index;
+    out_.position[pixel] =
+        flat_.position[corners[0]] * w[0] + flat_.position[corners[1]] * w[1] + flat_.position[corners[2]] * w[2];
+  }
+
+  const FlatSurface& flat_;
+  Raster out_;
+  std::vector<bool> overlapping_;
+};
+
+}  // namespace
+
+Raster rasterize(const FlatSurface& flat, const Progress& progress) {
+  Rasterizer rasterizer(flat);
+  rasterizer.sample_outlines();
+  constexpr uint32_t kReportEvery = 1U << 14U;
+  for (uint32_t t = 0; t < flat.triangle.size(); ++t) {
+    if (progress && t % kReportEvery == 0) progress("rasterize", t / static_cast<double>(flat.triangle.size()));
+    rasterizer.sample_triangle(t);
+  }
+  return rasterizer.finish();
+}
+
+}  // namespace geocloth

@@ -15,9 +15,9 @@ struct Quality {
   double l2_stretch = 0;            ///< Sander et al. 2001, area-weighted over the surface; 1 is best
   double symmetric_dirichlet = 0;   ///< mean of s1^2 + s2^2 + 1/s1^2 + 1/s2^2; 4 is best
   double anisotropy_p95 = 0;        ///< 95th area percentile of s1 / s2
-  double spring_min = 0, spring_max = 0, spring_p99_over_p1 = 0;  ///< structural springs / spacing
+  double spring_min = 0, spring_max = 0, spring_p99_over_p1 = 0;  ///< structural springs / asset.spacing
   double shear_deg_p50 = 0, shear_deg_p95 = 0;                    ///< |90 - angle between the two structural springs|
-  double quad_area_p5 = 0, quad_area_p95 = 0;                     ///< cell area / spacing^2
+  double quad_area_p5 = 0, quad_area_p95 = 0;                     ///< whole cells / asset.spacing^2
   double rms_error = 0, max_error = 0;  ///< two-sided distance to the clean surface / bounding-box diagonal
   double psnr_db = 0;                   ///< 20 log10(1 / rms_error)
   double seam_length = 0;               ///< length of the cuts / sqrt(area)
@@ -25,7 +25,7 @@ struct Quality {
 };
 
 /// Measures the flat charts and the finished asset against the clean surface; definitions as in the design reference.
-[[nodiscard]] Quality measure_quality(const CleanSurface& clean, const FlatSurface& flat, const ClothAsset& asset,
-                                      const Progress& progress = {});
+[[nodiscard]] Quality measure_quality(const CleanSurface& clean, const FlatSurface& flat, const Raster& raster,
+                                      const ClothAsset& asset, const Progress& progress = {});
 
 }  // namespace geocloth

@@ -10,9 +10,9 @@ namespace geocloth {
 /// bending across seams, area shares, spacing.
 [[nodiscard]] ClothAsset build_image(const FlatSurface& flat, const Raster& raster, Layout layout);
 
-/// Fills `source` and `binding`: the mesh of the file as render vertices, each bound to the grid triangle that holds
-/// its place in the chart.
-void bind_source(const TriangleMesh& mesh, const CleanSurface& clean, const FlatSurface& flat, const Raster& raster,
-                 ClothAsset& asset);
+/// Fills `name`, `vertex_groups`, `source` and `binding`: the mesh of the file as render vertices (those of file vertex
+/// 0 first), each bound to the grid triangle that holds its place in the chart. Vertices without a place there, such as
+/// those that no face uses, are bound to the nearest place.
+void bind_source(const TriangleMesh& mesh, const CleanSurface& clean, const FlatSurface& flat, ClothAsset& asset);
 
 }  // namespace geocloth

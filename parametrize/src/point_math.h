@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cmath>
+
+#include "geocloth/parametrize/mesh.h"
+
+namespace geocloth {
+
+[[nodiscard]] inline Point3 operator+(const Point3& a, const Point3& b) {
+  return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
+}
+[[nodiscard]] inline Point3 operator-(const Point3& a, const Point3& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+[[nodiscard]] inline Point3 operator*(const Point3& a, double s) {
+  return {a[0] * s, a[1] * s, a[2] * s};
+}
+[[nodiscard]] inline double dot(const Point3& a, const Point3& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+[[nodiscard]] inline Point3 cross(const Point3& a, const Point3& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+[[nodiscard]] inline double length(const Point3& a) {
+  return std::sqrt(dot(a, a));
+}
+[[nodiscard]] inline double distance(const Point3& a, const Point3& b) {
+  return length(a - b);
+}
+[[nodiscard]] inline double triangle_area(const Point3& a, const Point3& b, const Point3& c) {
+  return 0.5 * length(cross(b - a, c - a));
+}
+
+/// Twice the signed area of a triangle in a chart; positive when it is counter-clockwise seen with v up. Stored v runs
+/// down, hence the sign.
+[[nodiscard]] inline double signed_area_twice(const Point2& a, const Point2& b, const Point2& c) {
+  return (c[0] - a[0]) * (b[1] - a[1]) - (b[0] - a[0]) * (c[1] - a[1]);
+}
+
+}  // namespace geocloth

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "geocloth/parametrize/mesh.h"
+
+namespace geocloth {
+
+/// A triangle mesh that is asked for the place nearest to a point.
+class TriangleTree {
+ public:
+  /// Keeps triangles that have an area; the others lie on the edges of their neighbours.
+  /// @throws Error(invalid_data) when no triangle has one
+  TriangleTree(std::span<const Point3> position, std::span<const Triangle> triangle);
+  ~TriangleTree();
+  TriangleTree(TriangleTree&&) noexcept;
+  TriangleTree& operator=(TriangleTree&&) noexcept;
+
+  struct Place {
+    uint32_t triangle;  ///< index into the triangles given
+    Point3 point;       ///< nearest point of the mesh [m]
+  };
+  [[nodiscard]] Place nearest(const Point3& p) const;
+  /// The same, faster: `near` is a place that this tree gave for a point nearby.
+  [[nodiscard]] Place nearest(const Point3& p, const Place& near) const;
+
+ private:
+  struct Tree;
+  std::unique_ptr<Tree> tree_;
+};
+
+}  // namespace geocloth
