@@ -225,6 +225,13 @@ std::vector<T> read_attribute(Reader& reader, const Json& attributes, const char
   return reader.values<T>(accessor, "bufferView", reader.number(accessor, "count"));
 }
 
+/// Not by comparing the JSON objects: that recurses as deep as a hostile file is nested.
+std::array<uint64_t, 3> attribute_accessors(const Reader& reader, const Json& primitive) {
+  const Json& attributes = reader.member(primitive, "attributes");
+  const uint64_t uv = Reader::find(attributes, "TEXCOORD_0") ? reader.number(attributes, "TEXCOORD_0") + 1 : 0;
+  return {reader.number(attributes, "POSITION"), reader.number(attributes, "NORMAL"), uv};
+}
+
 std::vector<Triangle> group_corners(const std::vector<uint32_t>& corners) {
   std::vector<Triangle> triangles(corners.size() / 3);
   for (std::size_t i = 0; i < triangles.size(); ++i) {
@@ -251,7 +258,7 @@ void read_primitives(Reader& reader, const Json& primitives, const Json& part_na
         offset != corner * corner_size || count % 3 != 0 || Reader::find(accessor, "sparse") != nullptr) {
       reader.refuse("the primitives do not share one run of indices");
     }
-    if (reader.member(primitive, "attributes") != reader.member(primitives.front(), "attributes")) {
+    if (attribute_accessors(reader, primitive) != attribute_accessors(reader, primitives.front())) {
       reader.refuse("the primitives do not share their vertices");
     }
     SourcePart& part = source.part.emplace_back();
