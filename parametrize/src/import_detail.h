@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the parts of the importer share: the bytes of a file, and the checks that run before assimp sees them.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "geocloth/asset/error.h"
+#include "geocloth/parametrize/mesh.h"
+
+namespace geocloth::import_detail {
+
+inline constexpr std::size_t kMaxElements = 100'000'000;  ///< vertices, corners or records that a file may hold
+inline constexpr std::size_t kMaxPolygonCorners = 4096;
+inline constexpr double kMaxCoordinate = 1e18;  ///< beyond it, products of coordinates leave the range of a float
+
+/// Throws Error(code) with the message "<file>: <what>".
+[[noreturn]] void fail(const std::filesystem::path& file, ErrorCode code, const std::string& what);
+
+/// An OBJ file in a form that is safe for assimp: only records that were understood, with absolute indices in range.
+/// Each vertex is written with its number (low 16 bits, high bits) in place of its position, so that the number comes
+/// back from assimp, which makes a vertex of its own for every face corner.
+struct ObjText {
+  std::vector<Point3> position;  ///< of the `v` records, in the file's order
+  std::string coded;
+};
+[[nodiscard]] ObjText read_obj(const std::filesystem::path& file, std::string_view text);
+/// The vertex number that read_obj wrote as a position.
+[[nodiscard]] uint32_t decode_obj_vertex(float x, float y);
+/// The known records of an MTL file.
+[[nodiscard]] std::string clean_mtl(std::string_view text);
+
+/// Checks the container, the JSON and every index, offset and size of a glTF file that assimp relies on.
+/// @throws Error(unsupported) when it needs an extension that cannot be decoded
+void check_gltf(const std::filesystem::path& file, std::span<const std::byte> bytes, bool binary);
+
+/// Checks that the sizes a PLY or STL file announces are the sizes it has.
+void check_ply(const std::filesystem::path& file, std::string_view bytes);
+void check_stl(const std::filesystem::path& file, std::string_view bytes);
+/// Walks the records of a binary FBX file, or looks for the opening of a textual one.
+void check_fbx(const std::filesystem::path& file, std::string_view bytes);
+/// Checks that the XML of a DAE file opens, nests within bounds and closes.
+void check_dae(const std::filesystem::path& file, std::string_view bytes);
+
+/// Cuts a polygon into triangles by clipping ears, shortest diagonal first; independent of the corner it starts with.
+/// @param corner  positions of at least three corners in order; the polygon may be concave and somewhat out of plane
+/// @param out     triangles as corner numbers are appended; always corner.size() - 2 of them
+void triangulate_polygon(std::span<const Point3> corner, std::vector<Triangle>& out);
+
+}  // namespace geocloth::import_detail

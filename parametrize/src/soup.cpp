@@ -1,0 +1,380 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// From a soup to a complex of proper triangles: collapsed and duplicate faces go, border edges are split where the
+// border of another sheet has a point on them (T-junctions), and triangles without area are replaced by a corner in
+// the faces beyond their longest side. None of this opens or closes anything: each step keeps the homotopy type.
+#include "soup.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <queue>
+#include <unordered_map>
+
+#include "point_math.h"
+
+namespace geocloth {
+namespace {
+
+/// A triangle whose height is below this share of its longest side counts as a line. Geometry moves by less than that.
+constexpr double kFlat = 1e-6;
+
+uint64_t edge_key(uint32_t a, uint32_t b) {
+  return uint64_t{std::min(a, b)} << 32U | std::max(a, b);
+}
+
+Triangle sorted(Triangle t) {
+  std::sort(t.begin(), t.end());
+  return t;
+}
+
+/// Keeps the triangles for which keep[i] holds. @returns how many went
+uint64_t filter(Soup& soup, const std::vector<bool>& keep) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < keep.size(); ++i) {
+    if (!keep[i]) continue;
+    soup.triangle[kept] = soup.triangle[i];
+    soup.source[kept++] = soup.source[i];
+  }
+  const uint64_t gone = keep.size() - kept;
+  soup.triangle.resize(kept);
+  soup.source.resize(kept);
+  return gone;
+}
+
+/// Marks the triangles of polygons whose points an earlier polygon has. Two copies of a quad may be cut along
+/// different diagonals, and then share no triangle.
+uint64_t mark_duplicate_polygons(const Soup& soup, std::span<const uint32_t> polygon, std::vector<bool>& keep) {
+  uint64_t gone = 0;
+  std::map<std::vector<uint32_t>, uint32_t> known;
+  for (std::size_t first = 0; first < soup.triangle.size();) {
+    std::size_t end = first;
+    std::vector<uint32_t> points;
+    for (; end < soup.triangle.size() && polygon[soup.source[end]] == polygon[soup.source[first]]; ++end) {
+      points.insert(points.end(), soup.triangle[end].begin(), soup.triangle[end].end());
+    }
+    if (end - first > 1) {
+      std::sort(points.begin(), points.end());
+      points.erase(std::unique(points.begin(), points.end()), points.end());
+      if (!known.try_emplace(std::move(points), 0).second) {
+        std::fill(keep.begin() + static_cast<std::ptrdiff_t>(first), keep.begin() + static_cast<std::ptrdiff_t>(end),
+                  false);
+        ++gone;
+      }
+    }
+    first = end;
+  }
+  return gone;
+}
+
+uint64_t mark_duplicate_triangles(const Soup& soup, std::vector<bool>& keep) {
+  std::vector<uint32_t> order(soup.triangle.size());
+  std::iota(order.begin(), order.end(), 0U);
+  std::vector<Triangle> key(soup.triangle.size());
+  std::transform(soup.triangle.begin(), soup.triangle.end(), key.begin(), sorted);
+  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return key[a] < key[b]; });
+  uint64_t gone = 0;
+  bool one_kept = false;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    if (i == 0 || key[order[i]] != key[order[i - 1]]) one_kept = false;
+    if (!keep[order[i]]) continue;
+    if (one_kept) {
+      keep[order[i]] = false;
+      ++gone;
+    }
+    one_kept = true;
+  }
+  return gone;
+}
+
+/// One side of a triangle that no other triangle shares.
+struct BorderSide {
+  uint32_t triangle;
+  uint32_t corner;  ///< it runs from this corner to the next
+};
+
+std::vector<BorderSide> border_sides(const Soup& soup) {
+  std::vector<std::pair<uint64_t, uint32_t>> sides;
+  sides.reserve(soup.triangle.size() * 3);
+  for (uint32_t i = 0; i < soup.triangle.size(); ++i) {
+    const Triangle& t = soup.triangle[i];
+    for (uint32_t k = 0; k < 3; ++k) sides.emplace_back(edge_key(t[k], t[(k + 1) % 3]), 3 * i + k);
+  }
+  std::sort(sides.begin(), sides.end());
+  std::vector<BorderSide> border;
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    const bool alone = (i == 0 || sides[i - 1].first != sides[i].first) &&
+                       (i + 1 == sides.size() || sides[i + 1].first != sides[i].first);
+    if (alone) border.push_back({sides[i].second / 3, sides[i].second % 3});
+  }
+  std::sort(border.begin(), border.end(), [](const BorderSide& a, const BorderSide& b) {
+    return a.triangle != b.triangle ? a.triangle < b.triangle : a.corner < b.corner;
+  });
+  return border;
+}
+
+/// Points in a balanced tree of boxes, to be asked for those near a segment.
+class PointTree {
+ public:
+  PointTree(const std::vector<Point3>& position, std::vector<uint32_t> points)
+      : position_(position), points_(std::move(points)) {
+    if (!points_.empty()) build(0, points_.size());
+  }
+
+  template <typename Visit>
+  void near_segment(const Point3& a, const Point3& b, double reach, Visit&& visit) const {
+    if (!box_.empty()) descend(0, 0, points_.size(), a, b, reach, visit);
+  }
+
+ private:
+  static constexpr std::size_t kLeaf = 8;
+  struct Box {
+    Point3 low, high;
+    std::size_t right = 0;  ///< number of the second child; the first follows its parent
+  };
+
+  std::size_t build(std::size_t begin, std::size_t end) {
+    const std::size_t self = box_.size();
+    Box box{position_[points_[begin]], position_[points_[begin]], 0};
+    for (std::size_t i = begin; i < end; ++i) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        box.low[k] = std::min(box.low[k], position_[points_[i]][k]);
+        box.high[k] = std::max(box.high[k], position_[points_[i]][k]);
+      }
+    }
+    box_.push_back(box);
+    if (end - begin <= kLeaf) return self;
+    std::size_t axis = 0;
+    for (std::size_t k = 1; k < 3; ++k) {
+      if (box.high[k] - box.low[k] > box.high[axis] - box.low[axis]) axis = k;
+    }
+    const auto at = [&](std::size_t i) { return points_.begin() + static_cast<std::ptrdiff_t>(i); };
+    const std::size_t middle = begin + (end - begin) / 2;
+    std::nth_element(at(begin), at(middle), at(end), [&](uint32_t i, uint32_t j) {
+      return position_[i][axis] != position_[j][axis] ? position_[i][axis] < position_[j][axis] : i < j;
+    });
+    build(begin, middle);
+    const std::size_t right = build(middle, end);
+    box_[self].right = right;
+    return self;
+  }
+
+  /// Whether the segment comes within reach of the box, by slabs; may say yes a little too often.
+  static bool meets(const Box& box, const Point3& a, const Point3& b, double reach) {
+    double from = 0, to = 1;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double low = box.low[k] - reach - a[k], high = box.high[k] + reach - a[k], d = b[k] - a[k];
+      if (d == 0) {
+        if (low > 0 || high < 0) return false;
+        continue;
+      }
+      from = std::max(from, std::min(low / d, high / d));
+      to = std::min(to, std::max(low / d, high / d));
+    }
+    return from <= to;
+  }
+
+  template <typename Visit>
+  void descend(std::size_t node, std::size_t begin, std::size_t end, const Point3& a, const Point3& b, double reach,
+               Visit&& visit) const {
+    if (!meets(box_[node], a, b, reach)) return;
+    if (end - begin <= kLeaf) {
+      for (std::size_t i = begin; i < end; ++i) visit(points_[i]);
+      return;
+    }
+    const std::size_t middle = begin + (end - begin) / 2;
+    descend(node + 1, begin, middle, a, b, reach, visit);
+    descend(box_[node].right, middle, end, a, b, reach, visit);
+  }
+
+  const std::vector<Point3>& position_;
+  std::vector<uint32_t> points_;
+  std::vector<Box> box_;
+};
+
+/// Where along a-b (0..1) the point nearest to p lies, and how far p is from the line.
+struct Foot {
+  double at, height;
+};
+Foot foot_on(const Point3& a, const Point3& b, const Point3& p) {
+  const Point3 d = b - a;
+  const double at = dot(p - a, d) / dot(d, d);
+  return {at, distance(p, a + d * at)};
+}
+
+/// One round: at most one side of every triangle is split. @returns how many points were put on sides
+uint64_t split_round(Soup& soup, double tolerance) {
+  const std::vector<BorderSide> border = border_sides(soup);
+  std::vector<uint32_t> points;
+  for (const BorderSide& side : border) {
+    points.push_back(soup.triangle[side.triangle][side.corner]);
+    points.push_back(soup.triangle[side.triangle][(side.corner + 1) % 3]);
+  }
+  std::sort(points.begin(), points.end());
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  const PointTree tree(soup.position, std::move(points));
+
+  uint64_t met = 0;
+  uint32_t done = kNone;
+  std::vector<std::pair<double, uint32_t>> on_side;
+  for (const BorderSide& side : border) {
+    if (side.triangle == done) continue;
+    const Triangle t = soup.triangle[side.triangle];
+    const uint32_t a = t[side.corner], b = t[(side.corner + 1) % 3], apex = t[(side.corner + 2) % 3];
+    const Point3 &pa = soup.position[a], &pb = soup.position[b];
+    on_side.clear();
+    tree.near_segment(pa, pb, tolerance, [&](uint32_t p) {
+      if (p == a || p == b || p == apex) return;
+      const Foot foot = foot_on(pa, pb, soup.position[p]);
+      const double margin = tolerance / distance(pa, pb);
+      if (foot.height <= tolerance && foot.at > margin && foot.at < 1 - margin) on_side.emplace_back(foot.at, p);
+    });
+    if (on_side.empty()) continue;
+    std::sort(on_side.begin(), on_side.end());
+    uint32_t from = a;
+    for (std::size_t i = 0; i <= on_side.size(); ++i) {
+      const uint32_t to = i < on_side.size() ? on_side[i].second : b;
+      if (i == 0) {
+        soup.triangle[side.triangle] = {from, to, apex};
+      } else {
+        soup.triangle.push_back({from, to, apex});
+        soup.source.push_back(soup.source[side.triangle]);
+      }
+      from = to;
+    }
+    met += on_side.size();
+    done = side.triangle;
+  }
+  return met;
+}
+
+/// Triangles by edge, kept up while triangles change.
+class CapRemover {
+ public:
+  explicit CapRemover(Soup& soup) : soup_(soup), keep_(soup.triangle.size(), true) {
+    for (uint32_t i = 0; i < soup.triangle.size(); ++i) enqueue_if_flat(i);
+    if (queue_.empty()) return;
+    for (uint32_t i = 0; i < soup.triangle.size(); ++i) link(i);
+  }
+
+  uint64_t run() {
+    // Longest side first: the sides that come in are shorter then, and the work ends. The bound is for rounding.
+    uint64_t budget = 16 * soup_.triangle.size() + 1024;
+    uint64_t removed = 0;
+    while (!queue_.empty() && budget-- > 0) {
+      const uint32_t i = queue_.top().triangle;
+      queue_.pop();
+      if (!keep_[i]) continue;
+      const auto flat = flat_side(i);
+      if (!flat) continue;
+      remove(i, flat->corner);
+      ++removed;
+    }
+    filter(soup_, keep_);
+    return removed;
+  }
+
+ private:
+  struct Flat {
+    double length;
+    uint32_t corner = 0;  ///< the longest side runs from this corner to the next
+    uint32_t triangle = 0;
+    bool operator<(const Flat& o) const { return length != o.length ? length < o.length : triangle > o.triangle; }
+  };
+
+  const Point3& at(uint32_t point) const { return soup_.position[point]; }
+
+  std::optional<Flat> flat_side(uint32_t i) const {
+    const Triangle& t = soup_.triangle[i];
+    Flat flat{0, 0, i};
+    for (uint32_t k = 0; k < 3; ++k) {
+      const double l = distance(at(t[k]), at(t[(k + 1) % 3]));
+      if (l > flat.length) flat = {l, k, i};
+    }
+    const Point3 &a = at(t[flat.corner]), &b = at(t[(flat.corner + 1) % 3]), &c = at(t[(flat.corner + 2) % 3]);
+    const Foot foot = foot_on(a, b, c);
+    // A needle keeps its area as long as that can be computed: its corners are different points of the surface.
+    const bool between = foot.at > kFlat && foot.at < 1 - kFlat;
+    const bool line = (between && foot.height <= kFlat * flat.length) || !(triangle_area(a, b, c) > 0);
+    return line ? std::optional(flat) : std::nullopt;
+  }
+
+  void enqueue_if_flat(uint32_t i) {
+    if (const auto flat = flat_side(i)) queue_.push(*flat);
+  }
+
+  void link(uint32_t i) {
+    const Triangle& t = soup_.triangle[i];
+    for (std::size_t k = 0; k < 3; ++k) faces_[edge_key(t[k], t[(k + 1) % 3])].push_back(i);
+  }
+
+  void unlink(uint32_t i) {
+    const Triangle& t = soup_.triangle[i];
+    for (std::size_t k = 0; k < 3; ++k) std::erase(faces_[edge_key(t[k], t[(k + 1) % 3])], i);
+  }
+
+  /// Takes triangle i away and puts its middle point into the side a-b of every other face there.
+  void remove(uint32_t i, uint32_t corner) {
+    const Triangle t = soup_.triangle[i];
+    const uint32_t a = t[corner], b = t[(corner + 1) % 3], middle = t[(corner + 2) % 3];
+    unlink(i);
+    keep_[i] = false;
+    const std::vector<uint32_t> others = faces_[edge_key(a, b)];
+    for (const uint32_t f : others) {
+      unlink(f);
+      const Triangle whole = soup_.triangle[f];
+      if (std::find(whole.begin(), whole.end(), middle) != whole.end()) {
+        keep_[f] = false;  // the same three points again
+        continue;
+      }
+      Triangle first = whole, second = whole;
+      *std::find(first.begin(), first.end(), b) = middle;
+      *std::find(second.begin(), second.end(), a) = middle;
+      soup_.triangle[f] = first;
+      soup_.triangle.push_back(second);
+      soup_.source.push_back(soup_.source[f]);
+      keep_.push_back(true);
+      for (const uint32_t n : {f, static_cast<uint32_t>(soup_.triangle.size() - 1)}) {
+        link(n);
+        enqueue_if_flat(n);
+      }
+    }
+  }
+
+  Soup& soup_;
+  std::vector<bool> keep_;
+  std::unordered_map<uint64_t, std::vector<uint32_t>> faces_;
+  std::priority_queue<Flat> queue_;
+};
+
+}  // namespace
+
+uint64_t drop_collapsed(Soup& soup) {
+  std::vector<bool> keep(soup.triangle.size());
+  std::transform(soup.triangle.begin(), soup.triangle.end(), keep.begin(),
+                 [](const Triangle& t) { return t[0] != t[1] && t[1] != t[2] && t[2] != t[0]; });
+  return filter(soup, keep);
+}
+
+uint64_t drop_duplicates(Soup& soup, std::span<const uint32_t> polygon) {
+  std::vector<bool> keep(soup.triangle.size(), true);
+  uint64_t gone = polygon.empty() ? 0 : mark_duplicate_polygons(soup, polygon, keep);
+  gone += mark_duplicate_triangles(soup, keep);
+  filter(soup, keep);
+  return gone;
+}
+
+uint64_t split_t_junctions(Soup& soup, double tolerance) {
+  uint64_t met = 0;
+  if (!(tolerance > 0)) return met;
+  // A triangle can be met on each of its sides, and its parts again; sides only get shorter.
+  for (uint64_t more = 1, round = 0; more > 0 && round < 32; ++round) met += more = split_round(soup, tolerance);
+  return met;
+}
+
+uint64_t flatten_caps(Soup& soup) {
+  return CapRemover(soup).run();
+}
+
+}  // namespace geocloth

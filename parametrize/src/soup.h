@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A triangle soup over welded points, and the steps that make it a complex of proper triangles.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "geocloth/parametrize/mesh.h"
+
+namespace geocloth {
+
+/// Triangles over points. Nothing is said about how they hang together.
+struct Soup {
+  std::vector<Point3> position;  ///< per point [m]
+  std::vector<Triangle> triangle;
+  std::vector<uint32_t> source;  ///< per triangle: triangle of the file
+};
+
+/// Points of the vertices that some triangle uses, kNone for the others: vertices at one place, and vertices within
+/// the tolerance of each other, are one point. Points are numbered in the order of their first vertex and stand where
+/// it stands. Within the tolerance the nearest are joined first; no point grows wider than the tolerance, and no
+/// triangle with three different places loses one, however small it is.
+/// @param tolerance  [m]
+struct Weld {
+  std::vector<uint32_t> point;   ///< per vertex
+  std::vector<Point3> position;  ///< per point
+};
+[[nodiscard]] Weld weld(std::span<const Point3> position, std::span<const Triangle> triangle, double tolerance);
+
+/// Drops triangles that use a point twice. @returns how many
+uint64_t drop_collapsed(Soup& soup);
+
+/// Drops all but the first of the triangles over the same three points, whichever way round, and all but the first of
+/// the polygons over the same points. @param polygon  per triangle of the file; may be empty @returns how many faces
+uint64_t drop_duplicates(Soup& soup, std::span<const uint32_t> polygon);
+
+/// Splits border edges at the border points that lie on them within the tolerance. @returns how many points were met
+uint64_t split_t_junctions(Soup& soup, double tolerance);
+
+/// Removes triangles whose three points lie on a line: the faces beyond their longest side get its middle point as a
+/// corner instead, which keeps the surface closed there. @returns how many were removed
+uint64_t flatten_caps(Soup& soup);
+
+}  // namespace geocloth
