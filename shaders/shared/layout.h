@@ -110,7 +110,7 @@ struct PinTarget {
 // Long-range attachment of a pixel: it stays within length * stretch_limit of the anchor, a pinned pixel.
 struct Attachment {
   uint anchor;   // pixel; kNoAnchor: none
-  float length;  // [m] along the surface at rest
+  float reach;   // [m] to the anchor along the surface at rest (a field named length breaks glslang)
 };
 const uint kNoAnchor = 0xFFFFFFFFu;
 

@@ -68,6 +68,8 @@ struct ScheduleOptions {
   bool collide = false;      ///< colliders, or max_speed > 0
   bool check = false;        ///< measure copies and colliders after every substep
   uint32_t seam_colors = 0;
+
+  bool operator==(const ScheduleOptions&) const = default;
 };
 
 /// The passes of one substep in their order:

@@ -30,12 +30,13 @@ struct VulkanDevice {
 /// storage and sampled images and as copy source. They stay in VK_IMAGE_LAYOUT_GENERAL and keep their handles as long
 /// as the solver lives.
 struct VulkanClothImages {
-  VkImage position = VK_NULL_HANDLE;  ///< xyz [m]; w is the solver's own
+  VkImage position = VK_NULL_HANDLE;  ///< xyz [m] relative to origin; w is the solver's own
   VkImageView position_view = VK_NULL_HANDLE;
   VkImage normal = VK_NULL_HANDLE;  ///< xyz of unit length, zero where the pixel is not valid
   VkImageView normal_view = VK_NULL_HANDLE;
   uint32_t width = 0, height = 0;  ///< [pixels]
   VkImageLayout layout = VK_IMAGE_LAYOUT_GENERAL;
+  Vec3 origin;  ///< [m] to be added to every position, so that single precision reaches far from the world's origin
 };
 
 /// A solver on a device of the application, which must outlive the solver. Settings' backend and device are ignored.

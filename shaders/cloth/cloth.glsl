@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// The bindings of shared/layout.h, for every pass, and access to the state of one cloth.
+#extension GL_GOOGLE_include_directive : require
+
+#include "../shared/layout.h"
+#include "../shared/workgroup.h"
+
+layout(set = 0, binding = kBindingParams, std140) uniform ParamsBlock { ClothParams params; };
+layout(set = 0, binding = kBindingPosition, rgba32f) uniform image2D position_image;
+layout(set = 0, binding = kBindingPrevious, rgba32f) uniform image2D previous_image;
+layout(set = 0, binding = kBindingCarry, rgba32f) uniform image2D carry_image;
+layout(set = 0, binding = kBindingNormal, rgba32f) uniform image2D normal_image;
+layout(set = 0, binding = kBindingSpringsStructural, rgba32f) uniform readonly image2D structural_image;
+layout(set = 0, binding = kBindingSpringsShear, rgba32f) uniform readonly image2D shear_image;
+layout(set = 0, binding = kBindingSpringsBending, rgba32f) uniform readonly image2D bending_image;
+layout(set = 0, binding = kBindingCell, r32ui) uniform readonly uimage2D cell_image;
+layout(set = 0, binding = kBindingMultipliers, std430) buffer MultiplierBlock { float multipliers[]; };
+layout(set = 0, binding = kBindingAttachments, std430) readonly buffer AttachmentBlock { Attachment attachments[]; };
+layout(set = 0, binding = kBindingSeamBends, std430) readonly buffer SeamBendBlock { SeamSpring seam_bends[]; };
+layout(set = 0, binding = kBindingSplitOffset, std430) readonly buffer SplitOffsetBlock { uint split_offset[]; };
+layout(set = 0, binding = kBindingSplitPixel, std430) readonly buffer SplitPixelBlock { uint split_pixel[]; };
+layout(set = 0, binding = kBindingPins, std430) readonly buffer PinBlock { PinTarget pins[]; };
+layout(set = 0, binding = kBindingColliderShapes, std430) readonly buffer ShapeBlock { ColliderShape shapes[]; };
+layout(set = 0, binding = kBindingColliderPoses, std430) readonly buffer PoseBlock { ColliderPose poses[]; };
+layout(set = 0, binding = kBindingSubsteps, std430) readonly buffer SubstepBlock { Substep substeps[]; };
+layout(set = 0, binding = kBindingMeasures, std430) buffer MeasureBlock { uint measures[kMeasureCount]; };
+layout(set = 0, binding = kBindingInverseMass, std430) readonly buffer InverseMassBlock { float inverse_mass[]; };
+layout(push_constant, std430) uniform ConstantsBlock { PassConstants constants; };
+
+// The pixel of this invocation; it may lie outside the image.
+uvec2 own_pixel() {
+  return gl_GlobalInvocationID.xy;
+}
+
+bool in_image(uvec2 pixel) {
+  return pixel.x < params.width && pixel.y < params.height;
+}
+
+// The list entry of this invocation; it may lie beyond constants.count.
+uint own_entry() {
+  return gl_GlobalInvocationID.y * kListRow + gl_GlobalInvocationID.x;
+}
+
+ivec2 texel(uvec2 pixel) {
+  return ivec2(pixel);
+}
+
+uvec2 pixel_at(uint index) {
+  return uvec2(index % params.width, index / params.width);
+}

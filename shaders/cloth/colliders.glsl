@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+// The collider buffers, as lib/collide.h wants them.
+struct ColliderSet {
+  uint unused;
+};
+
+ColliderShape collider_shape(ColliderSet set, uint i) {
+  return shapes[i];
+}
+
+ColliderPose collider_pose(ColliderSet set, uint pose, uint i) {
+  return poses[pose * params.collider_count + i];
+}
+
+#include "../lib/collide.h"

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Per pixel: Verlet prediction. Pinned pixels stay; pins.comp moves them.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "over_pixels.glsl"
+#include "../lib/predict.h"
+
+vec3 air_at(vec3 position) {
+  precise vec3 air = params.wind.xyz;
+  for (uint i = 0u; i < kWindWaves; ++i) air = air + gust_at(substeps[constants.substep].waves[i], position);
+  return air;
+}
+
+void main() {
+  uvec2 p = own_pixel();
+  if (!in_image(p)) return;
+  vec4 position = imageLoad(position_image, texel(p));
+  if (position.w == 0.0f) {
+    imageStore(previous_image, texel(p), position);
+    return;
+  }
+  vec3 previous = imageLoad(previous_image, texel(p)).xyz;
+  vec3 carry = imageLoad(carry_image, texel(p)).xyz;
+  vec3 acceleration = vec3(0.0f);
+  if (params.air != 0u) {
+    precise vec3 velocity = ((position.xyz - previous) + carry) * params.inverse_dt;
+    vec3 normal = imageLoad(normal_image, texel(p)).xyz;
+    acceleration = air_acceleration(params, air_at(position.xyz), velocity, normal);
+  }
+  Predicted next = predict(params, position.xyz, previous, carry, acceleration);
+  imageStore(previous_image, texel(p), position);
+  imageStore(position_image, texel(p), vec4(next.position, position.w));
+  imageStore(carry_image, texel(p), vec4(next.carry, 0.0f));
+}

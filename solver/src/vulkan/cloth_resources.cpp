@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vulkan/cloth_resources.h"
+
+#include <algorithm>
+
+#include "vulkan/upload.h"
+
+namespace geocloth::vulkan {
+namespace {
+
+using ImageUsage = vk::ImageUsageFlagBits;
+using BufferUsage = vk::BufferUsageFlagBits;
+
+/// Sampled too, because a renderer may want to; copied from, because files are written.
+constexpr vk::ImageUsageFlags kStateUsage =
+    ImageUsage::eStorage | ImageUsage::eSampled | ImageUsage::eTransferSrc | ImageUsage::eTransferDst;
+constexpr vk::ImageUsageFlags kRestUsage = ImageUsage::eStorage | ImageUsage::eTransferDst;
+
+Image make_image(const std::shared_ptr<const Context>& context, const ClothData& data, vk::ImageUsageFlags usage,
+                 vk::Format format = vk::Format::eR32G32B32A32Sfloat) {
+  return {context, {.format = format, .extent = {data.width, data.height}, .usage = usage}};
+}
+
+Buffer make_buffer(const std::shared_ptr<const Context>& context, size_t bytes) {
+  return {context, bytes, BufferUsage::eStorageBuffer | BufferUsage::eTransferDst, Memory::device};
+}
+
+template <typename T>
+size_t bytes_of(const std::vector<T>& values) {
+  return values.size() * sizeof(T);
+}
+
+/// One multiplier for each spring component of each pixel and one for each seam bend.
+size_t multiplier_bytes(const ClothData& data) {
+  return sizeof(float) * (size_t{shader::kSpringComponents} * data.pixel_count() + data.seam_bends.size());
+}
+
+}  // namespace
+
+ClothResources::ClothResources(const std::shared_ptr<const Context>& context, const ClothData& data,
+                               bool with_multipliers)
+    : width(data.width),
+      height(data.height),
+      split_rows(data.split_rows()),
+      seam_color_offset(data.seam_color_offset),
+      position(make_image(context, data, kStateUsage)),
+      previous(make_image(context, data, kStateUsage)),
+      carry(make_image(context, data, kRestUsage)),
+      normal(make_image(context, data, kStateUsage)),
+      springs{make_image(context, data, kRestUsage), make_image(context, data, kRestUsage),
+              make_image(context, data, kRestUsage)},
+      cell(make_image(context, data, kRestUsage, vk::Format::eR32Uint)),
+      multipliers(make_buffer(context, with_multipliers ? multiplier_bytes(data) : 0)),
+      attachments(make_buffer(context, data.attachments ? sizeof(shader::Attachment) * data.pixel_count() : 0)),
+      seam_bends(make_buffer(context, bytes_of(data.seam_bends))),
+      split_offset(make_buffer(context, bytes_of(data.split_offset))),
+      split_pixel(make_buffer(context, bytes_of(data.split_pixel))),
+      measures(context, sizeof(uint32_t) * shader::kMeasureCount, BufferUsage::eStorageBuffer, Memory::readback),
+      inverse_mass(make_buffer(context, sizeof(float) * data.pixel_count())) {
+  Upload upload(context);
+  upload.to_image(position, std::span(data.position));
+  upload.to_image(previous, std::span(data.position));
+  upload.clear_image(carry);
+  upload.clear_image(normal);
+  for (size_t family = 0; family < springs.size(); ++family)
+    upload.to_image(springs[family], std::span(data.springs[family]));
+  upload.to_image(cell, std::span(data.cell));
+  upload.to_buffer(seam_bends, std::span(data.seam_bends));
+  upload.to_buffer(split_offset, std::span(data.split_offset));
+  upload.to_buffer(split_pixel, std::span(data.split_pixel));
+  upload.run();
+  std::ranges::fill(measures.as<uint32_t>(), 0U);
+}
+
+}  // namespace geocloth::vulkan

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vulkan/frame_slot.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <span>
+
+namespace geocloth::vulkan {
+namespace {
+
+Buffer make_input(const std::shared_ptr<const Context>& context, size_t bytes) {
+  return {context, bytes, vk::BufferUsageFlagBits::eStorageBuffer, Memory::upload};
+}
+
+vk::raii::DescriptorPool make_pool(const Context& context, uint32_t sets) {
+  const std::array<vk::DescriptorPoolSize, 3> sizes{{
+      {vk::DescriptorType::eUniformBuffer, sets * kUniformBuffers},
+      {vk::DescriptorType::eStorageImage, sets * kStorageImages},
+      {vk::DescriptorType::eStorageBuffer, sets * kStorageBuffers},
+  }};
+  return {context.device(), vk::DescriptorPoolCreateInfo{.flags = vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet,
+                                                         .maxSets = sets,
+                                                         .poolSizeCount = sizes.size(),
+                                                         .pPoolSizes = sizes.data()}};
+}
+
+vk::raii::DescriptorSet allocate_set(const Context& context, vk::DescriptorPool pool, vk::DescriptorSetLayout layout) {
+  vk::raii::DescriptorSets sets(
+      context.device(),
+      vk::DescriptorSetAllocateInfo{.descriptorPool = pool, .descriptorSetCount = 1, .pSetLayouts = &layout});
+  return std::move(sets.front());
+}
+
+/// Copies values into a host-visible buffer, which is replaced by one of twice the size or more when it is too small.
+/// @return whether it was replaced
+template <typename T>
+bool fill(const std::shared_ptr<const Context>& context, Buffer& buffer, const std::vector<T>& values) {
+  const size_t bytes = values.size() * sizeof(T);
+  const bool grow = bytes > buffer.size();
+  if (grow) buffer = make_input(context, std::bit_ceil(bytes));
+  std::ranges::copy(std::as_bytes(std::span(values)), buffer.mapped().begin());
+  return grow;
+}
+
+}  // namespace
+
+FrameSlot::FrameSlot(std::shared_ptr<const Context> context, vk::DescriptorSetLayout layout,
+                     const std::vector<ClothResources>& cloths)
+    : context_(std::move(context)),
+      shapes_(make_input(context_, 0)),
+      poses_(make_input(context_, 0)),
+      substeps_(make_input(context_, 0)),
+      pool_(make_pool(*context_, static_cast<uint32_t>(cloths.size()))),
+      commands_(context_) {
+  for (const ClothResources& cloth : cloths) {
+    ClothInputs& inputs =
+        cloths_.emplace_back(ClothInputs{.params = Buffer(context_, sizeof(shader::ClothParams),
+                                                          vk::BufferUsageFlagBits::eUniformBuffer, Memory::upload),
+                                         .pins = make_input(context_, 0),
+                                         .set = allocate_set(*context_, *pool_, layout)});
+    // Enough for the passes that run before the first frame.
+    shader::ClothParams params{};
+    params.width = cloth.width;
+    params.height = cloth.height;
+    inputs.params.as<shader::ClothParams>().front() = params;
+  }
+  write_sets(cloths);
+}
+
+bool FrameSlot::write(const FrameInput& frame, const std::vector<ClothResources>& cloths) {
+  bool grown = fill(context_, shapes_, frame.shapes);
+  grown = fill(context_, poses_, frame.poses) || grown;
+  grown = fill(context_, substeps_, frame.substeps) || grown;
+  for (size_t c = 0; c < cloths_.size(); ++c) {
+    cloths_[c].params.as<shader::ClothParams>().front() = frame.cloths[c].params;
+    grown = fill(context_, cloths_[c].pins, frame.cloths[c].pins) || grown;
+  }
+  if (grown) write_sets(cloths);
+  return grown;
+}
+
+void FrameSlot::write_sets(const std::vector<ClothResources>& cloths) const {
+  using namespace shader;
+  for (size_t c = 0; c < cloths_.size(); ++c) {
+    const ClothResources& cloth = cloths[c];
+    const std::array<const Image*, kStorageImages> images{&cloth.position,   &cloth.previous,   &cloth.carry,
+                                                          &cloth.normal,     &cloth.springs[0], &cloth.springs[1],
+                                                          &cloth.springs[2], &cloth.cell};
+    const std::array<const Buffer*, kStorageBuffers> buffers{
+        &cloth.multipliers, &cloth.attachments, &cloth.seam_bends,  &cloth.split_offset,
+        &cloth.split_pixel, &cloths_[c].pins,   &shapes_,           &poses_,
+        &substeps_,         &cloth.measures,    &cloth.inverse_mass};
+
+    std::array<vk::DescriptorImageInfo, kStorageImages> image_infos;
+    std::array<vk::DescriptorBufferInfo, kUniformBuffers + kStorageBuffers> buffer_infos;
+    std::vector<vk::WriteDescriptorSet> writes;
+    const auto add_buffer = [&](uint32_t binding, const Buffer& buffer, vk::DescriptorBufferInfo& info) {
+      info = vk::DescriptorBufferInfo{.buffer = buffer.handle(), .range = VK_WHOLE_SIZE};
+      writes.push_back({.dstSet = *cloths_[c].set,
+                        .dstBinding = binding,
+                        .descriptorCount = 1,
+                        .descriptorType = descriptor_type(binding),
+                        .pBufferInfo = &info});
+    };
+    add_buffer(kBindingParams, cloths_[c].params, buffer_infos.back());
+    for (uint32_t i = 0; i < kStorageBuffers; ++i) add_buffer(kBindingMultipliers + i, *buffers[i], buffer_infos[i]);
+    for (uint32_t i = 0; i < kStorageImages; ++i) {
+      image_infos[i] =
+          vk::DescriptorImageInfo{.imageView = images[i]->view(), .imageLayout = vk::ImageLayout::eGeneral};
+      writes.push_back({.dstSet = *cloths_[c].set,
+                        .dstBinding = kBindingPosition + i,
+                        .descriptorCount = 1,
+                        .descriptorType = vk::DescriptorType::eStorageImage,
+                        .pImageInfo = &image_infos[i]});
+    }
+    context_->device().updateDescriptorSets(writes, {});
+  }
+}
+
+}  // namespace geocloth::vulkan

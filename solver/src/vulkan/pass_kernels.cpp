@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vulkan/pass_kernels.h"
+
+#include <span>
+
+#include "check_colliders_comp.h"
+#include "check_copies_comp.h"
+#include "collide_comp.h"
+#include "inverse_mass_comp.h"
+#include "lib/spring_groups.h"
+#include "limit_comp.h"
+#include "normals_comp.h"
+#include "normals_stitch_comp.h"
+#include "pins_comp.h"
+#include "predict_comp.h"
+#include "seam_bends_comp.h"
+#include "shared/workgroup.h"
+#include "springs_comp.h"
+#include "stitch_comp.h"
+
+namespace geocloth::vulkan {
+namespace {
+
+std::span<const uint32_t> spirv(Pass pass) {
+  switch (pass) {
+    case Pass::normals:
+      return normals_comp;
+    case Pass::normals_stitch:
+      return normals_stitch_comp;
+    case Pass::predict:
+      return predict_comp;
+    case Pass::pins:
+      return pins_comp;
+    case Pass::structural:
+    case Pass::shear:
+    case Pass::bending:
+      return springs_comp;
+    case Pass::seam_bends:
+      return seam_bends_comp;
+    case Pass::stitch:
+      return stitch_comp;
+    case Pass::limit:
+      return limit_comp;
+    case Pass::collide:
+      return collide_comp;
+    case Pass::check_copies:
+      return check_copies_comp;
+    case Pass::check_colliders:
+      return check_colliders_comp;
+  }
+  return {};
+}
+
+/// springs.comp's specialization constant: which family's image it reads.
+uint32_t family(Pass pass) {
+  return pass == Pass::shear ? 1 : pass == Pass::bending ? 2 : 0;
+}
+
+std::vector<Kernel> make_kernels(const std::shared_ptr<const Context>& context, vk::PipelineLayout layout) {
+  std::vector<Kernel> kernels;
+  for (const PassInfo& pass : kPasses) {
+    const std::array<uint32_t, 1> specialization{family(pass.pass)};
+    kernels.emplace_back(context, spirv(pass.pass), layout, specialization);
+  }
+  return kernels;
+}
+
+vk::raii::DescriptorSetLayout make_set_layout(const Context& context) {
+  std::vector<vk::DescriptorSetLayoutBinding> bindings;
+  for (uint32_t binding = 0; binding < kUniformBuffers + kStorageImages + kStorageBuffers; ++binding)
+    bindings.push_back({.binding = binding,
+                        .descriptorType = descriptor_type(binding),
+                        .descriptorCount = 1,
+                        .stageFlags = vk::ShaderStageFlagBits::eCompute});
+  return {context.device(), vk::DescriptorSetLayoutCreateInfo{.bindingCount = static_cast<uint32_t>(bindings.size()),
+                                                              .pBindings = bindings.data()}};
+}
+
+vk::raii::PipelineLayout make_pipeline_layout(const Context& context, vk::DescriptorSetLayout set) {
+  const vk::PushConstantRange constants{.stageFlags = vk::ShaderStageFlagBits::eCompute,
+                                        .size = sizeof(shader::PassConstants)};
+  return {
+      context.device(),
+      vk::PipelineLayoutCreateInfo{
+          .setLayoutCount = 1, .pSetLayouts = &set, .pushConstantRangeCount = 1, .pPushConstantRanges = &constants}};
+}
+
+constexpr uint32_t groups(uint32_t count, uint32_t size) {
+  return (count + size - 1) / size;
+}
+
+/// Number of entries of a pass that runs over a list.
+uint32_t list_count(const ClothResources& cloth, const PassStep& step, uint32_t pins) {
+  if (step.pass == Pass::pins) return pins;
+  if (step.pass == Pass::seam_bends)
+    return cloth.seam_color_offset[step.group + 1] - cloth.seam_color_offset[step.group];
+  return cloth.split_rows;
+}
+
+}  // namespace
+
+vk::DescriptorType descriptor_type(uint32_t binding) {
+  if (binding == shader::kBindingParams) return vk::DescriptorType::eUniformBuffer;
+  if (binding <= shader::kBindingCell) return vk::DescriptorType::eStorageImage;
+  return vk::DescriptorType::eStorageBuffer;
+}
+
+PassKernels::PassKernels(std::shared_ptr<const Context> context)
+    : context_(std::move(context)),
+      set_layout_(make_set_layout(*context_)),
+      pipeline_layout_(make_pipeline_layout(*context_, *set_layout_)),
+      kernels_(make_kernels(context_, *pipeline_layout_)),
+      inverse_mass_(context_, inverse_mass_comp, *pipeline_layout_) {}
+
+void PassKernels::bind(const vk::raii::CommandBuffer& commands, vk::DescriptorSet set) const {
+  commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *pipeline_layout_, 0, set, {});
+}
+
+void PassKernels::run(const vk::raii::CommandBuffer& commands, const Kernel& kernel,
+                      const shader::PassConstants& constants, uint32_t groups_x, uint32_t groups_y) const {
+  commands.bindPipeline(vk::PipelineBindPoint::eCompute, kernel.handle());
+  commands.pushConstants<shader::PassConstants>(*pipeline_layout_, vk::ShaderStageFlagBits::eCompute, 0, constants);
+  commands.dispatch(groups_x, groups_y, 1);
+}
+
+void PassKernels::dispatch(const vk::raii::CommandBuffer& commands, const ClothResources& cloth, const PassStep& step,
+                           uint32_t substep, uint32_t relaxation_steps, uint32_t pins) const {
+  const Kernel& kernel = kernels_[static_cast<size_t>(step.pass)];
+  shader::PassConstants constants{.substep = substep,
+                                  .group = step.group,
+                                  .first = 0,
+                                  .count = 0,
+                                  .read_multiplier = step.relaxation > 0 ? 1U : 0U,
+                                  .write_multiplier = step.relaxation + 1 < relaxation_steps ? 1U : 0U};
+  const auto over_pixels = [&](shader::uvec2 size) {
+    run(commands, kernel, constants, groups(size.x, shader::kGroupSide), groups(size.y, shader::kGroupSide));
+  };
+  switch (step.pass) {
+    case Pass::structural:
+    case Pass::shear:
+    case Pass::bending:
+      return over_pixels(shader::group_extent(step.group, cloth.width, cloth.height));
+    case Pass::normals:
+    case Pass::predict:
+    case Pass::limit:
+    case Pass::collide:
+    case Pass::check_colliders:
+      return over_pixels({cloth.width, cloth.height});
+    case Pass::seam_bends:
+      constants.first = cloth.seam_color_offset[step.group];
+      break;
+    case Pass::normals_stitch:
+    case Pass::pins:
+    case Pass::stitch:
+    case Pass::check_copies:
+      break;
+  }
+  constants.count = list_count(cloth, step, pins);
+  if (constants.count == 0) return;
+  const uint32_t row = std::min(constants.count, shader::kListRow);
+  run(commands, kernel, constants, groups(row, shader::kGroupLine), groups(constants.count, shader::kListRow));
+}
+
+void PassKernels::dispatch_inverse_mass(const vk::raii::CommandBuffer& commands, const ClothResources& cloth) const {
+  run(commands, inverse_mass_, {}, groups(cloth.width, shader::kGroupSide), groups(cloth.height, shader::kGroupSide));
+}
+
+}  // namespace geocloth::vulkan

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "pass.h"
+#include "shared/layout.h"
+#include "vulkan/cloth_resources.h"
+#include "vulkan/kernel.h"
+
+namespace geocloth::vulkan {
+
+/// Pipelines of all passes. They share one descriptor set layout (the bindings of shared/layout.h) and one block of
+/// push constants, so that a pass is a pipeline, constants and a size.
+class PassKernels {
+ public:
+  explicit PassKernels(std::shared_ptr<const Context> context);
+
+  [[nodiscard]] vk::DescriptorSetLayout set_layout() const { return *set_layout_; }
+
+  /// Binds a cloth's descriptor set for the dispatches that follow.
+  void bind(const vk::raii::CommandBuffer& commands, vk::DescriptorSet set) const;
+
+  /// Records one step of a schedule. @param pins  pinned pixels of the cloth in this frame
+  void dispatch(const vk::raii::CommandBuffer& commands, const ClothResources& cloth, const PassStep& step,
+                uint32_t substep, uint32_t relaxation_steps, uint32_t pins) const;
+
+  /// Writes ClothResources::inverse_mass into the w of the positions.
+  void dispatch_inverse_mass(const vk::raii::CommandBuffer& commands, const ClothResources& cloth) const;
+
+ private:
+  void run(const vk::raii::CommandBuffer& commands, const Kernel& kernel, const shader::PassConstants& constants,
+           uint32_t groups_x, uint32_t groups_y) const;
+
+  std::shared_ptr<const Context> context_;
+  vk::raii::DescriptorSetLayout set_layout_;
+  vk::raii::PipelineLayout pipeline_layout_;
+  std::vector<Kernel> kernels_;  ///< by Pass
+  Kernel inverse_mass_;
+};
+
+/// Descriptors of each type that one set takes.
+inline constexpr uint32_t kUniformBuffers = 1;
+inline constexpr uint32_t kStorageImages = shader::kBindingCell - shader::kBindingPosition + 1;
+inline constexpr uint32_t kStorageBuffers = shader::kBindingInverseMass - shader::kBindingMultipliers + 1;
+[[nodiscard]] vk::DescriptorType descriptor_type(uint32_t binding);
+
+}  // namespace geocloth::vulkan

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vulkan/upload.h"
+
+#include <algorithm>
+
+namespace geocloth::vulkan {
+namespace {
+
+using Access = vk::AccessFlagBits;
+using Stage = vk::PipelineStageFlagBits;
+
+}  // namespace
+
+Upload::Upload(std::shared_ptr<const Context> context) : context_(std::move(context)), commands_(context_) {
+  commands_.begin();
+  // What is overwritten may still be in use by work that was submitted before.
+  memory_barrier(commands_.buffer(), Stage::eAllCommands, Access::eMemoryRead | Access::eMemoryWrite, Stage::eTransfer,
+                 Access::eTransferWrite);
+}
+
+const Buffer& Upload::stage(std::span<const std::byte> bytes) {
+  const Buffer& staging =
+      staging_.emplace_back(context_, bytes.size(), vk::BufferUsageFlagBits::eTransferSrc, Memory::upload);
+  std::ranges::copy(bytes, staging.mapped().begin());
+  return staging;
+}
+
+void Upload::to_general_layout(const Image& image) {
+  const vk::ImageMemoryBarrier barrier{.srcAccessMask = {},
+                                       .dstAccessMask = Access::eTransferWrite,
+                                       .oldLayout = vk::ImageLayout::eUndefined,
+                                       .newLayout = vk::ImageLayout::eGeneral,
+                                       .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+                                       .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+                                       .image = image.handle(),
+                                       .subresourceRange = image.range()};
+  commands_.buffer().pipelineBarrier(Stage::eTransfer, Stage::eTransfer, {}, {}, {}, barrier);
+}
+
+void Upload::copy_to_image(const Image& image, std::span<const std::byte> bytes) {
+  to_general_layout(image);
+  commands_.buffer().copyBufferToImage(stage(bytes).handle(), image.handle(), vk::ImageLayout::eGeneral,
+                                       image.whole_copy());
+}
+
+void Upload::clear_image(const Image& image) {
+  to_general_layout(image);
+  commands_.buffer().clearColorImage(image.handle(), vk::ImageLayout::eGeneral, vk::ClearColorValue{}, image.range());
+}
+
+void Upload::copy_to_buffer(const Buffer& buffer, std::span<const std::byte> bytes) {
+  if (bytes.empty()) return;
+  commands_.buffer().copyBuffer(stage(bytes).handle(), buffer.handle(), vk::BufferCopy{.size = bytes.size()});
+}
+
+void Upload::run() {
+  memory_barrier(commands_.buffer(), Stage::eTransfer, Access::eTransferWrite, Stage::eAllCommands,
+                 Access::eMemoryRead | Access::eMemoryWrite);
+  commands_.end();
+  commands_.submit();
+  commands_.wait();
+}
+
+void read_image(const std::shared_ptr<const Context>& context, const Image& image, std::span<std::byte> out) {
+  const Buffer staging(context, out.size(), vk::BufferUsageFlagBits::eTransferDst, Memory::readback);
+  run_once(context, [&](const vk::raii::CommandBuffer& commands) {
+    memory_barrier(commands, Stage::eAllCommands, Access::eMemoryWrite, Stage::eTransfer, Access::eTransferRead);
+    commands.copyImageToBuffer(image.handle(), vk::ImageLayout::eGeneral, staging.handle(), image.whole_copy());
+    memory_barrier(commands, Stage::eTransfer, Access::eTransferWrite, Stage::eHost, Access::eHostRead);
+  });
+  std::ranges::copy(staging.mapped().first(out.size()), out.begin());
+}
+
+}  // namespace geocloth::vulkan

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "vulkan/buffer.h"
+#include "vulkan/commands.h"
+#include "vulkan/image.h"
+
+namespace geocloth::vulkan {
+
+/// Copies host data to the device: collects copies, then runs them all and waits.
+class Upload {
+ public:
+  explicit Upload(std::shared_ptr<const Context> context);
+
+  /// Fills an image; afterwards it is in the general layout, whatever it was before.
+  template <typename T>
+  void to_image(const Image& image, std::span<const T> texels) {
+    copy_to_image(image, std::as_bytes(texels));
+  }
+  void clear_image(const Image& image);
+  template <typename T>
+  void to_buffer(const Buffer& buffer, std::span<const T> values) {
+    copy_to_buffer(buffer, std::as_bytes(values));
+  }
+  void run();
+
+ private:
+  void copy_to_image(const Image& image, std::span<const std::byte> bytes);
+  void copy_to_buffer(const Buffer& buffer, std::span<const std::byte> bytes);
+  void to_general_layout(const Image& image);
+  const Buffer& stage(std::span<const std::byte> bytes);
+
+  std::shared_ptr<const Context> context_;
+  std::vector<Buffer> staging_;  // before the commands, which wait for their end in their destructor
+  Commands commands_;
+};
+
+/// Waits for all work on the queue and copies an image in the general layout to host memory.
+void read_image(const std::shared_ptr<const Context>& context, const Image& image, std::span<std::byte> out);
+
+}  // namespace geocloth::vulkan

@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: Apache-2.0
+// A frame is one command buffer: every step of the pass list is a dispatch for each cloth, then a barrier. All that
+// changes from frame to frame lies in buffers, so the commands are recorded once and submitted again until the pass
+// list itself changes. Two frames may be under way, each with its own inputs: the host writes one while the device runs
+// the other and never waits inside a frame.
+#include "vulkan/vulkan_backend.h"
+
+#include <algorithm>
+#include <bit>
+#include <numeric>
+
+#include "vulkan/upload.h"
+
+namespace geocloth::vulkan {
+namespace {
+
+using Access = vk::AccessFlagBits;
+using Stage = vk::PipelineStageFlagBits;
+
+constexpr size_t kSlots = 2;
+
+/// One dispatch.
+struct Item {
+  size_t cloth;
+  PassStep step;
+  uint32_t substep;
+};
+/// Dispatches that need no barrier between them.
+using Batch = std::vector<Item>;
+
+/// The cloths' schedules side by side: entry k of every cloth in batch k.
+void add_side_by_side(std::vector<Batch>& batches, const std::vector<std::vector<PassStep>>& schedules,
+                      uint32_t substep) {
+  const size_t first = batches.size();
+  for (size_t c = 0; c < schedules.size(); ++c) {
+    if (batches.size() < first + schedules[c].size()) batches.resize(first + schedules[c].size());
+    for (size_t k = 0; k < schedules[c].size(); ++k) batches[first + k].push_back({c, schedules[c][k], substep});
+  }
+}
+
+/// The same one after another, so that each can be timed.
+std::vector<Batch> one_by_one(const std::vector<Batch>& batches) {
+  std::vector<Batch> result;
+  for (const Batch& batch : batches)
+    for (const Item& item : batch) result.push_back({item});
+  return result;
+}
+
+std::vector<Batch> frame_batches(const std::vector<ScheduleOptions>& schedules, uint32_t substeps) {
+  const auto each = [&](auto schedule) {
+    std::vector<std::vector<PassStep>> result;
+    for (const ScheduleOptions& options : schedules) result.push_back(schedule(options));
+    return result;
+  };
+  std::vector<Batch> batches;
+  for (uint32_t s = 0; s < substeps; ++s) add_side_by_side(batches, each(substep_schedule), s);
+  add_side_by_side(batches, each(frame_schedule), 0);
+  return batches;
+}
+
+/// Work of others on the queue, a renderer's for instance, is done with the images; see vulkan_interop.h.
+void begin_barrier(const vk::raii::CommandBuffer& commands) {
+  memory_barrier(commands, Stage::eAllCommands, Access::eMemoryRead | Access::eMemoryWrite, Stage::eComputeShader,
+                 Access::eShaderRead | Access::eShaderWrite);
+}
+
+void pass_barrier(const vk::raii::CommandBuffer& commands) {
+  memory_barrier(commands, Stage::eComputeShader, Access::eShaderWrite, Stage::eComputeShader,
+                 Access::eShaderRead | Access::eShaderWrite);
+}
+
+/// Everybody may use the images now, and the host may read the measures once the fence is signalled.
+void end_barrier(const vk::raii::CommandBuffer& commands) {
+  memory_barrier(commands, Stage::eComputeShader, Access::eShaderWrite, Stage::eAllCommands | Stage::eHost,
+                 Access::eMemoryRead | Access::eMemoryWrite | Access::eHostRead);
+}
+
+/// Frees what is on the device; the sizes and flags that a schedule depends on stay.
+void drop_uploaded(ClothData& cloth) {
+  cloth.position = {};
+  cloth.springs = {};
+  cloth.cell = {};
+  cloth.seam_bends = {};
+  cloth.split_pixel = {};
+}
+
+}  // namespace
+
+VulkanBackend::VulkanBackend(std::shared_ptr<const Context> context, SimulationData data)
+    : context_(std::move(context)), data_(std::move(data)), kernels_(context_) {
+  cloths_.reserve(data_.cloths.size());
+  for (ClothData& cloth : data_.cloths) {
+    cloths_.emplace_back(context_, cloth, data_.relaxation_steps > 1);
+    drop_uploaded(cloth);
+  }
+  for (size_t i = 0; i < kSlots; ++i) slots_.push_back(std::make_unique<Slot>(context_, kernels_, cloths_));
+  std::vector<uint32_t> all(cloths_.size());
+  std::iota(all.begin(), all.end(), 0U);
+  compute_normals(all);
+}
+
+VulkanBackend::Recipe VulkanBackend::recipe_of(const FrameInput& frame) const {
+  Recipe recipe;
+  for (uint32_t c = 0; c < cloths_.size(); ++c) {
+    recipe.schedules.push_back(schedule_options(data_, c, frame));
+    recipe.pins.push_back(static_cast<uint32_t>(frame.cloths[c].pins.size()));
+  }
+  return recipe;
+}
+
+void VulkanBackend::run_frame(const FrameInput& frame) {
+  guarded("run a frame", [&] {
+    for (uint32_t c = 0; c < cloths_.size(); ++c)
+      if (frame.cloths[c].pins_changed) change_pins(c, frame.cloths[c]);
+    Slot& slot = *slots_[next_slot_];
+    next_slot_ = (next_slot_ + 1) % kSlots;
+    finish(slot);
+    const bool sets_changed = slot.frame.write(frame, cloths_);
+    Recipe recipe = recipe_of(frame);
+    if (sets_changed || recipe != slot.recipe) {
+      slot.recipe = std::move(recipe);
+      record(slot);
+    }
+    slot.frame.commands().submit();
+    slot.timed = data_.timings;
+  });
+}
+
+void VulkanBackend::record(Slot& slot) {
+  std::vector<Batch> batches = frame_batches(slot.recipe.schedules, data_.substeps);
+  if (data_.timings) batches = one_by_one(batches);
+  const vk::raii::CommandBuffer& commands = slot.frame.commands().begin();
+  begin_barrier(commands);
+  if (data_.timings) slot.timer.begin(commands, batches.size());
+  for (const Batch& batch : batches) {
+    for (const Item& item : batch) {
+      kernels_.bind(commands, slot.frame.set(item.cloth));
+      kernels_.dispatch(commands, cloths_[item.cloth], item.step, item.substep, data_.relaxation_steps,
+                        slot.recipe.pins[item.cloth]);
+    }
+    pass_barrier(commands);
+    if (data_.timings) slot.timer.mark(commands, batch.front().step.pass);
+  }
+  end_barrier(commands);
+  slot.frame.commands().end();
+}
+
+void VulkanBackend::finish(Slot& slot) {
+  slot.frame.commands().wait();
+  if (slot.timed) slot.timer.collect(seconds_);
+  slot.timed = false;
+}
+
+void VulkanBackend::wait() {
+  guarded("finish a frame", [&] {
+    for (const std::unique_ptr<Slot>& slot : slots_) finish(*slot);
+  });
+}
+
+void VulkanBackend::change_pins(uint32_t cloth, const ClothFrame& frame) {
+  wait();
+  Upload upload(context_);
+  upload.to_buffer(cloths_[cloth].inverse_mass, std::span(frame.inverse_mass));
+  upload.to_buffer(cloths_[cloth].attachments, std::span(frame.attachments));
+  upload.run();
+  run_once(context_, [&](const vk::raii::CommandBuffer& commands) {
+    begin_barrier(commands);
+    kernels_.bind(commands, slots_.front()->frame.set(cloth));
+    kernels_.dispatch_inverse_mass(commands, cloths_[cloth]);
+    end_barrier(commands);
+  });
+}
+
+void VulkanBackend::compute_normals(const std::vector<uint32_t>& cloths) {
+  run_once(context_, [&](const vk::raii::CommandBuffer& commands) {
+    begin_barrier(commands);
+    for (const uint32_t c : cloths) {
+      kernels_.bind(commands, slots_.front()->frame.set(c));
+      for (const PassStep& step : frame_schedule({.splits = cloths_[c].split_rows > 0})) {
+        kernels_.dispatch(commands, cloths_[c], step, 0, 1, 0);
+        pass_barrier(commands);
+      }
+    }
+    end_barrier(commands);
+  });
+}
+
+void VulkanBackend::read(const Image& image, std::vector<shader::vec4>& out) const {
+  out.resize(size_t{image.extent().width} * image.extent().height);
+  read_image(context_, image, std::as_writable_bytes(std::span(out)));
+}
+
+void VulkanBackend::read_positions(uint32_t cloth, std::vector<shader::vec4>& out) {
+  guarded("read positions back", [&] { read(cloths_[cloth].position, out); });
+}
+
+void VulkanBackend::read_previous(uint32_t cloth, std::vector<shader::vec4>& out) {
+  guarded("read positions back", [&] { read(cloths_[cloth].previous, out); });
+}
+
+void VulkanBackend::read_normals(uint32_t cloth, std::vector<shader::vec4>& out) {
+  guarded("read normals back", [&] { read(cloths_[cloth].normal, out); });
+}
+
+void VulkanBackend::write_state(uint32_t cloth, std::span<const shader::vec4> position,
+                                std::span<const shader::vec4> previous) {
+  guarded("write a state", [&] {
+    wait();
+    Upload upload(context_);
+    upload.to_image(cloths_[cloth].position, position);
+    upload.to_image(cloths_[cloth].previous, previous);
+    upload.clear_image(cloths_[cloth].carry);
+    upload.run();
+    compute_normals({cloth});
+  });
+}
+
+void VulkanBackend::fill_statistics(SolverStatistics& statistics) {
+  wait();
+  statistics.backend = to_string(Backend::vulkan);
+  statistics.device = context_->info().name;
+  statistics.path = "plain";
+  statistics.threads = 1;
+  for (const PassInfo& pass : kPasses) {
+    const double seconds = seconds_[static_cast<size_t>(pass.pass)];
+    if (seconds > 0) statistics.passes.push_back({std::string(pass.name), seconds});
+  }
+  for (const ClothResources& cloth : cloths_) {
+    const std::span<const uint32_t> measures = cloth.measures.as<uint32_t>();
+    const auto measure = [&](uint32_t i) { return double{std::bit_cast<float>(measures[i])}; };
+    statistics.copy_gap = std::max(statistics.copy_gap, measure(shader::kMeasureCopyGap));
+    statistics.penetration = std::max(statistics.penetration, measure(shader::kMeasurePenetration));
+  }
+}
+
+std::unique_ptr<SolverBackend> make_backend(std::shared_ptr<const Context> context, SimulationData data) {
+  return guarded("set up the solver",
+                 [&] { return std::make_unique<VulkanBackend>(std::move(context), std::move(data)); });
+}
+
+}  // namespace geocloth::vulkan
+
+namespace geocloth {
+
+std::unique_ptr<SolverBackend> make_vulkan_backend(SimulationData data, const std::string& device) {
+  return vulkan::make_backend(std::make_shared<vulkan::Context>(vulkan::DeviceWish{.name = device}), std::move(data));
+}
+
+}  // namespace geocloth

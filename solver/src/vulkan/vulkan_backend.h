@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "backend.h"
+#include "vulkan/cloth_resources.h"
+#include "vulkan/frame_slot.h"
+#include "vulkan/pass_kernels.h"
+#include "vulkan/pass_timer.h"
+
+namespace geocloth::vulkan {
+
+/// The passes as compute dispatches, one for each group of springs: the path that every device can run.
+class VulkanBackend final : public SolverBackend {
+ public:
+  VulkanBackend(std::shared_ptr<const Context> context, SimulationData data);
+
+  void run_frame(const FrameInput& frame) override;
+  void wait() override;
+  void read_positions(uint32_t cloth, std::vector<shader::vec4>& out) override;
+  void read_previous(uint32_t cloth, std::vector<shader::vec4>& out) override;
+  void read_normals(uint32_t cloth, std::vector<shader::vec4>& out) override;
+  void write_state(uint32_t cloth, std::span<const shader::vec4> position,
+                   std::span<const shader::vec4> previous) override;
+  void fill_statistics(SolverStatistics& statistics) override;
+
+  [[nodiscard]] const Context& context() const { return *context_; }
+  [[nodiscard]] const ClothResources& cloth(uint32_t index) const { return cloths_[index]; }
+
+ private:
+  /// What recorded commands depend on besides the contents of buffers.
+  struct Recipe {
+    std::vector<ScheduleOptions> schedules;  ///< of each cloth
+    std::vector<uint32_t> pins;              ///< of each cloth
+    bool operator==(const Recipe&) const = default;
+  };
+  struct Slot {
+    Slot(const std::shared_ptr<const Context>& context, const PassKernels& kernels,
+         const std::vector<ClothResources>& cloths)
+        : frame(context, kernels.set_layout(), cloths), timer(context) {}
+    FrameSlot frame;
+    PassTimer timer;
+    Recipe recipe;
+    bool timed = false;  ///< its last frame's times are still to be collected
+  };
+
+  [[nodiscard]] Recipe recipe_of(const FrameInput& frame) const;
+  void record(Slot& slot);
+  void compute_normals(const std::vector<uint32_t>& cloths);
+  void change_pins(uint32_t cloth, const ClothFrame& frame);
+  void finish(Slot& slot);
+  void read(const Image& image, std::vector<shader::vec4>& out) const;
+
+  std::shared_ptr<const Context> context_;
+  SimulationData data_;  ///< without the arrays that are on the device
+  PassKernels kernels_;
+  std::vector<ClothResources> cloths_;
+  std::vector<std::unique_ptr<Slot>> slots_;
+  size_t next_slot_ = 0;
+  PassSeconds seconds_{};
+};
+
+/// On a given device, e.g. an application's.
+[[nodiscard]] std::unique_ptr<SolverBackend> make_backend(std::shared_ptr<const Context> context, SimulationData data);
+
+}  // namespace geocloth::vulkan
