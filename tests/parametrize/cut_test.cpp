@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "geocloth/parametrize/cut.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "parametrize/clean_surfaces.h"
+
+namespace geocloth {
+namespace {
+
+struct Case {
+  const char* name;
+  CleanSurface surface;
+};
+void PrintTo(const Case& c, std::ostream* out) {
+  *out << c.name;
+}
+
+std::vector<Case> cases() {
+  return {{"disk", test::disk(9, 7)},
+          {"cylinder", test::cylinder(16, 9)},
+          {"torus", test::torus(12, 16)},
+          {"coarse_torus", test::torus(3, 3)},
+          {"sphere", test::sphere(12, 8)},
+          {"tetrahedron", test::tetrahedron()},
+          {"single_triangle", test::single_triangle()},
+          {"moebius", test::moebius(24, 5)},
+          {"sheet_with_flap", test::sheet_with_flap(9, 7)},
+          {"cylinder_with_belt", test::cylinder_with_belt(16, 9)},
+          {"touching_spheres", test::touching_spheres()},
+          {"holes", test::sheet_with_holes(3, 2, false)},
+          {"touching_holes", test::sheet_with_holes(4, 4, true)},
+          {"shirt", test::shirt(6)}};
+}
+
+class Cut : public ::testing::TestWithParam<Case> {};
+
+std::vector<Triangle> over_points(const std::vector<Triangle>& triangle, const std::vector<uint32_t>& point) {
+  std::vector<Triangle> result;
+  for (const auto& [a, b, c] : triangle) result.push_back({point[a], point[b], point[c]});
+  return result;
+}
+
+// Every part must be laid out in the plane as one piece without holes.
+TEST_P(Cut, EveryComponentIsADisk) {
+  const CutSurface cut = cut_to_disks(GetParam().surface);
+  ASSERT_EQ(cut.triangle.size(), GetParam().surface.triangle.size());
+  std::vector<std::vector<Triangle>> part(cut.component_count);
+  for (size_t t = 0; t < cut.triangle.size(); ++t) part[cut.component[t]].push_back(cut.triangle[t]);
+  for (const auto& triangles : part) {
+    const Topology topology = measure_topology(triangles, static_cast<uint32_t>(cut.position.size()));
+    EXPECT_EQ(topology.components, 1U);
+    EXPECT_EQ(topology.boundary_loops, 1U);
+    EXPECT_EQ(topology.euler_characteristic, 1);
+    EXPECT_EQ(topology.bow_tie_vertices, 0U);
+    EXPECT_EQ(topology.inconsistent_edges, 0U);
+    EXPECT_TRUE(topology.orientable);
+  }
+}
+
+// The pieces sewn together again by their points are the surface we began with.
+TEST_P(Cut, PointsSewItTogetherAgain) {
+  const CleanSurface& surface = GetParam().surface;
+  const CutSurface cut = cut_to_disks(surface);
+  EXPECT_EQ(over_points(cut.triangle, cut.point), over_points(surface.triangle, surface.point));
+  for (size_t v = 0; v < cut.position.size(); ++v) {
+    EXPECT_EQ(cut.position[v], surface.position[cut.clean_vertex[v]]);
+    EXPECT_EQ(cut.point[v], surface.point[cut.clean_vertex[v]]);
+  }
+}
+
+// A tie in the middle of a chart could not be told to the solver: ties must lie on outlines.
+TEST_P(Cut, TiesLieOnOutlines) {
+  const CutSurface cut = cut_to_disks(GetParam().surface);
+  std::vector<char> on_outline(cut.position.size(), 0);
+  std::set<std::pair<uint32_t, uint32_t>> outline_edge;
+  for (const Outline& outline : trace_outlines(cut)) {
+    for (const OutlinePath& path : outline.path) {
+      for (size_t i = 0; i + 1 < path.vertex.size(); ++i) {
+        on_outline[path.vertex[i]] = on_outline[path.vertex[i + 1]] = 1;
+        outline_edge.insert(std::minmax(path.vertex[i], path.vertex[i + 1]));
+      }
+    }
+  }
+  std::vector<uint32_t> copies(cut.point_count, 0);
+  for (const uint32_t p : cut.point) ++copies[p];
+  for (size_t v = 0; v < cut.point.size(); ++v) {
+    EXPECT_TRUE(copies[cut.point[v]] == 1 || on_outline[v]) << "vertex " << v;
+  }
+  std::map<std::pair<uint32_t, uint32_t>, std::set<std::pair<uint32_t, uint32_t>>> edges_over;
+  for (const Triangle& t : cut.triangle) {
+    for (size_t i = 0; i < 3; ++i) {
+      const uint32_t a = t[i], b = t[(i + 1) % 3];
+      edges_over[std::minmax(cut.point[a], cut.point[b])].insert(std::minmax(a, b));
+    }
+  }
+  for (const auto& [points, edges] : edges_over) {
+    if (edges.size() == 1) continue;
+    for (const auto& edge : edges) EXPECT_TRUE(outline_edge.contains(edge));
+  }
+}
+
+// Both sides of a seam are sewn pixel by pixel: they must agree about its points, direction and length.
+TEST_P(Cut, RunsOfASeamAgree) {
+  const CutSurface cut = cut_to_disks(GetParam().surface);
+  std::map<uint32_t, std::pair<std::vector<uint32_t>, double>> seam;
+  size_t outline_edges = 0, border_edges = 0;
+  for (const Outline& outline : trace_outlines(cut)) {
+    ASSERT_FALSE(outline.path.empty());
+    for (size_t i = 0; i < outline.path.size(); ++i) {
+      const OutlinePath& path = outline.path[i];
+      EXPECT_EQ(path.vertex.back(), outline.path[(i + 1) % outline.path.size()].vertex.front());
+      std::vector<uint32_t> points;
+      for (const uint32_t v : path.vertex) points.push_back(cut.point[v]);
+      outline_edges += points.size() - 1;
+      if (path.reversed) std::reverse(points.begin(), points.end());
+      const auto& known = seam.try_emplace(path.seam, points, path.length).first->second;
+      EXPECT_EQ(known.first, points);
+      EXPECT_EQ(known.second, path.length);
+    }
+  }
+  std::map<std::pair<uint32_t, uint32_t>, int> sides;
+  for (const Triangle& t : cut.triangle) {
+    for (size_t i = 0; i < 3; ++i) ++sides[std::minmax(t[i], t[(i + 1) % 3])];
+  }
+  for (const auto& [edge, count] : sides) border_edges += count == 1 ? 1 : 0;
+  EXPECT_EQ(outline_edges, border_edges);
+  std::map<uint32_t, std::set<uint32_t>> seams_through;  // inner points of seams
+  for (const auto& [number, run] : seam) {
+    for (size_t i = 1; i + 1 < run.first.size(); ++i) seams_through[run.first[i]].insert(number);
+  }
+  for (const auto& [point, numbers] : seams_through) EXPECT_EQ(numbers.size(), 1U) << "point " << point;
+}
+
+TEST_P(Cut, IsDeterministic) {
+  const CutSurface a = cut_to_disks(GetParam().surface), b = cut_to_disks(GetParam().surface);
+  EXPECT_EQ(a.triangle, b.triangle);
+  EXPECT_EQ(a.clean_vertex, b.clean_vertex);
+}
+
+INSTANTIATE_TEST_SUITE_P(Surfaces, Cut, ::testing::ValuesIn(cases()),
+                         [](const auto& test) { return std::string(test.param.name); });
+
+double cut_length(const CutSurface& cut) {
+  std::map<uint32_t, int> runs;
+  std::map<uint32_t, double> length;
+  for (const Outline& outline : trace_outlines(cut)) {
+    for (const OutlinePath& path : outline.path) {
+      ++runs[path.seam];
+      length[path.seam] = path.length;
+    }
+  }
+  double sum = 0;
+  for (const auto& [seam, count] : runs) sum += count > 1 ? length[seam] : 0;
+  return sum;
+}
+
+// A serrated seam is longer than it need be and shows: a tube is cut along a straight line.
+TEST(CutLength, TubeIsCutStraight) {
+  EXPECT_NEAR(cut_length(cut_to_disks(test::cylinder(40, 21, 1, 2))), 2.0, 1e-9);
+}
+
+// A torus opens along one circle around the tube and one along it.
+TEST(CutLength, TorusIsCutAlongTwoShortLoops) {
+  const double length = cut_length(cut_to_disks(test::torus(24, 48)));
+  EXPECT_LT(length, 6.283 + 6.283 + 1.0);
+}
+
+TEST(CutOptions, ExtraEdgesAreCut) {
+  const CleanSurface surface = test::disk(9, 9);
+  CutOptions options;
+  options.extra_edges = {{40, 41}, {41, 42}, {42, 43}, {43, 44}};
+  const CutSurface cut = cut_to_disks(surface, options);
+  EXPECT_EQ(std::count(cut.clean_vertex.begin(), cut.clean_vertex.end(), 42U), 2);
+}
+
+TEST(CutOptions, AnEdgeThatDoesNotExistIsRefused) {
+  CutOptions options;
+  options.extra_edges = {{0, 80}};
+  EXPECT_ANY_THROW((void)cut_to_disks(test::disk(9, 9), options));
+}
+
+}  // namespace
+}  // namespace geocloth
