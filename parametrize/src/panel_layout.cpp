@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Multi-chart geometry images (Sander et al. 2003) as sewing patterns: every part is developed (develop.cpp), every
+// seam is divided into steps of about one spacing that all its sides share, and every side's outline is a closed chain
+// of as many pixels (pixel_chain.cpp). Inside its chain a chart is sampled where the plane's lattice falls. So seams
+// match point by point, no pixel is a double of its neighbour, and the image has exactly the topology of the surface.
+
+#include "panel_layout.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "develop.h"
+#include "geocloth/asset/error.h"
+#include "pack.h"
+#include "pixel_chain.h"
+#include "point_math.h"
+#include "refined_mesh.h"
+#include "seam_samples.h"
+
+namespace geocloth {
+namespace {
+
+constexpr double kLeastChartArea = 6;  // [pixels] a smaller chart is enlarged to it
+constexpr uint32_t kLeastSteps = 3;    // per seam, so that the welded mesh has no double edge
+constexpr uint32_t kLeastLoopSteps = 4;
+constexpr int kRounds = 24;
+
+/// Everything about the charts that does not change while the numbers of steps are searched for.
+struct Plan {
+  DevelopedSurface developed;
+  std::vector<Outline> outlines;
+  double spacing = 0;           // [m]
+  std::vector<double> scale;    // per chart: pixels per metre
+  std::vector<uint32_t> steps;  // per seam
+};
+
+std::vector<double> chart_areas(const CutSurface& cut) {
+  std::vector<double> area(cut.component_count, 0);
+  for (size_t t = 0; t < cut.triangle.size(); ++t) {
+    const Triangle& k = cut.triangle[t];
+    area[cut.component[t]] += triangle_area(cut.position[k[0]], cut.position[k[1]], cut.position[k[2]]);
+  }
+  return area;
+}
+
+double planar_distance(const Point2& a, const Point2& b) {
+  return std::hypot(a[0] - b[0], a[1] - b[1]);
+}
+
+double planar_length(const OutlinePath& path, const std::vector<Point2>& uv) {
+  double sum = 0;
+  for (size_t i = 1; i < path.vertex.size(); ++i) sum += planar_distance(uv[path.vertex[i - 1]], uv[path.vertex[i]]);
+  return sum;
+}
+
+/// The spacing with which about resolution^2 pixels lie inside or on the outlines: area / h^2 + outline / (2 h).
+double choose_spacing(const std::vector<double>& area, const std::vector<Outline>& outlines,
+                      const FlattenOptions& options) {
+  if (options.spacing > 0) return options.spacing;
+  double total = 0, border = 0;
+  for (const double a : area) total += a;
+  for (const Outline& o : outlines) {
+    for (const OutlinePath& p : o.path) border += p.length;
+  }
+  const double wanted = static_cast<double>(options.resolution) * options.resolution;
+  const double per_metre = (-border / 2 + std::sqrt(border * border / 4 + 4 * total * wanted)) / (2 * total);
+  return 1 / per_metre;
+}
+
+Plan make_plan(const CutSurface& cut, const FlattenOptions& options, const Progress& progress) {
+  Plan plan;
+  plan.developed = develop(cut, {}, progress);
+  plan.outlines = trace_outlines(plan.developed.cut);
+  const std::vector<double> area = chart_areas(plan.developed.cut);
+  plan.spacing = choose_spacing(area, plan.outlines, options);
+  for (const double a : area) {
+    const double pixels = a / (plan.spacing * plan.spacing);
+    plan.scale.push_back(std::max(1.0, std::sqrt(kLeastChartArea / pixels)) / plan.spacing);
+  }
+  for (size_t c = 0; c < plan.outlines.size(); ++c) {
+    const bool loop = plan.outlines[c].path.size() == 1;
+    for (const OutlinePath& path : plan.outlines[c].path) {
+      if (path.seam >= plan.steps.size()) plan.steps.resize(path.seam + 1, 0);
+      const double wanted = planar_length(path, plan.developed.uv) * plan.scale[c];
+      plan.steps[path.seam] = std::max(
+          {plan.steps[path.seam], static_cast<uint32_t>(std::lround(wanted)), loop ? kLeastLoopSteps : kLeastSteps});
+    }
+  }
+  return plan;
+}
+
+/// Planar coordinates of the refined mesh: inserted outline vertices lie on their edge as in space.
+std::vector<Point2> refined_coordinates(const Plan& plan, const RefinedMesh& mesh,
+                                        const std::vector<SampledOutline>& sampled) {
+  std::vector<Point2> uv = plan.developed.uv;
+  const size_t original = uv.size();
+  uv.resize(mesh.position.size());
+  for (const SampledOutline& outline : sampled) {
+    const size_t n = outline.stop.size();
+    for (size_t i = 0; i < n; ++i) {
+      const uint32_t a = outline.stop[i].vertex;
+      if (a >= original) continue;
+      size_t end = i + 1;
+      while (outline.stop[end % n].vertex >= original) ++end;
+      const uint32_t b = outline.stop[end % n].vertex;
+      const double whole = distance(mesh.position[a], mesh.position[b]);
+      for (size_t k = i + 1; k < end; ++k) {
+        const uint32_t v = outline.stop[k % n].vertex;
+        const double share = distance(mesh.position[a], mesh.position[v]) / whole;
+        uv[v] = {uv[a][0] + (uv[b][0] - uv[a][0]) * share, uv[a][1] + (uv[b][1] - uv[a][1]) * share};
+      }
+    }
+  }
+  return uv;
+}
+
+/// A chart's outline samples, counter-clockwise from its first node.
+std::vector<uint32_t> sample_vertices(const SampledOutline& outline) {
+  std::vector<uint32_t> result;
+  for (const OutlineStop& s : outline.stop) {
+    if (s.step == std::floor(s.step)) result.push_back(s.vertex);
+  }
+  return result;
+}
+
+std::vector<ChainRun> chain_runs(const Plan& plan, size_t chart, const std::vector<uint32_t>& samples,
+                                 const std::vector<Point2>& uv) {
+  const size_t n = samples.size();
+  const auto place = [&](size_t i) -> Point2 {
+    const Point2& p = uv[samples[i % n]];
+    return {p[0] * plan.scale[chart], -p[1] * plan.scale[chart]};
+  };
+  std::vector<ChainRun> runs;
+  size_t first = 0;
+  for (const OutlinePath& path : plan.outlines[chart].path) {
+    ChainRun run;
+    for (size_t i = first; i <= first + plan.steps[path.seam]; ++i) {
+      run.target.push_back(place(i));
+      const Point2 before = place(i + n - 1), after = place(i + 1);
+      const double dx = after[0] - before[0], dy = after[1] - before[1];
+      const double l = std::hypot(dx, dy);
+      // Left of the outline's direction; v runs down.
+      run.inward.push_back(l > 0 ? Point2{dy / l, -dx / l} : Point2{0, 0});
+    }
+    first += plan.steps[path.seam];
+    runs.push_back(std::move(run));
+  }
+  return runs;
+}
+
+/// Twice the area inside a closed chain, positive when it runs counter-clockwise seen with v up.
+int64_t chain_area(const std::vector<std::vector<Pixel>>& runs) {
+  int64_t sum = 0;
+  for (const std::vector<Pixel>& run : runs) {
+    for (size_t i = 0; i + 1 < run.size(); ++i) {
+      sum += int64_t{run[i + 1][0]} * run[i][1] - int64_t{run[i][0]} * run[i + 1][1];
+    }
+  }
+  return sum;
+}
+
+/// The chains of all charts, or the seams that need more steps.
+struct Chains {
+  std::vector<std::vector<std::vector<Pixel>>> chart;
+  std::vector<uint32_t> short_seams;
+};
+
+Chains place_chains(const Plan& plan, const std::vector<SampledOutline>& sampled, const std::vector<Point2>& uv) {
+  Chains chains;
+  for (size_t c = 0; c < plan.outlines.size(); ++c) {
+    const std::vector<uint32_t> samples = sample_vertices(sampled[c]);
+    ChainResult result = place_chain(chain_runs(plan, c, samples, uv));
+    if (result.failed.empty() && chain_area(result.run) <= 0) {
+      for (uint32_t r = 0; r < plan.outlines[c].path.size(); ++r) result.failed.push_back(r);
+    }
+    for (const uint32_t r : result.failed) chains.short_seams.push_back(plan.outlines[c].path[r].seam);
+    chains.chart.push_back(std::move(result.run));
+  }
+  std::sort(chains.short_seams.begin(), chains.short_seams.end());
+  chains.short_seams.erase(std::unique(chains.short_seams.begin(), chains.short_seams.end()), chains.short_seams.end());
+  return chains;
+}
+
+FlatChart make_chart(const Plan& plan, size_t c, const SampledOutline& sampled,
+                     const std::vector<std::vector<Pixel>>& runs, std::vector<Point2>& uv,
+                     const std::vector<uint32_t>& chart_vertices) {
+  Pixel low{std::numeric_limits<int32_t>::max(), std::numeric_limits<int32_t>::max()};
+  Pixel high{std::numeric_limits<int32_t>::min(), std::numeric_limits<int32_t>::min()};
+  for (const std::vector<Pixel>& run : runs) {
+    for (const Pixel& p : run) {
+      low = {std::min(low[0], p[0]), std::min(low[1], p[1])};
+      high = {std::max(high[0], p[0]), std::max(high[1], p[1])};
+    }
+  }
+  FlatChart chart;
+  chart.width = static_cast<uint32_t>(high[0] - low[0] + 1);
+  chart.height = static_cast<uint32_t>(high[1] - low[1] + 1);
+  chart.spacing = 1 / plan.scale[c];
+  const std::vector<uint32_t> samples = sample_vertices(sampled);
+  size_t i = 0;
+  for (const std::vector<Pixel>& run : runs) {
+    for (size_t k = 0; k + 1 < run.size(); ++k, ++i) {
+      chart.outline.push_back(
+          {static_cast<uint32_t>(run[k][0] - low[0]), static_cast<uint32_t>(run[k][1] - low[1]), samples[i]});
+    }
+  }
+  for (const uint32_t v : chart_vertices) {
+    uv[v] = {uv[v][0] * plan.scale[c] - low[0], -uv[v][1] * plan.scale[c] - low[1]};
+  }
+  return chart;
+}
+
+}  // namespace
+
+FlatSurface lay_out_panels(const CutSurface& cut, const FlattenOptions& options, const Progress& progress) {
+  Plan plan = make_plan(cut, options, progress);
+  RefinedMesh mesh;
+  std::vector<SampledOutline> sampled;
+  std::vector<Point2> uv;
+  Chains chains;
+  for (int round = 0;; ++round) {
+    mesh = make_refined_mesh(plan.developed.cut);
+    sampled = insert_seam_samples(mesh, plan.outlines, plan.steps);
+    uv = refined_coordinates(plan, mesh, sampled);
+    chains = place_chains(plan, sampled, uv);
+    if (chains.short_seams.empty()) break;
+    if (round == kRounds) {
+      throw Error(ErrorCode::verification, "no pixels could be found for " + std::to_string(chains.short_seams.size()) +
+                                               " seams; raise the resolution or try --layout square");
+    }
+    for (const uint32_t seam : chains.short_seams) ++plan.steps[seam];
+  }
+
+  FlatSurface flat;
+  std::vector<std::vector<uint32_t>> vertices(plan.outlines.size());
+  std::vector<uint8_t> met(mesh.position.size(), 0);
+  for (size_t t = 0; t < mesh.triangle.size(); ++t) {
+    for (const uint32_t v : mesh.triangle[t]) {
+      if (met[v] == 0) vertices[mesh.component[t]].push_back(v);
+      met[v] = 1;
+    }
+  }
+  std::vector<std::array<uint32_t, 2>> size;
+  for (size_t c = 0; c < plan.outlines.size(); ++c) {
+    flat.charts.push_back(make_chart(plan, c, sampled[c], chains.chart[c], uv, vertices[c]));
+    size.push_back({flat.charts[c].width, flat.charts[c].height});
+  }
+  const Packing packing = pack_rectangles(size);
+  for (size_t c = 0; c < size.size(); ++c) {
+    flat.charts[c].x0 = packing.corner[c][0];
+    flat.charts[c].y0 = packing.corner[c][1];
+  }
+  flat.width = packing.width;
+  flat.height = packing.height;
+  flat.position = std::move(mesh.position);
+  flat.uv = std::move(uv);
+  flat.triangle = std::move(mesh.triangle);
+  flat.chart = std::move(mesh.component);
+  flat.point = std::move(mesh.point);
+  flat.point_count = mesh.point_count;
+  flat.clean_vertex = std::move(mesh.clean_vertex);
+  flat.clean_triangle = std::move(mesh.clean_triangle);
+  if (progress) progress("flatten", 1);
+  return flat;
+}
+
+}  // namespace geocloth
