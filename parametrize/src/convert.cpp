@@ -1,1 +1,194 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// A garment file becomes a cloth asset: the stages of the design in order, each one call, timed, its result written to
+// a folder on request. What the stages did not promise is checked at the end (verify.cpp): a wrong asset is refused,
+// a poor one is described by its measures and by warnings.
+#include "geocloth/parametrize/convert.h"
+
+#include <algorithm>
+#include <chrono>
+#include <new>
+#include <utility>
+
+#include <sys/resource.h>
+
+#include "geocloth/asset/error.h"
+#include "geocloth/asset/grid_mesh.h"
+#include "point_math.h"
+#include "stage_files.h"
+#include "verify.h"
+
+namespace geocloth {
+namespace {
+
+/// Runs the stages and notes how long each took.
+class Stages {
+ public:
+  explicit Stages(const Progress& progress) : progress_(progress) {}
+
+  template <class Work>
+  auto run(const char* name, const Work& work) {
+    show(name, 0);
+    const auto start = Clock::now();
+    auto result = work();
+    seconds_.emplace_back(name, since(start));
+    show(name, 1);
+    return result;
+  }
+
+  [[nodiscard]] std::vector<std::pair<std::string, double>> seconds() const {
+    auto all = seconds_;
+    all.emplace_back("total", since(start_));
+    return all;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  static double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+  void show(const char* name, double fraction) const {
+    if (progress_) progress_(name, fraction);
+  }
+
+  const Progress& progress_;
+  Clock::time_point start_ = Clock::now();
+  std::vector<std::pair<std::string, double>> seconds_;
+};
+
+Topology welded_topology(const ClothAsset& asset) {
+  const GridMesh mesh = welded_grid_mesh(asset, asset.rest_position);
+  return measure_topology(mesh.triangle, static_cast<uint32_t>(mesh.position.size()));
+}
+
+uint32_t polygon_count(const TriangleMesh& mesh) {
+  std::vector<uint32_t> polygons = mesh.polygon;
+  std::sort(polygons.begin(), polygons.end());
+  return static_cast<uint32_t>(std::unique(polygons.begin(), polygons.end()) - polygons.begin());
+}
+
+uint64_t peak_memory_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+std::string rounded(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+std::vector<std::string> warnings(const ConvertReport& report, const ClothAsset& asset) {
+  std::vector<std::string> out;
+  const double size = report.cleaned_bbox_diagonal;
+  const Quality& q = report.quality;
+  constexpr double kLargest = 10, kSmallest = 0.05;  // [m] of a garment, with room to spare
+  if (size > kLargest || size < kSmallest) {
+    out.push_back("the garment is " + rounded(size) + " m across; if that is not its true size, give the unit of the " +
+                  "file with --unit mm, --unit cm, --unit in, or a factor with --scale");
+  }
+  constexpr double kStrongStretch = 5;  // one way against the other
+  if (q.anisotropy_p95 > kStrongStretch) {
+    out.push_back("parts of the image are stretched " + rounded(q.anisotropy_p95) +
+                  " times more one way than the other; the cloth will feel uneven there");
+  }
+  constexpr double kCoarseDecibel = 50;
+  if (q.psnr_db < kCoarseDecibel) {
+    out.push_back("the image is coarse for this mesh (it is up to " + rounded(1000 * q.max_error * size) +
+                  " mm off); give a larger --resolution");
+  }
+  constexpr double kLargestBindingError = 1e-6;
+  if (q.binding_error > kLargestBindingError) {
+    out.push_back("single precision moves vertices by up to " + rounded(q.binding_error) +
+                  " of the size; move the mesh closer to the origin");
+  }
+  if (!report.represented.orientable) out.push_back("a part has only one side (it is not orientable)");
+  constexpr double kShortSpring = 0.05;
+  if (q.spring_min < kShortSpring) {
+    out.push_back("the shortest spring is " + rounded(q.spring_min) + " of the nominal " +
+                  rounded(1000 * double{asset.spacing}) + " mm; the simulation needs more substeps for it");
+  }
+  return out;
+}
+
+ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& options, const Progress& progress,
+                           Stages& stages, const StageFiles& files) {
+  ConvertResult result;
+  ConvertReport& report = result.report;
+  report.source_vertices = static_cast<uint32_t>(mesh.position.size());
+  report.source_faces = polygon_count(mesh);
+  report.source_bbox_diagonal = bounding_diagonal(mesh.position);
+
+  const RepairResult repaired = stages.run("repair", [&] { return repair_mesh(mesh, options.repair, progress); });
+  const CleanSurface& clean = repaired.surface;
+  report.source = repaired.source;
+  report.repairs = repaired.repairs;
+  report.cleaned = report.represented = repaired.cleaned;
+  report.cleaned_bbox_diagonal = bounding_diagonal(clean.position);
+  files.save(clean);
+
+  const CutSurface cut = stages.run("cut", [&] { return cut_to_disks(clean, {}, progress); });
+  files.save(cut);
+
+  result.flat = stages.run("flatten", [&] { return flatten(clean, cut, options.flatten, progress); });
+  const FlatSurface& flat = result.flat;
+  files.save(flat);
+
+  const Raster raster = stages.run("rasterize", [&] { return rasterize(flat, progress); });
+  result.asset = stages.run("image", [&] { return build_image(flat, raster, options.flatten.layout); });
+  ClothAsset& asset = result.asset;
+  files.save(asset);
+
+  stages.run("bind", [&] {
+    bind_source(mesh, clean, flat, asset);
+    return true;
+  });
+  report.quality = stages.run("measure", [&] { return measure_quality(clean, flat, raster, asset, progress); });
+  report.welded = stages.run("verify", [&] {
+    report.welded = welded_topology(asset);
+    verify(mesh, clean, flat, raster, asset, report);
+    return report.welded;
+  });
+
+  report.warnings = warnings(report, asset);
+  report.seconds = stages.seconds();
+  report.peak_memory_bytes = peak_memory_bytes();
+  return result;
+}
+
+/// Foreign failures in our own words, once for the whole conversion.
+template <class Work>
+ConvertResult translated(const Work& work) {
+  try {
+    return work();
+  } catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::limit, "not enough memory for this mesh; give a smaller --resolution or reduce the mesh");
+  }
+}
+
+}  // namespace
+
+ConvertResult convert(const TriangleMesh& mesh, const ConvertOptions& options, const Progress& progress) {
+  return translated([&] {
+    const StageFiles files(options.stages);
+    Stages stages(progress);
+    files.save(mesh);
+    return convert_mesh(mesh, options, progress, stages, files);
+  });
+}
+
+ConvertResult convert(const std::filesystem::path& path, const ConvertOptions& options, const Progress& progress) {
+  try {
+    return translated([&] {
+      const StageFiles files(options.stages);
+      Stages stages(progress);
+      const TriangleMesh mesh = stages.run("import", [&] { return import_mesh(path, options.import); });
+      files.save(mesh);
+      return convert_mesh(mesh, options, progress, stages, files);
+    });
+  } catch (const Error& e) {
+    const std::string message = e.what();
+    const bool named = e.code() == ErrorCode::cancelled || message.find(path.string()) != std::string::npos;
+    throw Error(e.code(), named ? message : path.string() + ": " + message);
+  }
+}
+
+}  // namespace geocloth

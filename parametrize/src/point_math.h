@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "geocloth/parametrize/mesh.h"
 
@@ -30,6 +32,19 @@ namespace geocloth {
 }
 [[nodiscard]] inline double triangle_area(const Point3& a, const Point3& b, const Point3& c) {
   return 0.5 * length(cross(b - a, c - a));
+}
+
+/// Diagonal of the box around the points; 0 when there are none.
+[[nodiscard]] inline double bounding_diagonal(const std::vector<Point3>& points) {
+  if (points.empty()) return 0;
+  Point3 low = points[0], high = points[0];
+  for (const Point3& p : points) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      low[k] = std::min(low[k], p[k]);
+      high[k] = std::max(high[k], p[k]);
+    }
+  }
+  return distance(low, high);
 }
 
 /// Twice the signed area of a triangle in a chart; positive when it is counter-clockwise seen with v up. Stored v runs

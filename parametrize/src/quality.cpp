@@ -26,18 +26,6 @@ Point3 to_double(const Vec3& p) {
   return {p.x, p.y, p.z};
 }
 
-double diagonal_of(const std::vector<Point3>& points) {
-  if (points.empty()) return 0;
-  Point3 low = points[0], high = points[0];
-  for (const Point3& p : points) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      low[k] = std::min(low[k], p[k]);
-      high[k] = std::max(high[k], p[k]);
-    }
-  }
-  return distance(low, high);
-}
-
 double ratio(double a, double b) {
   return b > 0 ? a / b : 0;
 }
@@ -251,7 +239,7 @@ void measure_accuracy(const CleanSurface& clean, const ClothAsset& asset, Qualit
   for (const Vec3& p : asset.rest_position) grid.position.push_back(to_double(p));
   grid.triangle = pixel_triangles(asset);
   const Deviation there = deviation(original, grid), back = deviation(grid, original);
-  const double diagonal = diagonal_of(clean.position);
+  const double diagonal = bounding_diagonal(clean.position);
   q.rms_error = ratio(std::max(there.rms, back.rms), diagonal);
   q.max_error = ratio(std::max(there.max, back.max), diagonal);
   // Single precision cannot show less than this; it keeps the logarithm finite for flat sheets.
@@ -268,7 +256,7 @@ double binding_error(const ClothAsset& asset) {
     source.push_back(to_double(asset.source.position[i]));
     error = std::max(error, distance(to_double(bound[i]), source.back()));
   }
-  return ratio(error, diagonal_of(source));
+  return ratio(error, bounding_diagonal(source));
 }
 
 }  // namespace
@@ -279,7 +267,7 @@ Quality measure_quality(const CleanSurface& clean, const FlatSurface& flat, cons
     if (progress) progress("measure", fraction);
   };
   Quality q;
-  q.overlapping_pixels = raster.overlapping_pixels;
+  q.overlapping_pixels = static_cast<uint32_t>(raster.overlapping.size());
   show(0);
   measure_flat(flat, q);
   q.crossing_springs = count_crossing_springs(flat, raster, asset);

@@ -127,7 +127,9 @@ class Rasterizer {
   }
 
   Raster finish() {
-    out_.overlapping_pixels = static_cast<uint32_t>(std::count(overlapping_.begin(), overlapping_.end(), true));
+    for (uint32_t pixel = 0; pixel < overlapping_.size(); ++pixel) {
+      if (overlapping_[pixel]) out_.overlapping.push_back(pixel);
+    }
     return std::move(out_);
   }
 

@@ -30,12 +30,14 @@ struct ConvertReport {
   uint32_t source_vertices = 0, source_faces = 0;  ///< as counted in the file (faces: polygons)
   std::vector<Repair> repairs;
   Topology cleaned;
+  double cleaned_bbox_diagonal = 0;  ///< [m]
   std::vector<CarriedPart> carried;
   Topology represented;
   Topology welded;
   Quality quality;
-  std::vector<std::pair<std::string, double>> seconds;  ///< stage name, wall seconds, in order
+  std::vector<std::pair<std::string, double>> seconds;  ///< stage name, wall seconds, in order; "total" last
   std::vector<std::string> warnings;                    ///< plain words
+  uint64_t peak_memory_bytes = 0;                       ///< of this process so far
 };
 
 struct ConvertResult {
@@ -47,7 +49,8 @@ struct ConvertResult {
 /// import_mesh, repair_mesh, cut_to_disks, flatten, rasterize, build_image, bind_source, measure_quality, in that order
 /// and nothing else; then the checks.
 /// @throws Error(verification) when the welded grid mesh differs in topology from the represented surface, or when
-///   copies do not coincide, triangles are flipped, charts overlap or springs cross an outline
+///   copies do not coincide, triangles are flipped, charts overlap or springs cross an outline; whatever a stage
+///   throws, with the name of the file in the message
 [[nodiscard]] ConvertResult convert(const std::filesystem::path& path, const ConvertOptions& options = {},
                                     const Progress& progress = {});
 

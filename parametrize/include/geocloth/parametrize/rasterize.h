@@ -9,12 +9,12 @@ namespace geocloth {
 /// lies in. Outline pixels take their vertex's position bit for bit.
 struct Raster {
   uint32_t width = 0, height = 0;
-  std::vector<Point3> position;     ///< per pixel [m]
-  std::vector<uint16_t> chart;      ///< per pixel, kNoChart where not valid
-  std::vector<uint32_t> triangle;   ///< per pixel: flat triangle it samples, kNone where not valid
-  std::vector<uint32_t> point;      ///< per pixel: surface point for outline pixels, kNone otherwise
-  std::vector<uint32_t> vertex;     ///< per pixel: flat vertex for outline pixels, kNone otherwise
-  uint32_t overlapping_pixels = 0;  ///< pixels claimed by more than one chart or covered twice by one
+  std::vector<Point3> position;       ///< per pixel [m]
+  std::vector<uint16_t> chart;        ///< per pixel, kNoChart where not valid
+  std::vector<uint32_t> triangle;     ///< per pixel: flat triangle it samples, kNone where not valid
+  std::vector<uint32_t> point;        ///< per pixel: surface point for outline pixels, kNone otherwise
+  std::vector<uint32_t> vertex;       ///< per pixel: flat vertex for outline pixels, kNone otherwise
+  std::vector<uint32_t> overlapping;  ///< pixels claimed by more than one chart or covered twice by one, ascending
 };
 
 /// A pixel is valid when it is an outline sample or when a triangle of its chart covers it. Where several do, the first

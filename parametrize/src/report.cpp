@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The report of a conversion as JSON. Its keys are a promise to users; they are named here and nowhere else.
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+
+#include "geocloth/parametrize/convert.h"
+
+namespace geocloth {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json to_json(const Topology& t, double bbox_diagonal) {
+  return {{"vertices", t.vertices},
+          {"faces", t.faces},
+          {"components", t.components},
+          {"boundary_loops", t.boundary_loops},
+          {"euler_characteristic", t.euler_characteristic},
+          {"non_manifold_edges", t.non_manifold_edges},
+          {"bow_tie_vertices", t.bow_tie_vertices},
+          {"bbox_diagonal", bbox_diagonal}};
+}
+
+Json source_json(const ConvertReport& report) {
+  Json json = to_json(report.source, report.source_bbox_diagonal);
+  json["vertices"] = report.source_vertices;
+  json["faces"] = report.source_faces;
+  return json;
+}
+
+/// Share of the valid pixels that lack a neighbour of their chart among the eight around them.
+double border_share(const ClothAsset& asset) {
+  uint32_t border = 0;
+  for (uint32_t i = 0; i < asset.pixel_count(); ++i) {
+    if (!asset.valid(i)) continue;
+    const int64_t x = i % asset.width, y = i / asset.width;
+    const auto missing = [&](int64_t nx, int64_t ny) {
+      if (nx < 0 || ny < 0 || nx >= asset.width || ny >= asset.height) return true;
+      return asset.chart[static_cast<std::size_t>(ny * asset.width + nx)] != asset.chart[i];
+    };
+    bool complete = true;
+    for (const int64_t dy : {-1, 0, 1}) {
+      for (const int64_t dx : {-1, 0, 1}) complete = complete && !missing(x + dx, y + dy);
+    }
+    if (!complete) ++border;
+  }
+  return border / static_cast<double>(std::max(count_valid_pixels(asset), 1U));
+}
+
+Json image_json(const ClothAsset& asset) {
+  uint32_t copies_max = 0;
+  for (uint32_t row = 0; row < asset.splits.rows(); ++row) {
+    copies_max = std::max(copies_max, asset.splits.offset[row + 1] - asset.splits.offset[row]);
+  }
+  const uint32_t valid = count_valid_pixels(asset);
+  return {{"layout", to_string(asset.layout)},
+          {"width", asset.width},
+          {"height", asset.height},
+          {"valid_pixels", valid},
+          {"charts", asset.chart_count},
+          {"spacing", asset.spacing},
+          {"split_points", asset.splits.rows()},
+          {"copies_max", copies_max},
+          {"utilisation", valid / static_cast<double>(asset.pixel_count())},
+          {"border_share", border_share(asset)}};
+}
+
+Json quality_json(const Quality& q) {
+  return {{"flipped", q.flipped},
+          {"mirrored", q.mirrored},
+          {"overlapping_pixels", q.overlapping_pixels},
+          {"crossing_springs", q.crossing_springs},
+          {"copy_gap", q.copy_gap},
+          {"l2_stretch", q.l2_stretch},
+          {"symmetric_dirichlet", q.symmetric_dirichlet},
+          {"anisotropy_p95", q.anisotropy_p95},
+          {"spring_min", q.spring_min},
+          {"spring_max", q.spring_max},
+          {"spring_p99_over_p1", q.spring_p99_over_p1},
+          {"shear_deg_p50", q.shear_deg_p50},
+          {"shear_deg_p95", q.shear_deg_p95},
+          {"quad_area_p5", q.quad_area_p5},
+          {"quad_area_p95", q.quad_area_p95},
+          {"rms_error", q.rms_error},
+          {"max_error", q.max_error},
+          {"psnr_db", q.psnr_db},
+          {"seam_length", q.seam_length},
+          {"binding_error", q.binding_error}};
+}
+
+}  // namespace
+
+std::string to_json(const ConvertResult& result) {
+  const ConvertReport& report = result.report;
+  Json json;
+  json["source"] = source_json(report);
+  json["repairs"] = Json::array();
+  for (const Repair& r : report.repairs) json["repairs"].push_back({{"kind", r.kind}, {"count", r.count}});
+  json["cleaned"] = to_json(report.cleaned, report.cleaned_bbox_diagonal);
+  json["carried"] = Json::array();
+  for (const CarriedPart& c : report.carried) {
+    json["carried"].push_back({{"part", c.part}, {"faces", c.faces}, {"area_share", c.area_share}, {"why", c.why}});
+  }
+  json["represented"] = to_json(report.represented, report.cleaned_bbox_diagonal);
+  json["image"] = image_json(result.asset);
+  json["welded"] = {{"components", report.welded.components},
+                    {"boundary_loops", report.welded.boundary_loops},
+                    {"euler_characteristic", report.welded.euler_characteristic},
+                    {"orientable", report.welded.orientable}};
+  json["quality"] = quality_json(report.quality);
+  for (const auto& [stage, seconds] : report.seconds) json["seconds"][stage] = seconds;
+  json["peak_memory_bytes"] = report.peak_memory_bytes;
+  json["warnings"] = report.warnings;
+  // A name in the file may be no valid UTF-8.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace geocloth
