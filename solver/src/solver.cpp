@@ -1,1 +1,301 @@
 // SPDX-License-Identifier: Apache-2.0
+// The solver as its user sees it: checks what comes in, keeps pins and colliders between frames, chooses a backend and
+// hands it one FrameInput per frame. The physics is in shaders/lib, the order of the passes in pass.cpp.
+
+#include "geocloth/solver/solver.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "check_input.h"
+#include "geocloth/asset/error.h"
+#include "solver_impl.h"
+#include "upload.h"
+
+namespace geocloth {
+namespace {
+
+using shader::vec4;
+
+std::string cloth_name(size_t index) {
+  return "cloth " + std::to_string(index);
+}
+
+void check_cloths(std::span<const ClothDesc> cloths) {
+  if (cloths.empty()) throw Error(ErrorCode::invalid_argument, "solver: no cloth given; pass at least one ClothDesc");
+  for (size_t i = 0; i < cloths.size(); ++i) {
+    if (!cloths[i].asset) throw Error(ErrorCode::invalid_argument, cloth_name(i) + ": asset is null");
+    validate(*cloths[i].asset);
+    check(cloths[i].material, cloth_name(i) + ": material");
+    check(cloths[i].transform, cloth_name(i) + ": transform");
+    for (uint32_t p = 0; p < cloths[i].asset->pixel_count(); ++p) {
+      if (cloths[i].asset->valid(p)) {
+        check_position(apply(cloths[i].transform, cloths[i].asset->rest_position[p]),
+                       cloth_name(i) + ": pixel " + std::to_string(p));
+      }
+    }
+  }
+}
+
+std::vector<uint32_t> rows_of_pixels(const ClothAsset& asset) {
+  std::vector<uint32_t> row(asset.pixel_count(), kNoPixel);
+  for (uint32_t r = 0; r < asset.splits.rows(); ++r)
+    for (uint32_t k = asset.splits.offset[r]; k < asset.splits.offset[r + 1]; ++k) row[asset.splits.pixel[k]] = r;
+  return row;
+}
+
+Vec3 vec3_of(const vec4& v) {
+  return {v.x, v.y, v.z};
+}
+
+std::unique_ptr<SolverBackend> make_backend(SimulationData data, const SolverSettings& settings) {
+  switch (settings.backend) {
+    case Backend::cpu:
+      return make_cpu_backend(std::move(data), settings.threads);
+    case Backend::vulkan:
+      return make_vulkan_backend(std::move(data), settings.device);
+    case Backend::automatic:
+      break;
+  }
+  if (!settings.device.empty()) return make_vulkan_backend(std::move(data), settings.device);
+  for (const DeviceInfo& device : enumerate_devices()) {
+    if (device.chosen_automatically && device.backend == Backend::vulkan) {
+      return make_vulkan_backend(std::move(data), device.name);
+    }
+  }
+  return make_cpu_backend(std::move(data), settings.threads);
+}
+
+}  // namespace
+
+Solver::Impl::Impl(std::span<const ClothDesc> cloths, const SolverSettings& settings, const BackendFactory& factory)
+    : settings_(settings) {
+  check(settings);
+  check_cloths(cloths);
+  origin_ = choose_origin(cloths);
+
+  SimulationData data;
+  data.origin = origin_;
+  data.substeps = settings.substeps;
+  data.relaxation_steps = settings.relaxation_steps;
+  data.check = settings.check_copies;
+  data.timings = settings.timings;
+  for (const ClothDesc& desc : cloths) {
+    ClothData& uploaded = data.cloths.emplace_back(make_cloth_data(desc, origin_));
+    Cloth& cloth = cloths_.emplace_back();
+    cloth.asset = desc.asset;
+    cloth.material = desc.material;
+    cloth.scale = desc.transform.scale;
+    cloth.row_of_pixel = rows_of_pixels(*desc.asset);
+    cloth.particles = count_valid_pixels(*desc.asset);
+    cloth.springs_per_sweep = uploaded.springs_per_sweep;
+    for (const vec4& p : uploaded.position) cloth.free_inverse_mass.push_back(p.w);
+  }
+  backend_ = factory(std::move(data));
+}
+
+const Solver::Impl::Cloth& Solver::Impl::cloth_at(uint32_t cloth) const {
+  if (cloth < cloths_.size()) return cloths_[cloth];
+  throw Error(ErrorCode::invalid_argument,
+              "solver: there is no " + cloth_name(cloth) + "; it has " + std::to_string(cloths_.size()) + " cloths");
+}
+
+void Solver::Impl::set_colliders(std::span<const Collider> colliders, bool teleport) {
+  for (size_t i = 0; i < colliders.size(); ++i) check(colliders[i], "colliders[" + std::to_string(i) + "]");
+  colliders_to_.assign(colliders.begin(), colliders.end());
+  for (Collider& c : colliders_to_) {
+    if (auto* plane = std::get_if<Plane>(&c.shape)) plane->normal = normalized(plane->normal);
+  }
+  if (teleport || colliders_from_.size() != colliders_to_.size()) colliders_from_ = colliders_to_;
+}
+
+void Solver::Impl::set_wind(const Wind& wind) {
+  check(wind, "wind");
+  wind_ = wind;
+}
+
+void Solver::Impl::set_gravity(const Vec3& gravity) {
+  SolverSettings changed = settings_;
+  changed.gravity = gravity;
+  check(changed);
+  settings_ = changed;
+}
+
+void Solver::Impl::set_pins(uint32_t cloth, std::span<const Pin> pins) {
+  const Cloth& c = cloth_at(cloth);
+  std::map<uint32_t, Vec3> next;
+  for (const Pin& pin : pins) {
+    const std::string where = cloth_name(cloth) + ": pin of pixel " + std::to_string(pin.pixel);
+    if (pin.pixel >= c.asset->pixel_count() || !c.asset->valid(pin.pixel)) {
+      throw Error(ErrorCode::invalid_argument, where + ": there is no cloth at that pixel");
+    }
+    check_position(pin.target, where);
+    const uint32_t row = c.row_of_pixel[pin.pixel];
+    if (row == kNoPixel) {
+      next[pin.pixel] = pin.target;
+      continue;
+    }
+    const SplitVertexTable& splits = c.asset->splits;
+    for (uint32_t k = splits.offset[row]; k < splits.offset[row + 1]; ++k) next[splits.pixel[k]] = pin.target;
+  }
+  Cloth& target = cloths_[cloth];
+  const bool same = std::equal(next.begin(), next.end(), c.pins.begin(), c.pins.end(),
+                               [](const auto& a, const auto& b) { return a.first == b.first; });
+  target.pins_changed = target.pins_changed || !same;
+  target.pins = std::move(next);
+}
+
+FrameClock Solver::Impl::clock() const {
+  return {static_cast<double>(frame_) * settings_.frame_time, settings_.frame_time / settings_.substeps,
+          settings_.substeps};
+}
+
+ClothFrame Solver::Impl::cloth_frame(Cloth& cloth) const {
+  ClothFrame frame;
+  frame.params = cloth_params(cloth.material, clock(), settings_.gravity, wind_);
+  frame.params.width = cloth.asset->width;
+  frame.params.height = cloth.asset->height;
+  frame.params.collider_count = static_cast<uint32_t>(colliders_to_.size());
+  for (const auto& [pixel, target] : cloth.pins) {
+    const Vec3 t = target - origin_;
+    frame.pins.push_back({{t.x, t.y, t.z, 0}, {pixel, 0, 0, 0}});
+  }
+  if (!cloth.pins_changed) return frame;
+
+  cloth.pins_changed = false;
+  frame.pins_changed = true;
+  frame.inverse_mass = cloth.free_inverse_mass;
+  std::vector<uint32_t> pinned;
+  for (const auto& [pixel, target] : cloth.pins) {
+    frame.inverse_mass[pixel] = 0;
+    pinned.push_back(pixel);
+  }
+  if (cloth.material.max_stretch > 0) frame.attachments = make_attachments(*cloth.asset, cloth.scale, pinned);
+  return frame;
+}
+
+void Solver::Impl::step() {
+  FrameInput frame;
+  for (const Collider& c : colliders_to_) frame.shapes.push_back(collider_shape_of(c));
+  frame.poses = collider_poses(colliders_from_, colliders_to_, settings_.substeps, origin_);
+  frame.substeps = substep_inputs(clock(), wind_, origin_);
+  for (Cloth& cloth : cloths_) frame.cloths.push_back(cloth_frame(cloth));
+  backend_->run_frame(frame);
+  colliders_from_ = colliders_to_;
+  ++frame_;
+}
+
+void Solver::Impl::read_positions(uint32_t cloth, std::vector<Vec3>& out) {
+  const ClothAsset& asset = *cloth_at(cloth).asset;
+  std::vector<vec4> raw;
+  backend_->read_positions(cloth, raw);
+  out.assign(raw.size(), {});
+  for (uint32_t p = 0; p < raw.size(); ++p)
+    if (asset.valid(p)) out[p] = vec3_of(raw[p]) + origin_;
+}
+
+void Solver::Impl::read_normals(uint32_t cloth, std::vector<Vec3>& out) {
+  static_cast<void>(cloth_at(cloth));
+  std::vector<vec4> raw;
+  backend_->read_normals(cloth, raw);
+  out.resize(raw.size());
+  std::transform(raw.begin(), raw.end(), out.begin(), vec3_of);
+}
+
+void Solver::Impl::read_velocities(uint32_t cloth, std::vector<Vec3>& out) {
+  static_cast<void>(cloth_at(cloth));
+  std::vector<vec4> now, before;
+  backend_->read_positions(cloth, now);
+  backend_->read_previous(cloth, before);
+  const auto inverse_dt = static_cast<float>(settings_.substeps / settings_.frame_time);
+  out.resize(now.size());
+  for (size_t p = 0; p < now.size(); ++p) out[p] = inverse_dt * (vec3_of(now[p]) - vec3_of(before[p]));
+}
+
+void Solver::Impl::write_state(uint32_t cloth, std::span<const Vec3> positions, std::span<const Vec3> velocities) {
+  const Cloth& c = cloth_at(cloth);
+  const ClothAsset& asset = *c.asset;
+  if (positions.size() != asset.pixel_count() || velocities.size() != asset.pixel_count()) {
+    throw Error(ErrorCode::invalid_argument, cloth_name(cloth) +
+                                                 ": write_state needs one position and one velocity for each of its " +
+                                                 std::to_string(asset.pixel_count()) + " pixels");
+  }
+  const auto dt = static_cast<float>(settings_.frame_time / settings_.substeps);
+  std::vector<vec4> position(asset.pixel_count(), {0, 0, 0, 0}), previous(asset.pixel_count(), {0, 0, 0, 0});
+  for (uint32_t p = 0; p < asset.pixel_count(); ++p) {
+    if (!asset.valid(p)) continue;
+    const std::string where = cloth_name(cloth) + ": pixel " + std::to_string(p);
+    check_position(positions[p], where);
+    check_position(velocities[p], where + ", velocity");
+    const uint32_t row = c.row_of_pixel[p];
+    const uint32_t source = row == kNoPixel ? p : asset.splits.pixel[asset.splits.offset[row]];
+    if (length(positions[p] - positions[source]) > 1e-6F) {
+      throw Error(ErrorCode::invalid_argument,
+                  where + " is a copy of pixel " + std::to_string(source) + ", but lies elsewhere; copies must agree");
+    }
+    const Vec3 x = positions[source] - origin_;
+    const Vec3 before = x - dt * velocities[source];
+    position[p] = {x.x, x.y, x.z, c.pins.contains(p) ? 0.F : c.free_inverse_mass[p]};
+    previous[p] = {before.x, before.y, before.z, 0};
+  }
+  backend_->write_state(cloth, position, previous);
+}
+
+SolverStatistics Solver::Impl::statistics() {
+  SolverStatistics statistics;
+  for (const Cloth& cloth : cloths_) {
+    statistics.particles += cloth.particles;
+    statistics.springs += cloth.springs_per_sweep;
+  }
+  backend_->fill_statistics(statistics);
+  return statistics;
+}
+
+Solver::Solver(std::span<const ClothDesc> cloths, const SolverSettings& settings)
+    : Solver(std::make_unique<Impl>(cloths, settings,
+                                    [&](SimulationData data) { return make_backend(std::move(data), settings); })) {}
+Solver::Solver(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Solver::Solver(Solver&&) noexcept = default;
+Solver& Solver::operator=(Solver&&) noexcept = default;
+Solver::~Solver() = default;
+
+void Solver::set_colliders(std::span<const Collider> colliders, bool teleport) {
+  impl_->set_colliders(colliders, teleport);
+}
+void Solver::set_wind(const Wind& wind) {
+  impl_->set_wind(wind);
+}
+void Solver::set_gravity(const Vec3& gravity) {
+  impl_->set_gravity(gravity);
+}
+void Solver::set_pins(uint32_t cloth, std::span<const Pin> pins) {
+  impl_->set_pins(cloth, pins);
+}
+void Solver::step() {
+  impl_->step();
+}
+void Solver::read_positions(uint32_t cloth, std::vector<Vec3>& out) {
+  impl_->read_positions(cloth, out);
+}
+void Solver::read_normals(uint32_t cloth, std::vector<Vec3>& out) {
+  impl_->read_normals(cloth, out);
+}
+void Solver::read_velocities(uint32_t cloth, std::vector<Vec3>& out) {
+  impl_->read_velocities(cloth, out);
+}
+void Solver::write_state(uint32_t cloth, std::span<const Vec3> positions, std::span<const Vec3> velocities) {
+  impl_->write_state(cloth, positions, velocities);
+}
+uint32_t Solver::cloth_count() const {
+  return impl_->cloth_count();
+}
+SolverStatistics Solver::statistics() {
+  return impl_->statistics();
+}
+void Solver::wait() {
+  impl_->backend().wait();
+}
+
+}  // namespace geocloth

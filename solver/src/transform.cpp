@@ -1,1 +1,85 @@
 // SPDX-License-Identifier: Apache-2.0
+// Rigid poses and their interpolation over time. Spherical interpolation: Shoemake 1985, "Animating rotation with
+// quaternion curves"; computed in double precision, because collider velocities are differences of poses.
+
+#include "geocloth/solver/transform.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace geocloth {
+namespace {
+
+struct Quat64 {
+  double x, y, z, w;
+};
+
+Quat to_unit(const Quat64& q) {
+  const double n = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
+  if (!(n > 0)) return {};
+  return {static_cast<float>(q.x / n), static_cast<float>(q.y / n), static_cast<float>(q.z / n),
+          static_cast<float>(q.w / n)};
+}
+
+Quat about_axis(int axis, double degrees) {
+  const double half = 0.5 * degrees * std::numbers::pi / 180;
+  Quat64 q{0, 0, 0, std::cos(half)};
+  (axis == 0 ? q.x : axis == 1 ? q.y : q.z) = std::sin(half);
+  return to_unit(q);
+}
+
+}  // namespace
+
+Quat operator*(const Quat& a, const Quat& b) {
+  const Quat64 p{a.x, a.y, a.z, a.w};
+  return to_unit({p.w * b.x + p.x * b.w + p.y * b.z - p.z * b.y, p.w * b.y - p.x * b.z + p.y * b.w + p.z * b.x,
+                  p.w * b.z + p.x * b.y - p.y * b.x + p.z * b.w, p.w * b.w - p.x * b.x - p.y * b.y - p.z * b.z});
+}
+
+Quat conjugate(const Quat& q) {
+  return {-q.x, -q.y, -q.z, q.w};
+}
+
+Vec3 rotate(const Quat& q, const Vec3& v) {
+  const Vec3 u{q.x, q.y, q.z};
+  const Vec3 t = 2.F * cross(u, v);
+  return v + q.w * t + cross(u, t);
+}
+
+Quat quat_from_euler_deg(const Vec3& degrees) {
+  return about_axis(2, degrees.z) * about_axis(1, degrees.y) * about_axis(0, degrees.x);
+}
+
+Quat slerp(const Quat& a, const Quat& b, float t) {
+  const double along = static_cast<double>(a.x) * b.x + static_cast<double>(a.y) * b.y +
+                       static_cast<double>(a.z) * b.z + static_cast<double>(a.w) * b.w;
+  const double sign = along < 0 ? -1 : 1;
+  const double angle = std::acos(std::min(sign * along, 1.0));
+  const double sine = std::sin(angle);
+  const double wa = sine > 1e-9 ? std::sin((1.0 - t) * angle) / sine : 1.0 - t;
+  const double wb = sign * (sine > 1e-9 ? std::sin(t * angle) / sine : t);
+  return to_unit({wa * a.x + wb * b.x, wa * a.y + wb * b.y, wa * a.z + wb * b.z, wa * a.w + wb * b.w});
+}
+
+Vec3 apply(const Transform& t, const Vec3& p) {
+  return t.translate + rotate(t.rotate, t.scale * p);
+}
+
+Transform compose(const Transform& a, const Transform& b) {
+  return {apply(a, b.translate), a.rotate * b.rotate, a.scale * b.scale};
+}
+
+Transform pose_at(std::span<const Keyframe> motion, double time) {
+  if (motion.empty()) return {};
+  const auto after =
+      std::upper_bound(motion.begin(), motion.end(), time, [](double t, const Keyframe& key) { return t < key.time; });
+  if (after == motion.begin()) return {motion.front().translate, motion.front().rotate, 1};
+  const Keyframe& a = *(after - 1);
+  if (after == motion.end()) return {a.translate, a.rotate, 1};
+  const Keyframe& b = *after;
+  const auto t = static_cast<float>((time - a.time) / (b.time - a.time));
+  return {a.translate + t * (b.translate - a.translate), slerp(a.rotate, b.rotate, t), 1};
+}
+
+}  // namespace geocloth

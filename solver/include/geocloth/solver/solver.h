@@ -96,6 +96,7 @@ class Solver {
   void wait();
 
   class Impl;
+  explicit Solver(std::unique_ptr<Impl> impl);   ///< for vulkan_interop.h
   [[nodiscard]] Impl& impl() { return *impl_; }  ///< for vulkan_interop.h
 
  private:

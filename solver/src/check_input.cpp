@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+// Nothing that is out of its documented range gets into the solver: not a number, an infinite length or a negative
+// radius would come out again as a cloth that has vanished.
+
+#include "check_input.h"
+
+#include <cmath>
+#include <limits>
+
+#include "geocloth/asset/error.h"
+
+namespace geocloth {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+std::string number(double value) {
+  std::string text = std::to_string(value);
+  if (text.find('.') == std::string::npos) return text;
+  text.erase(text.find_last_not_of('0') + 1);
+  if (text.back() == '.') text.pop_back();
+  return text;
+}
+
+[[noreturn]] void refuse(const std::string& where, const std::string& field, double value, const std::string& rule) {
+  throw Error(ErrorCode::invalid_argument, where + ": " + field + " is " + number(value) + "; it must be " + rule);
+}
+
+void check_at_least(double value, double low, const std::string& where, const char* field, double high = kInfinity) {
+  if (std::isfinite(value) && value >= low && value <= high) return;
+  refuse(where, field, value,
+         std::isfinite(high) ? "between " + number(low) + " and " + number(high)
+                             : "a finite number of at least " + number(low));
+}
+
+void check_above(double value, double low, const std::string& where, const char* field, double high = kInfinity) {
+  if (std::isfinite(value) && value > low && value <= high) return;
+  refuse(where, field, value,
+         "a finite number above " + number(low) + (std::isfinite(high) ? " and up to " + number(high) : ""));
+}
+
+void check_vector(const Vec3& v, float largest, const std::string& where, const char* field) {
+  for (const float c : {v.x, v.y, v.z})
+    if (!std::isfinite(c) || std::abs(c) > largest) {
+      refuse(where, field, c, "finite, each component within +-" + number(largest));
+    }
+}
+
+void check_sizes(const Vec3& v, const std::string& where, const char* field) {
+  for (const float c : {v.x, v.y, v.z}) check_above(c, 0, where, field, kLargestLength);
+}
+
+void check_rotation(const Quat& q, const std::string& where) {
+  const double n = std::sqrt(static_cast<double>(q.x) * q.x + static_cast<double>(q.y) * q.y +
+                             static_cast<double>(q.z) * q.z + static_cast<double>(q.w) * q.w);
+  if (!(std::abs(n - 1) < 1e-3)) refuse(where, "the length of the quaternion `rotate`", n, "1");
+}
+
+struct ShapeCheck {
+  const std::string& where;
+  void operator()(const Plane& s) const {
+    check_vector(s.point, kLargestLength, where, "point");
+    const double n = length(s.normal);
+    if (!(std::abs(n - 1) < 1e-3)) refuse(where, "the length of normal", n, "1");
+  }
+  void operator()(const Sphere& s) const {
+    check_vector(s.center, kLargestLength, where, "center");
+    check_above(s.radius, 0, where, "radius", kLargestLength);
+  }
+  void operator()(const Capsule& s) const {
+    check_vector(s.a, kLargestLength, where, "a");
+    check_vector(s.b, kLargestLength, where, "b");
+    check_above(s.radius_a, 0, where, "radius", kLargestLength);
+    check_above(s.radius_b, 0, where, "radius_b", kLargestLength);
+  }
+  void operator()(const Box& s) const {
+    check_vector(s.center, kLargestLength, where, "center");
+    check_sizes(s.half_extents, where, "half_extents");
+    check_rotation(s.rotate, where);
+  }
+  void operator()(const Ellipsoid& s) const {
+    check_vector(s.center, kLargestLength, where, "center");
+    check_sizes(s.radii, where, "radii");
+    check_rotation(s.rotate, where);
+  }
+};
+
+/// The seeds' parameters: not set when negative, else 0..1.
+void check_share(double value, const std::string& where, const char* field) {
+  if (!(value < 0 && std::isfinite(value))) check_at_least(value, 0, where, field, 1);
+}
+
+}  // namespace
+
+void check_position(const Vec3& position, const std::string& where) {
+  check_vector(position, kLargestLength, where, "a position");
+}
+
+void check(const SolverSettings& s) {
+  const std::string where = "settings";
+  check_at_least(s.threads, 1, where, "threads", 1024);
+  check_above(s.frame_time, 0, where, "frame_time", 10);
+  check_at_least(s.substeps, 1, where, "substeps", 256);
+  check_at_least(s.relaxation_steps, 1, where, "relaxation_steps", 256);
+  check_vector(s.gravity, 1e4F, where, "gravity");
+}
+
+void check(const Material& m, const std::string& where) {
+  check_above(m.areal_density, 0, where, "areal_density", 1e4);
+  check_above(m.stretch_warp, 0, where, "stretch_warp", 1e12);
+  check_above(m.stretch_weft, 0, where, "stretch_weft", 1e12);
+  check_at_least(m.shear, 0, where, "shear", 1e12);
+  check_at_least(m.bend_warp, 0, where, "bend_warp", 1e6);
+  check_at_least(m.bend_weft, 0, where, "bend_weft", 1e6);
+  check_at_least(m.damping, 0, where, "damping");
+  check_at_least(m.thickness, 0, where, "thickness", 1);
+  check_at_least(m.friction, 0, where, "friction", 1e3);
+  check_at_least(m.max_speed, 0, where, "max_speed");
+  check_at_least(m.max_stretch, 0, where, "max_stretch");
+  check_share(m.stiffness, where, "stiffness");
+  check_share(m.bend_stiffness, where, "bend_stiffness");
+  check_share(m.verlet_damping, where, "verlet_damping");
+}
+
+void check(const Transform& t, const std::string& where) {
+  check_vector(t.translate, kLargestLength, where, "translate");
+  check_rotation(t.rotate, where);
+  check_above(t.scale, 0, where, "scale", 1e6);
+}
+
+void check(const Collider& c, const std::string& where) {
+  const std::string name = where + (c.name.empty() ? "" : " \"" + c.name + "\"");
+  std::visit(ShapeCheck{name}, c.shape);
+  check_at_least(c.friction, 0, name, "friction", 1e3);
+  check_vector(c.pose.translate, kLargestLength, name, "pose.translate");
+  check_rotation(c.pose.rotate, name);
+  if (c.pose.scale != 1.F) refuse(name, "pose.scale", c.pose.scale, "1: give the shape another size");
+}
+
+void check(const Wind& w, const std::string& where) {
+  check_vector(w.velocity, 1e4F, where, "velocity");
+  check_at_least(w.turbulence, 0, where, "turbulence", 1e3);
+  check_above(w.frequency, 0, where, "frequency", 1e4);
+  check_at_least(w.drag, 0, where, "drag", 1e4);
+  check_at_least(w.lift, 0, where, "lift", 1e4);
+}
+
+}  // namespace geocloth

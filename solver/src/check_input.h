@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "geocloth/solver/solver.h"
+
+namespace geocloth {
+
+/// Positions and lengths beyond this [m] are refused: their squares would leave the range of single precision.
+inline constexpr float kLargestLength = 1e6F;
+
+/// Every field in its documented range. `where` begins the message, e.g. "cloth 2" or "colliders[0] \"ball\"".
+/// @throws Error(invalid_argument) naming the field, its value and its range
+void check(const SolverSettings& settings);
+void check(const Material& material, const std::string& where);
+void check(const Transform& transform, const std::string& where);
+void check(const Collider& collider, const std::string& where);
+void check(const Wind& wind, const std::string& where);
+void check_position(const Vec3& position, const std::string& where);
+
+}  // namespace geocloth

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// Structure of arrays for the cpu: the images' texels taken apart.
+
+#include "cpu/cloth_state.h"
+
+#include <utility>
+
+namespace geocloth::cpu {
+
+ClothState::ClothState(ClothData cloth_data, bool accumulate)
+    : data(std::move(cloth_data)),
+      position(pixel_count()),
+      previous(pixel_count()),
+      carry(pixel_count()),
+      normal(pixel_count()),
+      inverse_mass(pixel_count()),
+      normal_length(pixel_count()) {
+  for (size_t i = 0; i < pixel_count(); ++i) {
+    const shader::vec4& p = data.position[i];
+    position.set(i, {p.x, p.y, p.z});
+    inverse_mass[i] = p.w;
+  }
+  previous = position;
+  for (uint32_t c = 0; c < shader::kSpringComponents; ++c) {
+    rest[c].resize(pixel_count());
+    compliance[c].resize(pixel_count());
+    if (accumulate) multiplier[c].resize(pixel_count());
+    for (size_t i = 0; i < pixel_count(); ++i) {
+      const shader::vec4& s = data.springs[c / 2][i];
+      rest[c][i] = c % 2 == 0 ? s.x : s.z;
+      compliance[c][i] = c % 2 == 0 ? s.y : s.w;
+    }
+  }
+  if (accumulate) seam_multiplier.resize(data.seam_bends.size());
+  if (data.attachments) attachments.assign(pixel_count(), {shader::kNoAnchor, 0});
+  data.position = {};
+  data.springs = {};
+}
+
+}  // namespace geocloth::cpu

@@ -1,0 +1,358 @@
+// SPDX-License-Identifier: Apache-2.0
+// The passes for the cpu: loads and stores around the functions of shaders/lib, which both backends share. Order of
+// passes: pass.cpp. Each loop runs over things that do not touch each other, so threads split it as they like.
+
+#include "cpu/passes.h"
+
+#include <algorithm>
+#include <mutex>
+
+namespace geocloth::shader {
+
+/// collide.h reads colliders through this.
+struct ColliderSet {
+  const ColliderShape* shapes;
+  const ColliderPose* poses;
+  uint count;
+};
+inline ColliderShape collider_shape(ColliderSet set, uint i) {
+  return set.shapes[i];
+}
+inline ColliderPose collider_pose(ColliderSet set, uint pose, uint i) {
+  return set.poses[size_t{pose} * set.count + i];
+}
+
+}  // namespace geocloth::shader
+
+#include "lib/collide.h"
+#include "lib/limit.h"
+#include "lib/normal.h"
+#include "lib/predict.h"
+#include "lib/spring.h"
+#include "lib/spring_groups.h"
+#include "lib/stitch.h"
+
+namespace geocloth::cpu {
+namespace {
+
+using shader::vec3;
+using shader::vec4;
+
+constexpr uint32_t kPixelGrain = 4096;  ///< pixels that are worth a thread of their own
+constexpr uint32_t kRowGrain = 512;     ///< split rows, pins, seam bends
+
+shader::ColliderSet colliders_of(const FrameInput& frame) {
+  return {frame.shapes.data(), frame.poses.data(), static_cast<uint32_t>(frame.shapes.size())};
+}
+
+/// Calls body(pixel) for every pixel.
+template <class Body>
+void for_pixels(const Threads& threads, const ClothState& state, const Body& body) {
+  threads.for_range(static_cast<uint32_t>(state.pixel_count()), kPixelGrain, [&](uint32_t first, uint32_t last) {
+    for (uint32_t i = first; i < last; ++i) body(i);
+  });
+}
+
+/// Calls body(first copy, copies) for every row of the split-vertex table.
+template <class Body>
+void for_split_rows(const Threads& threads, const ClothState& state, const Body& body) {
+  threads.for_range(state.data.split_rows(), kRowGrain, [&](uint32_t first, uint32_t last) {
+    const uint32_t* pixel = state.data.split_pixel.data();
+    for (uint32_t r = first; r < last; ++r)
+      body(std::span<const uint32_t>(pixel + state.data.split_offset[r], pixel + state.data.split_offset[r + 1]));
+  });
+}
+
+void normals(const PassContext& context, ClothState& state) {
+  const uint32_t width = state.data.width, height = state.data.height;
+  const auto cell = [&](uint32_t x, uint32_t y, uint32_t corner) {
+    if (x >= width || y >= height) return vec3(0, 0, 0);  // x - 1 of column 0 wraps to a huge number
+    const uint32_t i = y * width + x;
+    const uint32_t bits = state.data.cell[i];
+    if ((bits & (shader::kCellFirstBit | shader::kCellSecondBit)) == 0) return vec3(0, 0, 0);
+    const Vec3Array& p = state.position;
+    return shader::corner_normal(bits, corner, p.at(i), p.at(i + 1), p.at(i + width), p.at(i + width + 1));
+  };
+  for_pixels(context.threads, state, [&](uint32_t i) {
+    const uint32_t x = i % width, y = i / width;
+    const vec3 sum = cell(x - 1, y - 1, 3) + cell(x, y - 1, 2) + cell(x - 1, y, 1) + cell(x, y, 0);
+    const vec4 n = shader::unit_and_length(sum);
+    state.normal.set(i, shader::xyz(n));
+    state.normal_length[i] = n.w;
+  });
+}
+
+void normals_stitch(const PassContext& context, ClothState& state) {
+  for_split_rows(context.threads, state, [&](std::span<const uint32_t> copies) {
+    vec3 sum(0, 0, 0);
+    for (const uint32_t i : copies) sum = sum + state.normal.at(i) * state.normal_length[i];
+    const vec4 n = shader::unit_and_length(sum);
+    for (const uint32_t i : copies) {
+      state.normal.set(i, shader::xyz(n));
+      state.normal_length[i] = n.w;
+    }
+  });
+}
+
+vec3 air_at(const PassContext& context, const vec3& position) {
+  vec3 air = shader::xyz(context.cloth.params.wind);
+  for (const shader::Wave& wave : context.frame.substeps[context.substep].waves) {
+    air = air + shader::gust_at(wave, position);
+  }
+  return air;
+}
+
+void predict(const PassContext& context, ClothState& state) {
+  const shader::ClothParams& params = context.cloth.params;
+  for_pixels(context.threads, state, [&](uint32_t i) {
+    const vec3 position = state.position.at(i);
+    if (state.inverse_mass[i] == 0) {
+      state.previous.set(i, position);
+      return;
+    }
+    const vec3 previous = state.previous.at(i);
+    vec3 acceleration(0, 0, 0);
+    if (params.air != 0) {
+      const vec3 velocity = ((position - previous) + state.carry.at(i)) * params.inverse_dt;
+      acceleration = shader::air_acceleration(params, air_at(context, position), velocity, state.normal.at(i));
+    }
+    const shader::Predicted next = shader::predict(params, position, previous, state.carry.at(i), acceleration);
+    state.position.set(i, next.position);
+    state.previous.set(i, position);
+    state.carry.set(i, next.carry);
+  });
+}
+
+void pins(const PassContext& context, ClothState& state) {
+  const float fraction = context.frame.substeps[context.substep].pin_fraction;
+  const auto& list = context.cloth.pins;
+  context.threads.for_range(static_cast<uint32_t>(list.size()), kRowGrain, [&](uint32_t first, uint32_t last) {
+    for (uint32_t k = first; k < last; ++k) {
+      const uint32_t i = list[k].pixel.x;
+      state.position.set(i, shader::mix3(state.position.at(i), shader::xyz(list[k].target), fraction));
+    }
+  });
+}
+
+/// Raw pointers into the arrays of one component: restrict lets the compiler see that the two ends do not overlap.
+struct SpringRow {
+  float* __restrict ax;
+  float* __restrict ay;
+  float* __restrict az;
+  const float* __restrict aw;
+  float* __restrict bx;
+  float* __restrict by;
+  float* __restrict bz;
+  const float* __restrict bw;
+  const float* __restrict rest;
+  const float* __restrict compliance;
+};
+
+/// Springs of one line of pixels, `count` of them, `stride` pixels apart.
+template <size_t stride>
+void project_row(const SpringRow& row, uint32_t count, float inverse_dt2, float share) {
+  for (uint32_t k = 0; k < count; ++k) {
+    const size_t i = k * stride;
+    const shader::SpringEnds ends =
+        shader::project_spring(vec3(row.ax[i], row.ay[i], row.az[i]), row.aw[i], vec3(row.bx[i], row.by[i], row.bz[i]),
+                               row.bw[i], row.rest[i], row.compliance[i] * inverse_dt2, share, 0.F);
+    row.ax[i] = ends.a.x;
+    row.ay[i] = ends.a.y;
+    row.az[i] = ends.a.z;
+    row.bx[i] = ends.b.x;
+    row.by[i] = ends.b.y;
+    row.bz[i] = ends.b.z;
+  }
+}
+
+float share_of(const shader::ClothParams& params, uint32_t component) {
+  const uint32_t family = component / 2;
+  return family == 0 ? params.share_structural : family == 1 ? params.share_shear : params.share_bending;
+}
+
+/// A group whose springs start in every pixel of some rows: whole rows at a time, in order of memory. The last springs
+/// of a row may reach over its end: they have no rest length and move nothing, but must not leave the arrays.
+void project_rows(const PassContext& context, ClothState& state, uint32_t group) {
+  const uint32_t c = shader::group_component(group);
+  const uint32_t width = state.data.width, height = state.data.height;
+  const shader::uvec2 end = shader::spring_end(c, 1, 0);  // from x = 1, so that down-left stays positive
+  const uint32_t first_x = end.x < 1 ? 1 : 0;
+  const uint32_t count_x = width - (end.x == 1 ? 0 : 1);
+  const ptrdiff_t offset = static_cast<ptrdiff_t>(end.x) - 1 + static_cast<ptrdiff_t>(end.y) * width;
+  const shader::ClothParams& params = context.cloth.params;
+  const uint32_t lines = shader::group_line_count(group, height);
+  context.threads.for_range(lines, std::max(1U, kPixelGrain / width), [&](uint32_t first, uint32_t last) {
+    for (uint32_t n = first; n < last; ++n) {
+      const uint32_t y = shader::group_line(group, n);
+      if (y + end.y >= height) continue;
+      const size_t a = static_cast<size_t>(y) * width + first_x;
+      const size_t b = static_cast<size_t>(static_cast<ptrdiff_t>(a) + offset);
+      const SpringRow row{state.position.x.data() + a,   state.position.y.data() + a,   state.position.z.data() + a,
+                          state.inverse_mass.data() + a, state.position.x.data() + b,   state.position.y.data() + b,
+                          state.position.z.data() + b,   state.inverse_mass.data() + b, state.rest[c].data() + a,
+                          state.compliance[c].data() + a};
+      project_row<1>(row, count_x, params.inverse_dt2, share_of(params, c));
+    }
+  });
+}
+
+void project_pixel(const PassContext& context, ClothState& state, const PassStep& step, uint32_t component, uint32_t i,
+                   uint32_t j) {
+  const float rest = state.rest[component][i];
+  if (rest == 0) return;
+  const bool accumulate = context.relaxation_steps > 1;
+  const float multiplier = accumulate && step.relaxation > 0 ? state.multiplier[component][i] : 0.F;
+  const shader::SpringEnds ends =
+      shader::project_spring(state.position.at(i), state.inverse_mass[i], state.position.at(j), state.inverse_mass[j],
+                             rest, state.compliance[component][i] * context.cloth.params.inverse_dt2,
+                             share_of(context.cloth.params, component), multiplier);
+  state.position.set(i, ends.a);
+  state.position.set(j, ends.b);
+  if (accumulate) state.multiplier[component][i] = ends.multiplier;
+}
+
+/// Any group, spring by spring.
+void project_group(const PassContext& context, ClothState& state, const PassStep& step) {
+  const uint32_t c = shader::group_component(step.group);
+  const uint32_t width = state.data.width, height = state.data.height;
+  const shader::uvec2 extent = shader::group_extent(step.group, width, height);
+  context.threads.for_range(extent.y, std::max(1U, kPixelGrain / extent.x), [&](uint32_t first, uint32_t last) {
+    for (uint32_t gy = first; gy < last; ++gy) {
+      for (uint32_t gx = 0; gx < extent.x; ++gx) {
+        const shader::uvec2 at = shader::group_pixel(step.group, gx, gy);
+        if (at.x >= width || at.y >= height) continue;
+        const shader::uvec2 to = shader::spring_end(c, at.x, at.y);
+        project_pixel(context, state, step, c, at.y * width + at.x, to.y * width + to.x);
+      }
+    }
+  });
+}
+
+void springs(const PassContext& context, ClothState& state, const PassStep& step) {
+  const bool by_row = shader::group_by_column(step.group) == 0;
+  if (by_row && context.relaxation_steps == 1) {
+    project_rows(context, state, step.group);
+  } else {
+    project_group(context, state, step);
+  }
+}
+
+void seam_bends(const PassContext& context, ClothState& state, const PassStep& step) {
+  const shader::ClothParams& params = context.cloth.params;
+  const bool accumulate = context.relaxation_steps > 1;
+  const uint32_t begin = state.data.seam_color_offset[step.group];
+  const uint32_t count = state.data.seam_color_offset[step.group + 1] - begin;
+  context.threads.for_range(count, kRowGrain, [&](uint32_t first, uint32_t last) {
+    for (uint32_t k = begin + first; k < begin + last; ++k) {
+      const shader::SeamSpring& s = state.data.seam_bends[k];
+      const float multiplier = accumulate && step.relaxation > 0 ? state.seam_multiplier[k] : 0.F;
+      const shader::SpringEnds ends = shader::project_spring(
+          state.position.at(s.a), state.inverse_mass[s.a], state.position.at(s.b), state.inverse_mass[s.b], s.rest,
+          s.compliance * params.inverse_dt2, params.share_bending, multiplier);
+      state.position.set(s.a, ends.a);
+      state.position.set(s.b, ends.b);
+      if (accumulate) state.seam_multiplier[k] = ends.multiplier;
+    }
+  });
+}
+
+void stitch(const PassContext& context, ClothState& state) {
+  for_split_rows(context.threads, state, [&](std::span<const uint32_t> copies) {
+    const vec4 first = state.position_and_mass(copies.front());
+    if (first.w == 0) return;  // pinned, and all its copies with it
+    shader::StitchSum sum = shader::stitch_begin();
+    for (const uint32_t i : copies) sum = shader::stitch_add(sum, first, state.position_and_mass(i));
+    const vec3 mean = shader::stitch_mean(sum, first);
+    for (const uint32_t i : copies) state.position.set(i, mean);
+  });
+}
+
+void limit(const PassContext& context, ClothState& state) {
+  const float stretch = context.cloth.params.stretch_limit;
+  for_pixels(context.threads, state, [&](uint32_t i) {
+    const shader::Attachment& attachment = state.attachments[i];
+    if (attachment.anchor == shader::kNoAnchor || state.inverse_mass[i] == 0) return;
+    const vec3 anchor = state.position.at(attachment.anchor);
+    state.position.set(i, shader::attach(state.position.at(i), anchor, attachment.reach * stretch));
+  });
+}
+
+void collide(const PassContext& context, ClothState& state) {
+  const shader::ColliderSet set = colliders_of(context.frame);
+  for_pixels(context.threads, state, [&](uint32_t i) {
+    if (state.inverse_mass[i] == 0) return;
+    const shader::PointState point{state.position.at(i), state.previous.at(i), state.carry.at(i)};
+    const shader::PointState after = shader::collide(set, context.cloth.params, context.substep, point);
+    state.position.set(i, after.position);
+    state.previous.set(i, after.previous);
+    state.carry.set(i, after.carry);
+  });
+}
+
+/// Largest value(i) over 0..count. A maximum does not depend on the order.
+template <class Value>
+float largest(const Threads& threads, uint32_t count, const Value& value) {
+  std::mutex mutex;
+  float result = 0;
+  threads.for_range(count, kPixelGrain, [&](uint32_t first, uint32_t last) {
+    float part = 0;
+    for (uint32_t i = first; i < last; ++i) part = std::max(part, value(i));
+    const std::lock_guard lock(mutex);
+    result = std::max(result, part);
+  });
+  return result;
+}
+
+float copy_gap(const PassContext& context, const ClothState& state) {
+  return largest(context.threads, state.data.split_rows(), [&](uint32_t r) {
+    const uint32_t begin = state.data.split_offset[r];
+    const vec3 first = state.position.at(state.data.split_pixel[begin]);
+    float gap = 0;
+    for (uint32_t k = begin + 1; k < state.data.split_offset[r + 1]; ++k)
+      gap = std::max(gap, shader::length3(state.position.at(state.data.split_pixel[k]) - first));
+    return gap;
+  });
+}
+
+float penetration(const PassContext& context, const ClothState& state) {
+  const shader::ColliderSet set = colliders_of(context.frame);
+  return largest(context.threads, static_cast<uint32_t>(state.pixel_count()), [&](uint32_t i) {
+    if (state.inverse_mass[i] == 0) return 0.F;
+    return shader::depth_in_colliders(set, set.count, context.substep, state.position.at(i));
+  });
+}
+
+}  // namespace
+
+void run_pass(const PassStep& step, const PassContext& context, ClothState& state, Measures& measures) {
+  switch (step.pass) {
+    case Pass::normals:
+      return normals(context, state);
+    case Pass::normals_stitch:
+      return normals_stitch(context, state);
+    case Pass::predict:
+      return predict(context, state);
+    case Pass::pins:
+      return pins(context, state);
+    case Pass::structural:
+    case Pass::shear:
+    case Pass::bending:
+      return springs(context, state, step);
+    case Pass::seam_bends:
+      return seam_bends(context, state, step);
+    case Pass::stitch:
+      return stitch(context, state);
+    case Pass::limit:
+      return limit(context, state);
+    case Pass::collide:
+      return collide(context, state);
+    case Pass::check_copies:
+      measures.copy_gap = std::max(measures.copy_gap, copy_gap(context, state));
+      return;
+    case Pass::check_colliders:
+      measures.penetration = std::max(measures.penetration, penetration(context, state));
+      return;
+  }
+}
+
+}  // namespace geocloth::cpu

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "cpu/cloth_state.h"
+#include "cpu/threads.h"
+#include "pass.h"
+
+namespace geocloth::cpu {
+
+/// Largest values met by the check passes [m].
+struct Measures {
+  float copy_gap = 0, penetration = 0;
+};
+
+/// Where in the frame a pass runs.
+struct PassContext {
+  const FrameInput& frame;
+  const ClothFrame& cloth;
+  const Threads& threads;
+  uint32_t substep = 0;
+  uint32_t relaxation_steps = 1;
+};
+
+/// Runs one entry of a schedule over one cloth.
+void run_pass(const PassStep& step, const PassContext& context, ClothState& state, Measures& measures);
+
+}  // namespace geocloth::cpu

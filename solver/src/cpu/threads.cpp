@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// oneTBB behind one function. Springs of a group, pixels and split rows are independent of each other, so any split of
+// a range gives the same bits.
+
+#include "cpu/threads.h"
+
+#include <algorithm>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/partitioner.h>
+#include <tbb/task_arena.h>
+
+namespace geocloth::cpu {
+
+struct Threads::Arena {
+  explicit Arena(uint32_t count) : arena(static_cast<int>(count)) {}
+  tbb::task_arena arena;
+};
+
+Threads::Threads(uint32_t count) : count_(std::max(1U, count)) {
+  if (count_ > 1) arena_ = std::make_unique<Arena>(count_);
+}
+Threads::~Threads() = default;
+Threads::Threads(Threads&&) noexcept = default;
+Threads& Threads::operator=(Threads&&) noexcept = default;
+
+void Threads::for_range(uint32_t count, uint32_t grain, const std::function<void(uint32_t, uint32_t)>& body) const {
+  if (!arena_ || count <= grain) {
+    if (count > 0) body(0, count);
+    return;
+  }
+  const uint32_t part = std::max(grain, (count + count_ - 1) / count_);
+  arena_->arena.execute([&] {
+    tbb::parallel_for(
+        tbb::blocked_range<uint32_t>(0, count, part),
+        [&](const tbb::blocked_range<uint32_t>& range) { body(range.begin(), range.end()); },
+        tbb::simple_partitioner());
+  });
+}
+
+}  // namespace geocloth::cpu

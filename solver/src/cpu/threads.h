@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+
+namespace geocloth::cpu {
+
+/// A fixed number of threads that share out ranges. What a range computes must not depend on how it is split.
+class Threads {
+ public:
+  explicit Threads(uint32_t count);
+  ~Threads();
+  Threads(Threads&&) noexcept;
+  Threads& operator=(Threads&&) noexcept;
+
+  /// Calls body(first, last) for parts that cover 0..count; parts are at least `grain` long.
+  void for_range(uint32_t count, uint32_t grain, const std::function<void(uint32_t, uint32_t)>& body) const;
+  [[nodiscard]] uint32_t count() const { return count_; }
+
+ private:
+  struct Arena;
+  uint32_t count_;
+  std::unique_ptr<Arena> arena_;  ///< none for a single thread
+};
+
+}  // namespace geocloth::cpu

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "backend.h"
+
+namespace geocloth {
+
+/// Everything a backend needs to know of one cloth: positions relative to the origin, masses from the pixels' area
+/// shares, springs with rest lengths and compliances from the material.
+[[nodiscard]] ClothData make_cloth_data(const ClothDesc& cloth, const Vec3& origin);
+
+/// The coordinate origin for these cloths: the middle of their bounds, rounded to multiples of 4 m.
+[[nodiscard]] Vec3 choose_origin(std::span<const ClothDesc> cloths);
+
+/// For every pixel that is not pinned the nearest pinned pixel along the surface at rest, over splits too, and how far
+/// it is [m]. The distance runs over grid edges, diagonals and knight's moves: at most 2.8 % too long on a flat grid.
+/// @param pinned  pixels, all copies listed
+[[nodiscard]] std::vector<shader::Attachment> make_attachments(const ClothAsset& asset, float scale,
+                                                               std::span<const uint32_t> pinned);
+
+}  // namespace geocloth
