@@ -202,9 +202,17 @@ void OutputFile::commit() {
   unregister_file(static_cast<Slot*>(std::exchange(registration_, nullptr)));
 }
 
+OutputFile& OutputSeries::add(fs::path path) {
+  return files_.emplace_back(std::move(path));
+}
+
 OutputFile& OutputSeries::open(fs::path path) {
   if (!files_.empty()) files_.back().close();
-  return files_.emplace_back(std::move(path));
+  return add(std::move(path));
+}
+
+void OutputSeries::close() {
+  for (OutputFile& file : files_) file.close();
 }
 
 void OutputSeries::commit() {

@@ -55,8 +55,12 @@ class OutputSeries {
   OutputSeries(const OutputSeries&) = delete;
   OutputSeries& operator=(const OutputSeries&) = delete;
 
-  /// Closes the file before and opens the next. The reference lives until the series ends. @throws Error(io)
+  /// One more file, beside those that are open. The reference lives until the series ends. @throws Error(io)
+  OutputFile& add(std::filesystem::path path);
+  /// Closes the file before, and adds the next.
   OutputFile& open(std::filesystem::path path);
+  /// Closes all files; then only the renaming is left to do.
+  void close();
   /// @throws Error(io)
   void commit();
 

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Which ending means which format, and what the formats share.
+#include "export/cache_writer.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <string>
+#include <string_view>
+
+#include "export/cache_writers.h"
+
+namespace geocloth {
+namespace {
+
+using MakeWriter = std::unique_ptr<CacheWriter> (*)(const std::filesystem::path&, const CacheDescription&);
+
+struct Format {
+  std::string_view ending;
+  MakeWriter make;
+};
+constexpr std::array<Format, 5> kFormats{{{".glb", make_gltf_writer},
+                                          {".obj", make_obj_writer},
+                                          {".pc2", make_pc2_writer},
+                                          {".mdd", make_mdd_writer},
+                                          {".exr", make_exr_writer}}};
+
+}  // namespace
+
+std::unique_ptr<CacheWriter> make_cache_writer(const std::filesystem::path& path, const CacheDescription& description) {
+  std::string ending = path.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  for (const Format& format : kFormats) {
+    if (format.ending == ending) return format.make(path, description);
+  }
+  return nullptr;
+}
+
+std::unique_ptr<FrameWriter> make_cache_writer(const std::filesystem::path& path, const Simulation& simulation) {
+  CacheDescription description;
+  for (const ClothDesc& cloth : simulation.cloths()) description.cloths.push_back(cloth.asset);
+  description.frame_rate = simulation.scene().frame_rate;
+  description.frame_count = simulation.scene().frames;
+  return make_cache_writer(path, description);
+}
+
+std::filesystem::path cloth_path(const std::filesystem::path& path, std::size_t cloth, std::size_t cloth_count) {
+  if (cloth_count == 1) return path;
+  return path.parent_path() / (path.stem().string() + "_" + std::to_string(cloth + 1) + path.extension().string());
+}
+
+std::vector<Vec3> in_file_order(const SourceMesh& source, const std::vector<Vec3>& render_positions) {
+  std::vector<Vec3> points(source.source_vertex_count);
+  for (std::size_t i = 0; i < render_positions.size(); ++i) points[source.source_vertex[i]] = render_positions[i];
+  return points;
+}
+
+}  // namespace geocloth

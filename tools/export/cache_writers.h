@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "export/cache_writer.h"
+
+/// The formats behind make_cache_writer, one file each.
+namespace geocloth {
+
+[[nodiscard]] std::unique_ptr<CacheWriter> make_gltf_writer(const std::filesystem::path& path,
+                                                            const CacheDescription& description);
+[[nodiscard]] std::unique_ptr<CacheWriter> make_obj_writer(const std::filesystem::path& path,
+                                                           const CacheDescription& description);
+[[nodiscard]] std::unique_ptr<CacheWriter> make_pc2_writer(const std::filesystem::path& path,
+                                                           const CacheDescription& description);
+[[nodiscard]] std::unique_ptr<CacheWriter> make_mdd_writer(const std::filesystem::path& path,
+                                                           const CacheDescription& description);
+[[nodiscard]] std::unique_ptr<CacheWriter> make_exr_writer(const std::filesystem::path& path,
+                                                           const CacheDescription& description);
+
+/// out.pc2, 0 of 2 -> out_1.pc2; the path itself when there is only one cloth.
+[[nodiscard]] std::filesystem::path cloth_path(const std::filesystem::path& path, std::size_t cloth,
+                                               std::size_t cloth_count);
+
+/// Whether frame `frame` of a numbered series is a file: all but frame 0, unless there is no other.
+[[nodiscard]] inline bool is_numbered_frame(uint32_t frame, const CacheDescription& description) {
+  return frame > 0 || description.frame_count == 0;
+}
+
+/// Positions in the order of the vertices of the source file; a vertex that no triangle uses stays at the origin.
+[[nodiscard]] std::vector<Vec3> in_file_order(const SourceMesh& source, const std::vector<Vec3>& render_positions);
+
+}  // namespace geocloth

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Animated glTF binary. A vertex cache becomes morph targets: frame 0 is the mesh, frame k its k-th target (deltas of
+// positions and normals), and one animation turns weight k up to 1 at frame k and down again, linearly, which gives
+// back every frame exactly and the line between two frames in between. three.js and Blender (as shape keys) play it.
+// Deltas go to a scratch file frame by frame; only the JSON waits in memory.
+#include <algorithm>
+#include <string>
+
+#include "export/cache_writers.h"
+#include "geocloth/asset/output_file.h"
+#include "glb.h"
+
+namespace geocloth {
+namespace {
+
+using glb::Json;
+
+/// Beyond this, targets go without normals, and viewers shade the faces flat: half the file, a little less beauty.
+constexpr uint64_t kMaxNormalBytes = uint64_t{256} << 20U;
+
+/// A cloth in the file. Every part has its own run of vertices, those that its triangles use, so that a viewer uploads
+/// each vertex and each of its targets once.
+class ClothNode {
+ public:
+  ClothNode(const ClothAsset& asset, bool with_normals) : asset_(asset), with_normals_(with_normals) {
+    std::vector<uint32_t> local(asset.source.position.size());
+    for (const SourcePart& part : asset.source.part) {
+      Run& run = runs_.emplace_back();
+      run.first = static_cast<uint32_t>(order_.size());
+      const auto triangles = std::span(asset.source.triangle).subspan(part.first_triangle, part.triangle_count);
+      for (const Triangle& t : triangles) order_.insert(order_.end(), t.begin(), t.end());
+      const auto begin = order_.begin() + run.first;
+      std::sort(begin, order_.end());
+      order_.erase(std::unique(begin, order_.end()), order_.end());
+      run.count = static_cast<uint32_t>(order_.size()) - run.first;
+      for (uint32_t i = 0; i < run.count; ++i) local[order_[run.first + i]] = i;
+      for (const Triangle& t : triangles) run.triangle.push_back({local[t[0]], local[t[1]], local[t[2]]});
+      run.material = part.material;
+    }
+    if (with_normals_) bound_normals_ = bind_normals(asset);
+  }
+
+  void add_first_frame(glb::Builder& builder, const ClothFrame& frame) {
+    first_position_ = pick(frame.source_position);
+    const auto positions = add_runs(builder, first_position_);
+    std::vector<uint32_t> normals, uvs;
+    if (with_normals_) {
+      first_normal_ = pick(normals_of(frame));
+      normals = add_runs(builder, first_normal_);
+    }
+    if (!asset_.source.uv.empty()) uvs = add_runs(builder, pick(asset_.source.uv));
+    const uint32_t first_material = builder.add_materials(asset_.source);
+    for (std::size_t i = 0; i < runs_.size(); ++i) {
+      Json primitive = {{"attributes", {{"POSITION", positions[i]}}}, {"material", first_material + runs_[i].material}};
+      if (with_normals_) primitive["attributes"]["NORMAL"] = normals[i];
+      if (!uvs.empty()) primitive["attributes"]["TEXCOORD_0"] = uvs[i];
+      const uint32_t indices = builder.add_index_view(runs_[i].triangle, runs_[i].count);
+      primitive["indices"] = builder.add_index_accessor(indices, 0, runs_[i].triangle.size(), runs_[i].count);
+      primitives_.push_back(std::move(primitive));
+    }
+  }
+
+  void add_target(glb::Builder& builder, const ClothFrame& frame) {
+    const auto positions = add_runs(builder, difference(pick(frame.source_position), first_position_));
+    std::vector<uint32_t> normals;
+    if (with_normals_) normals = add_runs(builder, difference(pick(normals_of(frame)), first_normal_));
+    for (std::size_t i = 0; i < runs_.size(); ++i) {
+      Json target = {{"POSITION", positions[i]}};
+      if (with_normals_) target["NORMAL"] = normals[i];
+      primitives_[i]["targets"].push_back(std::move(target));
+    }
+  }
+
+  /// The mesh, once all frames are in.
+  [[nodiscard]] Json mesh(const std::vector<std::string>& target_names) const {
+    Json json = {{"name", asset_.name}, {"primitives", primitives_}};
+    if (!target_names.empty()) {
+      json["weights"] = std::vector<int>(target_names.size(), 0);
+      json["extras"] = {{"targetNames", target_names}};  // what Blender calls the shape keys
+    }
+    return json;
+  }
+
+  [[nodiscard]] const std::string& name() const { return asset_.name; }
+
+ private:
+  struct Run {
+    uint32_t first = 0, count = 0;  ///< in order_
+    std::vector<Triangle> triangle;
+    uint32_t material = 0;
+  };
+
+  template <class T>
+  [[nodiscard]] std::vector<T> pick(const std::vector<T>& values) const {
+    std::vector<T> picked;
+    picked.reserve(order_.size());
+    for (const uint32_t v : order_) picked.push_back(values[v]);
+    return picked;
+  }
+
+  static std::vector<Vec3> difference(std::vector<Vec3> a, const std::vector<Vec3>& b) {
+    for (std::size_t i = 0; i < a.size(); ++i) a[i] -= b[i];
+    return a;
+  }
+
+  [[nodiscard]] std::vector<Vec3> normals_of(const ClothFrame& frame) const {
+    std::vector<Vec3> normals;
+    evaluate_bound_normals(asset_, bound_normals_, frame.position, frame.normal, normals);
+    return normals;
+  }
+
+  /// One view of all values, one accessor per run.
+  template <class T>
+  std::vector<uint32_t> add_runs(glb::Builder& builder, const std::vector<T>& values) const {
+    const uint32_t view = builder.add_view(std::as_bytes(std::span(values)), glb::Target::vertices, sizeof(T));
+    std::vector<uint32_t> accessors;
+    for (const Run& run : runs_) {
+      const auto part = std::span(values).subspan(run.first, run.count);
+      accessors.push_back(builder.add_accessor(part, view, run.first * sizeof(T)));
+    }
+    return accessors;
+  }
+
+  const ClothAsset& asset_;
+  bool with_normals_;
+  std::vector<uint32_t> order_;  ///< render vertices, run by run
+  std::vector<Run> runs_;
+  std::vector<Vec3> bound_normals_, first_position_, first_normal_;
+  Json primitives_ = Json::array();
+};
+
+bool fits_with_normals(const CacheDescription& description) {
+  uint64_t vertices = 0;
+  for (const auto& cloth : description.cloths) vertices += cloth->source.position.size();
+  return vertices * sizeof(Vec3) * (uint64_t{description.frame_count} + 1) <= kMaxNormalBytes;
+}
+
+class GltfWriter final : public CacheWriter {
+ public:
+  GltfWriter(const std::filesystem::path& path, const CacheDescription& description)
+      : description_(description), file_(path), scratch_(path), builder_(&scratch_) {
+    const bool with_normals = fits_with_normals(description_);
+    for (const auto& cloth : description_.cloths) nodes_.emplace_back(*cloth, with_normals);
+  }
+
+  void add(std::span<const ClothFrame> cloths) override {
+    const uint32_t frame = frame_++;
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+      if (frame == 0) {
+        nodes_[i].add_first_frame(builder_, cloths[i]);
+      } else {
+        nodes_[i].add_target(builder_, cloths[i]);
+      }
+    }
+    if (frame > 0) target_names_.push_back("frame " + std::to_string(frame));
+  }
+
+  void finish() override {
+    Json& root = builder_.root;
+    root["scenes"] = Json::array({{{"nodes", Json::array()}}});
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+      root["meshes"].push_back(nodes_[i].mesh(target_names_));
+      root["nodes"].push_back({{"name", nodes_[i].name()}, {"mesh", i}});
+      root["scenes"][0]["nodes"].push_back(i);
+    }
+    if (!target_names_.empty()) root["animations"] = Json::array({animation()});
+    builder_.write(file_);
+    file_.close();
+  }
+  void commit() override { file_.commit(); }
+
+ private:
+  /// Weight k is 1 at frame k and 0 at all others: a matrix of frames x targets, shared by all cloths.
+  Json animation() {
+    const std::size_t targets = target_names_.size();
+    std::vector<float> times, weights(targets * (targets + 1), 0.0F);
+    for (std::size_t frame = 0; frame <= targets; ++frame) {
+      times.push_back(static_cast<float>(static_cast<double>(frame) / description_.frame_rate));
+      if (frame > 0) weights[frame * targets + frame - 1] = 1;
+    }
+    const uint32_t input = builder_.add_accessor(std::span<const float>(times), builder_.add_array(times));
+    const uint32_t output = builder_.add_accessor(std::span<const float>(weights), builder_.add_array(weights));
+    Json json = {{"name", "simulation"},
+                 {"samplers", Json::array({{{"input", input}, {"output", output}, {"interpolation", "LINEAR"}}})},
+                 {"channels", Json::array()}};
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+      json["channels"].push_back({{"sampler", 0}, {"target", {{"node", i}, {"path", "weights"}}}});
+    }
+    return json;
+  }
+
+  CacheDescription description_;
+  OutputFile file_, scratch_;
+  glb::Builder builder_;
+  std::vector<ClothNode> nodes_;
+  std::vector<std::string> target_names_;
+  uint32_t frame_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<CacheWriter> make_gltf_writer(const std::filesystem::path& path, const CacheDescription& description) {
+  return std::make_unique<GltfWriter>(path, description);
+}
+
+}  // namespace geocloth
