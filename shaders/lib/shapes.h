@@ -60,10 +60,6 @@ inline Nearest nearest_box(vec3 half_extents, vec3 p) {
 // right of its last pole, so Newton's method from the left climbs to the root without a bracket.
 inline Nearest nearest_ellipsoid(vec3 radii, vec3 p) {
   float largest = max(radii.x, max(radii.y, radii.z));
-  precise float far = length3(p) - largest;
-  if (far > largest) {  // nothing that far is in reach of a contact: a lower bound will do
-    return make_nearest(far, xyz(unit_and_length(p)));
-  }
   precise float scale = 1.0f / largest;
   precise vec3 r = radii * scale;
   precise vec3 r2 = r * r;
@@ -91,12 +87,21 @@ inline Nearest nearest_ellipsoid(vec3 radii, vec3 p) {
   return make_nearest(distance, n * vec3(sign_of(p.x), sign_of(p.y), sign_of(p.z)));
 }
 
+// For contacts: twice as far out as the ellipsoid is large, a lower bound of the distance will do.
+inline Nearest nearest_ellipsoid_in_reach(vec3 radii, vec3 p) {
+  float largest = max(radii.x, max(radii.y, radii.z));
+  vec4 outward = unit_and_length(p);
+  precise float bound = outward.w - largest;
+  if (bound > largest) return make_nearest(bound, xyz(outward));
+  return nearest_ellipsoid(radii, p);
+}
+
 inline Nearest nearest_of_shape(ColliderShape shape, vec3 p) {
   if (shape.kind == kShapePlane) return make_nearest(p.y, vec3(0.0f, 1.0f, 0.0f));
   if (shape.kind == kShapeSphere) return nearest_ball(p, shape.a.x);
   if (shape.kind == kShapeCapsule) return nearest_capsule(shape, p);
   if (shape.kind == kShapeBox) return nearest_box(xyz(shape.a), p);
-  return nearest_ellipsoid(xyz(shape.a), p);
+  return nearest_ellipsoid_in_reach(xyz(shape.a), p);
 }
 
 #ifdef __cplusplus

@@ -1,1 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
+// Distance to a collider for callers on the host: the same functions that the passes use, in the same local frames.
+
+#include "geocloth/solver/collider.h"
+
+#include "frame_input.h"
+#include "lib/shapes.h"
+
+namespace geocloth {
+
+float signed_distance(const Collider& collider, const Vec3& point) {
+  const Transform frame = collider_frame(collider);
+  const Vec3 local = rotate(conjugate(frame.rotate), point - frame.translate);
+  const shader::vec3 p{local.x, local.y, local.z};
+  const shader::ColliderShape shape = collider_shape_of(collider);
+  if (shape.kind == shader::kShapeEllipsoid) return shader::nearest_ellipsoid(shader::xyz(shape.a), p).distance;
+  return shader::nearest_of_shape(shape, p).distance;
+}
+
+}  // namespace geocloth

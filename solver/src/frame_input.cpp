@@ -94,10 +94,6 @@ struct LocalShape {
   }
 };
 
-Transform local_frame(const Collider& collider) {
-  return compose({collider.pose.translate, collider.pose.rotate, 1}, std::visit(LocalFrame{}, collider.shape));
-}
-
 shader::ColliderPose make_pose(const Transform& t, const Vec3& origin) {
   const double x = t.rotate.x, y = t.rotate.y, z = t.rotate.z, w = t.rotate.w;
   const double s = 2.0 / (x * x + y * y + z * z + w * w);
@@ -143,6 +139,10 @@ void add_gusts(shader::Substep& substep, const Wind& wind, double time, const Ve
 
 }  // namespace
 
+Transform collider_frame(const Collider& collider) {
+  return compose({collider.pose.translate, collider.pose.rotate, 1}, std::visit(LocalFrame{}, collider.shape));
+}
+
 shader::ColliderShape collider_shape_of(const Collider& collider) {
   shader::ColliderShape shape = std::visit(LocalShape{}, collider.shape);
   shape.friction = collider.friction;
@@ -156,8 +156,8 @@ std::vector<shader::ColliderPose> collider_poses(std::span<const Collider> from,
   for (uint32_t s = 0; s <= substeps; ++s) {
     const float t = static_cast<float>(s) / static_cast<float>(substeps);
     for (size_t i = 0; i < from.size(); ++i) {
-      const Transform a = local_frame(from[i]);
-      const Transform b = local_frame(to[i]);
+      const Transform a = collider_frame(from[i]);
+      const Transform b = collider_frame(to[i]);
       const Vec3 translate = s == substeps ? b.translate : a.translate + t * (b.translate - a.translate);
       poses.push_back(
           make_pose({translate, a.rotate == b.rotate ? b.rotate : slerp(a.rotate, b.rotate, t), 1}, origin));

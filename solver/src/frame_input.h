@@ -18,6 +18,8 @@ struct FrameClock {
   uint32_t substeps = 1;
 };
 
+/// Where the local frame of a collider's shape (see shared/layout.h) lies in the world.
+[[nodiscard]] Transform collider_frame(const Collider& collider);
 [[nodiscard]] shader::ColliderShape collider_shape_of(const Collider& collider);
 
 /// Poses of all colliders before the first substep and after each: (substeps + 1) * colliders, relative to the origin.

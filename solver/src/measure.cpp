@@ -1,1 +1,93 @@
 // SPDX-License-Identifier: Apache-2.0
+// Measures of a state on the host, in double precision, from the same springs and masses that the solver uploads.
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "geocloth/solver/solver.h"
+#include "upload.h"
+
+namespace geocloth {
+namespace {
+
+double distance(const Vec3& a, const Vec3& b) {
+  return std::hypot(static_cast<double>(b.x) - a.x, static_cast<double>(b.y) - a.y, static_cast<double>(b.z) - a.z);
+}
+
+double dot64(const Vec3& a, const Vec3& b) {
+  return static_cast<double>(a.x) * b.x + static_cast<double>(a.y) * b.y + static_cast<double>(a.z) * b.z;
+}
+
+/// Energy of one spring; a compliance of 0 is a constraint and stores none.
+double spring_energy(const Vec3& a, const Vec3& b, float rest, float compliance) {
+  if (!(rest > 0) || !(compliance > 0)) return 0;
+  const double stretch = distance(a, b) - static_cast<double>(rest);
+  return 0.5 * stretch * stretch / static_cast<double>(compliance);
+}
+
+double elastic_energy(const ClothData& data, std::span<const Vec3> x) {
+  double energy = 0;
+  for (uint32_t p = 0; p < data.pixel_count(); ++p) {
+    for (uint32_t c = 0; c < kSpringCount; ++c) {
+      const shader::vec4& s = data.springs[c / 2][p];
+      const float rest = c % 2 == 0 ? s.x : s.z;
+      if (!(rest > 0)) continue;
+      const int64_t q = static_cast<int64_t>(p) + kSpringOffset[c][0] + int64_t{data.width} * kSpringOffset[c][1];
+      energy += spring_energy(x[p], x[static_cast<size_t>(q)], rest, c % 2 == 0 ? s.y : s.w);
+    }
+  }
+  for (const shader::SeamSpring& s : data.seam_bends) energy += spring_energy(x[s.a], x[s.b], s.rest, s.compliance);
+  return energy;
+}
+
+}  // namespace
+
+StretchStatistics measure_stretch(const ClothAsset& asset, float scale, std::span<const Vec3> positions) {
+  std::vector<double> ratio;
+  for (uint32_t p = 0; p < asset.pixel_count(); ++p) {
+    for (uint32_t c = 0; c < 2; ++c) {
+      if ((asset.spring_mask[p] & (1U << c)) == 0) continue;
+      const uint32_t q = c == 0 ? p + 1 : p + asset.width;
+      const double rest = static_cast<double>(scale) * distance(asset.rest_position[p], asset.rest_position[q]);
+      if (rest > 0) ratio.push_back(distance(positions[p], positions[q]) / rest);
+    }
+  }
+  if (ratio.empty()) return {};
+  StretchStatistics result;
+  for (const double r : ratio) result.mean += r;
+  result.mean /= static_cast<double>(ratio.size());
+  const auto p99 = ratio.begin() + static_cast<ptrdiff_t>(static_cast<double>(ratio.size() - 1) * 0.99);
+  std::nth_element(ratio.begin(), p99, ratio.end());
+  result.p99 = *p99;
+  result.max = *std::max_element(p99, ratio.end());
+  return result;
+}
+
+Energy measure_energy(const ClothDesc& cloth, const Vec3& gravity, std::span<const Vec3> positions,
+                      std::span<const Vec3> velocities) {
+  const ClothData data = make_cloth_data(cloth, {});
+  Energy energy;
+  for (uint32_t p = 0; p < data.pixel_count(); ++p) {
+    if (!(data.position[p].w > 0)) continue;
+    const double mass = 1 / static_cast<double>(data.position[p].w);
+    energy.kinetic += 0.5 * mass * dot64(velocities[p], velocities[p]);
+    energy.potential -= mass * dot64(gravity, positions[p]);
+  }
+  energy.elastic = elastic_energy(data, positions);
+  return energy;
+}
+
+uint64_t hash_state(const ClothAsset& asset, std::span<const Vec3> positions) {
+  uint64_t hash = 0xCBF29CE484222325U;
+  for (uint32_t p = 0; p < asset.pixel_count(); ++p) {
+    if (!asset.valid(p)) continue;
+    unsigned char bytes[sizeof(Vec3)];
+    std::memcpy(bytes, &positions[p], sizeof(Vec3));
+    for (const unsigned char byte : bytes) hash = (hash ^ byte) * 0x100000001B3U;
+  }
+  return hash;
+}
+
+}  // namespace geocloth
