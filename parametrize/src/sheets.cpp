@@ -39,6 +39,32 @@ class DisjointSets {
   std::vector<uint32_t> parent_;
 };
 
+/// Disjoint sets of faces that know which of them run the same way round.
+class OrientedSets {
+ public:
+  explicit OrientedSets(std::size_t size) : parent_(size), size_(size, 1), turned_(size, 0) {
+    std::iota(parent_.begin(), parent_.end(), 0U);
+  }
+  /// States that a and b run opposite ways round, or the same. @returns false, and changes nothing, if that
+  /// contradicts what was stated before
+  bool relate(uint32_t a, uint32_t b, bool opposite) {
+    uint8_t turn = opposite ? 1 : 0;
+    for (uint32_t* i : {&a, &b}) {
+      for (; parent_[*i] != *i; *i = parent_[*i]) turn ^= turned_[*i];
+    }
+    if (a == b) return turn == 0;
+    if (size_[a] > size_[b]) std::swap(a, b);  // by size, so that the ways up stay short
+    parent_[a] = b;
+    turned_[a] = turn;
+    size_[b] += size_[a];
+    return true;
+  }
+
+ private:
+  std::vector<uint32_t> parent_, size_;
+  std::vector<uint8_t> turned_;
+};
+
 class SheetMaker {
  public:
   SheetMaker(const Soup& soup, const std::vector<std::array<uint32_t, 2>>& part, SheetRepairs& repairs)
@@ -52,7 +78,10 @@ class SheetMaker {
   CleanSurface make() {
     join_sides();
     orient();
+    const uint64_t joints = count_joints();
     settle_vertices();
+    const uint64_t settled = count_joints();
+    repairs_.torn_edges += joints > settled ? joints - settled : 0;
     number_components();
     choose_outside();
     return collect();
@@ -98,20 +127,39 @@ class SheetMaker {
     joint_[a] = kNone;
   }
 
+  uint64_t count_joints() const {
+    return (sides_ - static_cast<uint64_t>(std::count(joint_.begin(), joint_.end(), kNone))) / 2;
+  }
+
   // --- which faces continue each other -----------------------------------------------------------------------------
 
   void join_sides() {
     crowded_.assign(soup_.position.size(), false);
-    for_each_edge(sorted_sides([&](uint32_t s) { return point(s); }), [&](std::span<const Side> faces) {
+    by_edge_ = sorted_sides([&](uint32_t s) { return point(s); });
+    OrientedSets way(soup_.triangle.size());
+    std::vector<Pair> pairs;
+    for_each_edge(by_edge_, [&](std::span<const Side> faces) {
       if (faces.size() == 2) {
         join(faces[0].side, faces[1].side);
+        way.relate(faces[0].side / 3, faces[1].side / 3, same_way(faces[0].side, faces[1].side));
       } else if (faces.size() > 2) {
-        crowded_[point(faces[0].side)] = crowded_[point(next_side(faces[0].side))] = true;
+        mark_crowded(faces[0].side);
         repairs_.detached_sheets += faces.size() - 2;
-        pair_up(faces);
+        list_pairs(faces, pairs);
       }
     });
+    join_pairs(pairs, way);
   }
+
+  /// Whether two faces run along their common edge in the same direction, as the file has them.
+  bool same_way(uint32_t a, uint32_t b) const { return point(a) == point(b); }
+
+  /// Two faces at an edge with more than two.
+  struct Pair {
+    double cost, cosine;
+    uint64_t edge;
+    uint32_t a, b;
+  };
 
   /// Unit vector in the plane of the side's face, away from the edge a-b.
   Point3 wing(uint32_t side, const Point3& a, const Point3& b) const {
@@ -120,38 +168,39 @@ class SheetMaker {
     return w * (1 / length(w));
   }
 
-  /// Joins pairs of faces at a crowded edge: the best first, then the rest unless they lie on one another.
-  void pair_up(std::span<const Side> faces) {
+  void list_pairs(std::span<const Side> faces, std::vector<Pair>& pairs) const {
     constexpr std::size_t most = 128;  // beyond it this is no garment, and pairs are too many to look at
     if (faces.size() > most) faces = faces.first(most);
-    struct Pair {
-      double cost, cosine;
-      uint32_t a, b;
-    };
-    const uint32_t low = std::min(point(faces[0].side), point(next_side(faces[0].side)));
-    const uint32_t high = std::max(point(faces[0].side), point(next_side(faces[0].side)));
+    const Point3 &low = soup_.position[faces[0].edge >> 32U], &high = soup_.position[faces[0].edge & 0xFFFFFFFFU];
     std::vector<Point3> wings;
-    for (const Side& face : faces) wings.push_back(wing(face.side, soup_.position[low], soup_.position[high]));
-    std::vector<Pair> pairs;
+    for (const Side& face : faces) wings.push_back(wing(face.side, low, high));
     for (std::size_t i = 0; i < faces.size(); ++i) {
       for (std::size_t j = i + 1; j < faces.size(); ++j) {
         const uint32_t a = faces[i].side, b = faces[j].side;
         const double cosine = dot(wings[i], wings[j]);  // -1: coplanar, 1: one on the other
-        pairs.push_back({(1 + cosine) / 2 + strangeness(a, b), cosine, a, b});
+        pairs.push_back({(1 + cosine) / 2 + strangeness(a, b), cosine, faces[0].edge, a, b});
       }
     }
+  }
+
+  /// Joins pairs, the best of the whole mesh first: at every edge one, and more unless they lie on one another.
+  /// A pair that would make a sheet one-sided stays apart.
+  void join_pairs(std::vector<Pair>& pairs, OrientedSets& way) {
     std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return a.cost < b.cost; });
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-      const bool both_free = joint_[pairs[i].a] == kNone && joint_[pairs[i].b] == kNone;
-      if (both_free && (i == 0 || pairs[i].cosine < 0.5)) join(pairs[i].a, pairs[i].b);
+    std::set<uint64_t> has_pair;
+    for (const Pair& pair : pairs) {
+      if (joint_[pair.a] != kNone || joint_[pair.b] != kNone) continue;
+      if (pair.cosine >= 0.5 && has_pair.contains(pair.edge)) continue;
+      if (!way.relate(pair.a / 3, pair.b / 3, same_way(pair.a, pair.b))) continue;
+      join(pair.a, pair.b);
+      has_pair.insert(pair.edge);
     }
   }
 
   /// Faces of different parts, or that run different ways round, are less likely one sheet.
   double strangeness(uint32_t a, uint32_t b) const {
     const auto &p = part_[soup_.source[a / 3]], &q = part_[soup_.source[b / 3]];
-    const bool same_way = point(a) == point(b);
-    return (p[0] != q[0] ? 0.15 : 0) + (p[1] != q[1] ? 0.15 : 0) + (same_way ? 0.3 : 0);
+    return (p[0] != q[0] ? 0.15 : 0) + (p[1] != q[1] ? 0.15 : 0) + (same_way(a, b) ? 0.3 : 0);
   }
 
   // --- orientation ---------------------------------------------------------------------------------------------------
@@ -159,8 +208,7 @@ class SheetMaker {
   /// Whether the joined faces run the same way round along their edge, which one sheet must not.
   bool clash(uint32_t side) const {
     const uint32_t other = joint_[side];
-    const bool same_way = point(side) == point(other);
-    return same_way != (flipped_[side / 3] != flipped_[other / 3]);
+    return same_way(side, other) != (flipped_[side / 3] != flipped_[other / 3]);
   }
 
   void orient() {
@@ -200,52 +248,85 @@ class SheetMaker {
     for (uint32_t s = 0; s < sides_; ++s) {
       if (joint_[s] == kNone || joint_[s] < s) continue;
       const uint32_t t = joint_[s];
-      const bool same_way = point(s) == point(t);
-      fans.join(s, same_way ? t : next_side(t));
-      fans.join(next_side(s), same_way ? next_side(t) : t);
+      fans.join(s, same_way(s, t) ? t : next_side(t));
+      fans.join(next_side(s), same_way(s, t) ? next_side(t) : t);
     }
     vertex_.resize(sides_);
     for (uint32_t c = 0; c < sides_; ++c) vertex_[c] = fans.find(c);
   }
 
-  /// Fans may meet along an edge twice: then two vertices are the ends of more than one joint or border side, and who
-  /// only sees vertex numbers would take them for one edge. Such edges are opened; if that does not part them, free
-  /// sides that fit are joined, and at last all joints around one end are opened.
+  /// A fan may come by the same edge twice. If that is so at both ends of the edge, two vertices are the ends of more
+  /// than one side pair, and who only sees vertex numbers takes them for one edge. Such edges are opened, and joined
+  /// again so that the fan falls into two at one end; where that does not help, all joints around one end are opened.
   void settle_vertices() {
     std::set<uint64_t> opened;
     std::set<uint32_t> burst;
-    for (bool settled = false; !settled;) {
+    while (true) {
       find_fans();
-      settled = true;
+      std::set<uint64_t> fresh;
+      bool settled = true;
       for_each_edge(sorted_sides([&](uint32_t s) { return vertex_[s]; }), [&](std::span<const Side> faces) {
-        if (faces.size() == 1 || (faces.size() == 2 && joint_[faces[0].side] == faces[1].side)) return;
+        const uint32_t a = faces[0].side;
+        if (faces.size() == 1 || (faces.size() == 2 && joint_[a] == faces[1].side)) return;
         settled = false;
-        settle_edge(faces, opened, burst);
+        const uint32_t low = std::min(point(a), point(next_side(a))), high = std::max(point(a), point(next_side(a)));
+        const uint64_t edge = uint64_t{low} << 32U | high;
+        mark_crowded(a);
+        if (opened.insert(edge).second) {
+          fresh.insert(edge);
+        } else if (!fresh.contains(edge)) {
+          burst_point(burst.contains(low) ? high : low, burst);
+        }
       });
+      if (settled) return;
+      for (const uint64_t edge : fresh) {
+        for (const Side& face : faces_at(edge)) open(face.side);
+      }
+      find_fans();
+      for (const uint64_t edge : fresh) join_by_fan(faces_at(edge));
     }
   }
 
-  void settle_edge(std::span<const Side> faces, std::set<uint64_t>& opened, std::set<uint32_t>& burst) {
-    const uint32_t a = faces[0].side, b = faces[1].side;
-    const bool free = joint_[a] == kNone && joint_[b] == kNone;
-    if (faces.size() == 2 && free && (point(a) == point(b)) == (flipped_[a / 3] != flipped_[b / 3])) {
-      join(a, b);
-      return;
+  std::span<const Side> faces_at(uint64_t edge) const {
+    const auto less = [](const Side& a, const Side& b) { return a.edge < b.edge; };
+    const auto [from, to] = std::equal_range(by_edge_.begin(), by_edge_.end(), Side{edge, 0}, less);
+    return {from, to};
+  }
+
+  /// The vertex of a side at its end with the lower point number, or at the other.
+  uint32_t end_vertex(uint32_t side, bool at_low) const {
+    const bool starts_low = point(side) < point(next_side(side));
+    return vertex_[starts_low == at_low ? side : next_side(side)];
+  }
+
+  /// Joins the free faces of an edge that are in one fan at both of its ends, or else at one of them.
+  void join_by_fan(std::span<const Side> faces) {
+    const auto try_all = [&](auto&& fits) {
+      for (std::size_t i = 0; i < faces.size(); ++i) {
+        for (std::size_t j = i + 1; j < faces.size(); ++j) {
+          const uint32_t a = faces[i].side, b = faces[j].side;
+          const bool free = joint_[a] == kNone && joint_[b] == kNone;
+          const bool consistent = same_way(a, b) == (flipped_[a / 3] != flipped_[b / 3]);
+          if (!free || !consistent || !fits(a, b)) continue;
+          join(a, b);
+        }
+      }
+    };
+    const auto meet = [&](uint32_t a, uint32_t b, bool at_low) {
+      return end_vertex(a, at_low) == end_vertex(b, at_low);
+    };
+    try_all([&](uint32_t a, uint32_t b) { return meet(a, b, true) && meet(a, b, false); });
+    for (const bool at_low : {true, false}) {
+      const auto first = joint_[faces[0].side];
+      try_all([&](uint32_t a, uint32_t b) { return meet(a, b, at_low); });
+      if (joint_[faces[0].side] != first) return;
     }
-    const uint32_t low = std::min(point(a), point(next_side(a))), high = std::max(point(a), point(next_side(a)));
-    mark_crowded(a);
-    if (opened.insert(uint64_t{low} << 32U | high).second) {
-      for (const Side& face : faces) open(face.side);
-      return;
-    }
-    burst_point(burst.insert(low).second ? low : high, burst);
   }
 
   void open(uint32_t side) {
     if (joint_[side] == kNone) return;
     mark_crowded(side);
     part_with(side);
-    ++repairs_.torn_edges;
   }
 
   void burst_point(uint32_t p, std::set<uint32_t>& burst) {
@@ -338,6 +419,7 @@ class SheetMaker {
   SheetRepairs& repairs_;
   uint32_t sides_;
   std::vector<uint32_t> joint_;  ///< per side: the side it is joined to, or kNone
+  std::vector<Side> by_edge_;    ///< all sides, sorted by the points of their edge
   std::vector<uint8_t> flipped_;
   std::vector<bool> crowded_;  ///< per point: an edge there has, or had, more than two faces, or was torn
   std::vector<uint32_t> vertex_, component_;
