@@ -140,25 +140,29 @@ Point3 nearest_weights(const Point3& a, const Point3& b, const Point3& c, const 
 /// Finds places on the grid: by a chart position where the grid covers it, else by distance.
 class GridLocator {
  public:
-  GridLocator(const FlatSurface& flat, const ClothAsset& asset) : flat_(flat), asset_(asset) {}
+  GridLocator(const FlatSurface& flat, const Raster& raster, const ClothAsset& asset)
+      : flat_(flat), raster_(raster), asset_(asset) {}
 
+  /// The grid triangle over the vertex' place in the plane. Pixels sample the plane up to a pixel or two beside
+  /// themselves, so the cells around are searched, the nearest first.
   [[nodiscard]] std::optional<GridPlace> at_vertex(uint32_t flat_vertex, uint32_t chart_index) const {
     const FlatChart& chart = flat_.charts[chart_index];
     const Point2& uv = flat_.uv[flat_vertex];
-    const double column = std::clamp(std::floor(uv[0]), 0.0, chart.width - 2.0);
-    const double row = std::clamp(std::floor(uv[1]), 0.0, chart.height - 2.0);
-    const double x = std::clamp(uv[0] - column, 0.0, 1.0), y = std::clamp(uv[1] - row, 0.0, 1.0);
-    const uint32_t a =
-        (chart.y0 + static_cast<uint32_t>(row)) * asset_.width + chart.x0 + static_cast<uint32_t>(column);
-    const uint32_t b = a + 1, c = a + asset_.width, d = c + 1;
-    const uint8_t bits = asset_.cell[a];
-    const bool is_left = (bits & kCellDiagonalLeft) != 0;
-    const bool is_first = is_left ? x + y <= 1 : y >= x;
-    if ((bits & (is_first ? kCellFirst : kCellSecond)) == 0) return std::nullopt;
-    if (is_left) {
-      return is_first ? GridPlace{{a, c, b}, {1 - x - y, y, x}} : GridPlace{{b, c, d}, {1 - y, 1 - x, x + y - 1}};
+    const auto column = static_cast<int32_t>(std::clamp(std::floor(uv[0]), 0.0, chart.width - 2.0));
+    const auto row = static_cast<int32_t>(std::clamp(std::floor(uv[1]), 0.0, chart.height - 2.0));
+    constexpr int32_t kReach = 3;
+    std::optional<GridPlace> best;
+    double excess = kMostOutside;
+    for (int32_t radius = 0; radius <= kReach; ++radius) {
+      for (int32_t y = std::max(row - radius, 0); y <= std::min<int64_t>(row + radius, chart.height - 2); ++y) {
+        for (int32_t x = std::max(column - radius, 0); x <= std::min<int64_t>(column + radius, chart.width - 2); ++x) {
+          if (std::max(std::abs(x - column), std::abs(y - row)) != radius) continue;
+          search_cell(chart, chart_index, static_cast<uint32_t>(x), static_cast<uint32_t>(y), uv, best, excess);
+          if (excess == 0) return best;
+        }
+      }
     }
-    return is_first ? GridPlace{{a, c, d}, {1 - y, y - x, x}} : GridPlace{{a, d, b}, {1 - x, y, x - y}};
+    return best;
   }
 
   /// Builds its search tree when it is first asked.
@@ -173,7 +177,29 @@ class GridLocator {
   }
 
  private:
+  /// How far outside of its triangle, in weights, a place may lie to be taken in: the grid's outline cuts corners.
+  static constexpr double kMostOutside = 0.5;
+
+  void search_cell(const FlatChart& chart, uint32_t chart_index, uint32_t x, uint32_t y, const Point2& uv,
+                   std::optional<GridPlace>& best, double& excess) const {
+    const uint32_t a = (chart.y0 + y) * asset_.width + chart.x0 + x;
+    if (asset_.cell[a] == 0 || (asset_.chart[a] != chart_index && asset_.chart[a + 1] != chart_index)) return;
+    for (const Triangle& t : cell_triangles(asset_, a)) {
+      const Point2 &p = raster_.place[t[0]], &q = raster_.place[t[1]], &r = raster_.place[t[2]];
+      const double whole = signed_area_twice(p, q, r);
+      if (!(whole > 0)) continue;
+      const Point3 w{signed_area_twice(uv, q, r) / whole, signed_area_twice(p, uv, r) / whole,
+                     signed_area_twice(p, q, uv) / whole};
+      const double outside = std::max({0.0, -w[0], -w[1], -w[2]});
+      if (outside >= excess) continue;
+      excess = outside < 1e-9 ? 0 : outside;
+      const Point3 held{std::max(w[0], 0.0), std::max(w[1], 0.0), std::max(w[2], 0.0)};
+      best = GridPlace{t, held * (1 / (held[0] + held[1] + held[2]))};
+    }
+  }
+
   const FlatSurface& flat_;
+  const Raster& raster_;
   const ClothAsset& asset_;
   std::vector<Point3> position_;
   std::vector<Triangle> triangle_;
@@ -252,13 +278,14 @@ void set_offsets(ClothAsset& asset) {
 
 }  // namespace
 
-void bind_source(const TriangleMesh& mesh, const CleanSurface& clean, const FlatSurface& flat, ClothAsset& asset) {
+void bind_source(const TriangleMesh& mesh, const CleanSurface& clean, const FlatSurface& flat, const Raster& raster,
+                 ClothAsset& asset) {
   asset.name = mesh.name;
   asset.vertex_groups = mesh.vertex_groups;
   asset.source = render_mesh(mesh, clean);
 
   const std::vector<FlatPlace> places = flat_places(flat);
-  GridLocator locator(flat, asset);
+  GridLocator locator(flat, raster, asset);
   std::vector<std::optional<GridPlace>> of_vertex(mesh.position.size());
   asset.binding.clear();
   for (const uint32_t v : asset.source.source_vertex) {

@@ -38,16 +38,15 @@ bool on_segment(const Point2& a, const Point2& b, const Point2& p) {
 
 }  // namespace
 
-ChartOutline::ChartOutline(const FlatSurface& flat, const FlatChart& chart,
-                           const std::vector<std::array<uint32_t, 2>>& border) {
+ChartOutline::ChartOutline(const FlatChart& chart) {
   row_.resize(std::max(chart.height, 1U));
-  for (const auto& [from, to] : border) {
-    const Edge e{flat.uv[from], flat.uv[to]};
+  for (std::size_t k = 0; k < chart.outline.size(); ++k) {
+    const OutlineSample& from = chart.outline[k];
+    const OutlineSample& to = chart.outline[(k + 1) % chart.outline.size()];
     const auto index = static_cast<uint32_t>(edge_.size());
-    edge_.push_back(e);
-    for (uint32_t r = row_of(std::min(e.a[1], e.b[1])); r <= row_of(std::max(e.a[1], e.b[1])); ++r) {
-      row_[r].push_back(index);
-    }
+    edge_.push_back({{static_cast<double>(from.x), static_cast<double>(from.y)},
+                     {static_cast<double>(to.x), static_cast<double>(to.y)}});
+    for (uint32_t r = std::min(from.y, to.y); r <= std::max(from.y, to.y); ++r) row_[r].push_back(index);
   }
 }
 
@@ -122,16 +121,12 @@ std::vector<std::vector<std::array<uint32_t, 2>>> chart_borders(const FlatSurfac
 }
 
 std::vector<ChartOutline> chart_outlines(const FlatSurface& flat) {
-  const auto borders = chart_borders(flat);
   std::vector<ChartOutline> outlines;
-  outlines.reserve(borders.size());
-  for (std::size_t c = 0; c < borders.size(); ++c) outlines.emplace_back(flat, flat.charts[c], borders[c]);
+  for (const FlatChart& chart : flat.charts) outlines.emplace_back(chart);
   return outlines;
 }
 
-Point2 place_in_chart(const FlatSurface& flat, const FlatChart& chart, uint32_t outline_vertex, uint32_t x,
-                      uint32_t y) {
-  if (outline_vertex != kNone) return flat.uv[outline_vertex];
+Point2 pixel_in_chart(const FlatChart& chart, uint32_t x, uint32_t y) {
   return {static_cast<double>(x - chart.x0), static_cast<double>(y - chart.y0)};
 }
 

@@ -5,14 +5,14 @@
 
 namespace geocloth {
 
-/// The border of one chart in its plane, ready for many questions "does this segment stay inside?".
+/// The polygon of one chart's outline pixels, ready for many questions "does this segment stay inside?". Pixels, not
+/// the places that they sample: a spring belongs to the image when it stays inside of the image's outline.
 class ChartOutline {
  public:
-  /// @param border  directed border edges of the chart (vertex pairs), its inside to the left seen with v up
-  ChartOutline(const FlatSurface& flat, const FlatChart& chart, const std::vector<std::array<uint32_t, 2>>& border);
+  explicit ChartOutline(const FlatChart& chart);
 
-  /// Does the closed segment stay in the chart? Running along the outline or touching it counts as inside.
-  /// Both ends must lie in the chart.
+  /// Does the closed segment between two pixels (relative to the chart) stay in the chart? Running along the outline or
+  /// touching it counts as inside. Both ends must lie in the chart.
   [[nodiscard]] bool holds(const Point2& a, const Point2& b) const;
 
  private:
@@ -33,9 +33,7 @@ class ChartOutline {
 /// The outline of every chart.
 [[nodiscard]] std::vector<ChartOutline> chart_outlines(const FlatSurface& flat);
 
-/// Where a pixel of the atlas stands in its chart's plane: outline pixels at their vertex, others at the pixel itself.
-/// @param outline_vertex  Raster::vertex of the pixel
-[[nodiscard]] Point2 place_in_chart(const FlatSurface& flat, const FlatChart& chart, uint32_t outline_vertex,
-                                    uint32_t x, uint32_t y);
+/// A pixel of the atlas relative to its chart's corner.
+[[nodiscard]] Point2 pixel_in_chart(const FlatChart& chart, uint32_t x, uint32_t y);
 
 }  // namespace geocloth

@@ -138,7 +138,7 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& optio
   files.save(asset);
 
   stages.run("bind", [&] {
-    bind_source(mesh, clean, flat, asset);
+    bind_source(mesh, clean, flat, raster, asset);
     return true;
   });
   report.quality = stages.run("measure", [&] { return measure_quality(clean, flat, raster, asset, progress); });

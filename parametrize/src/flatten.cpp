@@ -6,6 +6,7 @@
 #include <string>
 
 #include "geocloth/asset/error.h"
+#include "panel_layout.h"
 #include "square_layout.h"
 
 namespace geocloth {
@@ -32,10 +33,15 @@ void check(const CleanSurface& clean, const CutSurface& cut, const FlattenOption
 FlatSurface flatten(const CleanSurface& clean, const CutSurface& cut, const FlattenOptions& options,
                     const Progress& progress) {
   check(clean, cut, options);
-  if (options.layout != Layout::square) {
-    throw Error(ErrorCode::unsupported, std::string("layout ") + to_string(options.layout) + " does not exist yet");
+  switch (options.layout) {
+    case Layout::square:
+      return lay_out_squares(cut, options, progress);
+    case Layout::panels:
+      return lay_out_panels(cut, options, progress);
+    case Layout::uv:
+      break;
   }
-  return lay_out_squares(cut, options, progress);
+  throw Error(ErrorCode::unsupported, std::string("layout ") + to_string(options.layout) + " does not exist yet");
 }
 
 }  // namespace geocloth

@@ -124,20 +124,19 @@ void measure_flat(const FlatSurface& flat, Quality& q) {
 
 // ---------------------------------------------------------------------------------------------- springs and cells
 
-uint32_t count_crossing_springs(const FlatSurface& flat, const Raster& raster, const ClothAsset& asset) {
+uint32_t count_crossing_springs(const FlatSurface& flat, const ClothAsset& asset) {
   const std::vector<ChartOutline> outlines = chart_outlines(flat);
   uint32_t crossing = 0;
   for (uint32_t i = 0; i < asset.pixel_count(); ++i) {
     if (asset.spring_mask[i] == 0) continue;
     const uint32_t x = i % asset.width, y = i / asset.width, c = asset.chart[i];
-    const Point2 from = place_in_chart(flat, flat.charts[c], raster.vertex[i], x, y);
+    const Point2 from = pixel_in_chart(flat.charts[c], x, y);
     for (uint32_t s = 0; s < kSpringCount; ++s) {
       if ((asset.spring_mask[i] & (1U << s)) == 0) continue;
       const auto to_x = static_cast<uint32_t>(static_cast<int32_t>(x) + kSpringOffset[s][0]);
       const auto to_y = static_cast<uint32_t>(static_cast<int32_t>(y) + kSpringOffset[s][1]);
       const uint32_t j = to_y * asset.width + to_x;
-      if (asset.chart[j] != c ||
-          !outlines[c].holds(from, place_in_chart(flat, flat.charts[c], raster.vertex[j], to_x, to_y))) {
+      if (asset.chart[j] != c || !outlines[c].holds(from, pixel_in_chart(flat.charts[c], to_x, to_y))) {
         ++crossing;
       }
     }
@@ -270,7 +269,7 @@ Quality measure_quality(const CleanSurface& clean, const FlatSurface& flat, cons
   q.overlapping_pixels = static_cast<uint32_t>(raster.overlapping.size());
   show(0);
   measure_flat(flat, q);
-  q.crossing_springs = count_crossing_springs(flat, raster, asset);
+  q.crossing_springs = count_crossing_springs(flat, asset);
   show(0.2);
   measure_grid(asset, q);
   q.copy_gap = largest_copy_gap(asset);

@@ -8,8 +8,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 
+#include "chart_sampling.h"
 #include "geocloth/asset/error.h"
 #include "point_math.h"
 #include "predicates.h"
@@ -79,6 +81,7 @@ class Rasterizer {
     out_.triangle.assign(count, kNone);
     out_.point.assign(count, kNone);
     out_.vertex.assign(count, kNone);
+    out_.place.assign(count, Point2{});
     overlapping_.assign(count, false);
   }
 
@@ -106,6 +109,19 @@ class Rasterizer {
     give_outlines_a_triangle();
   }
 
+  /// Gives the pixels inside every chart's outline polygon to it.
+  void fill_outlines() {
+    for (std::size_t c = 0; c < flat_.charts.size(); ++c) {
+      const FlatChart& chart = flat_.charts[c];
+      for (uint32_t y = 0; y < chart.height; ++y) {
+        const std::vector<uint32_t> crossing = crossings(chart, y);
+        for (std::size_t k = 0; k + 1 < crossing.size(); k += 2) {
+          for (uint32_t x = crossing[k]; x <= crossing[k + 1]; ++x) take(pixel_of(chart, x, y), c);
+        }
+      }
+    }
+  }
+
   void sample_triangle(uint32_t index) {
     const uint32_t c = flat_.chart[index];
     const FlatChart& chart = flat_.charts[c];
@@ -123,6 +139,31 @@ class Rasterizer {
         if (!owns(t, sign, p)) continue;
         claim(pixel_of(chart, static_cast<uint32_t>(u), static_cast<uint32_t>(v)), c, index, t, p);
       }
+    }
+  }
+
+  /// Samples anew what stands off the lattice, and what no triangle covers because the outline cuts a corner there.
+  void sample_displaced() {
+    std::vector<std::vector<uint32_t>> triangles(flat_.charts.size());
+    for (uint32_t t = 0; t < flat_.triangle.size(); ++t) triangles[flat_.chart[t]].push_back(t);
+    for (std::size_t c = 0; c < flat_.charts.size(); ++c) {
+      const FlatChart& chart = flat_.charts[c];
+      std::vector<uint8_t> inside(std::size_t{chart.width} * chart.height, 0);
+      for_pixels(chart, [&](uint32_t x, uint32_t y, std::size_t pixel) {
+        inside[std::size_t{y} * chart.width + x] = out_.chart[pixel] == c && out_.vertex[pixel] == kNone ? 1 : 0;
+      });
+      const std::vector<Point2> places = sampling_places(flat_, chart, inside);
+      std::optional<PlaneLocator> locator;
+      for_pixels(chart, [&](uint32_t x, uint32_t y, std::size_t pixel) {
+        if (out_.chart[pixel] != c) return;
+        const Point2& place = places[std::size_t{y} * chart.width + x];
+        out_.place[pixel] = place;
+        const bool at_itself = place[0] == x && place[1] == y;
+        if (out_.vertex[pixel] != kNone || (at_itself && out_.triangle[pixel] != kNone)) return;
+        if (!locator) locator.emplace(flat_, chart, triangles[c]);
+        const PlanePlace found = locator->locate(place);
+        sample(pixel, found.triangle, found.weight);
+      });
     }
   }
 
@@ -149,15 +190,45 @@ class Rasterizer {
     }
   }
 
+  template <class Visit>
+  void for_pixels(const FlatChart& chart, const Visit& visit) const {
+    for (uint32_t y = 0; y < chart.height; ++y) {
+      for (uint32_t x = 0; x < chart.width; ++x) visit(x, y, pixel_of(chart, x, y));
+    }
+  }
+
+  /// Columns at which a row enters and leaves the outline polygon, ascending. Its edges join 8-neighbours, so that they
+  /// cross rows at pixels only.
+  static std::vector<uint32_t> crossings(const FlatChart& chart, uint32_t y) {
+    std::vector<uint32_t> columns;
+    for (std::size_t k = 0; k < chart.outline.size(); ++k) {
+      const OutlineSample& a = chart.outline[k];
+      const OutlineSample& b = chart.outline[(k + 1) % chart.outline.size()];
+      if (a.y != b.y && std::min(a.y, b.y) == y) columns.push_back(a.y == y ? a.x : b.x);
+    }
+    std::sort(columns.begin(), columns.end());
+    return columns;
+  }
+
+  void take(std::size_t pixel, std::size_t chart) {
+    if (out_.chart[pixel] == kNoChart) {
+      out_.chart[pixel] = static_cast<uint16_t>(chart);
+    } else if (out_.chart[pixel] != chart) {
+      overlapping_[pixel] = true;
+    }
+  }
+
   void claim(std::size_t pixel, uint32_t chart, uint32_t index, const FlatTriangle& t, const Point2& p) {
-    if (out_.chart[pixel] != kNoChart) {
-      // The outline's own pixels are spoken for; any other pixel here has two owners.
-      if (out_.chart[pixel] != chart || out_.vertex[pixel] == kNone) overlapping_[pixel] = true;
+    if (out_.chart[pixel] != chart || out_.vertex[pixel] != kNone) return;
+    if (out_.triangle[pixel] != kNone) {
+      overlapping_[pixel] = true;
       return;
     }
-    const Point3 w = weights_inside(t, p);
+    sample(pixel, index, weights_inside(t, p));
+  }
+
+  void sample(std::size_t pixel, uint32_t index, const Point3& w) {
     const Triangle& corners = flat_.triangle[index];
-    out_.chart[pixel] = static_cast<uint16_t>(chart);
     out_.triangle[pixel] = index;
     out_.position[pixel] =
         flat_.position[corners[0]] * w[0] + flat_.position[corners[1]] * w[1] + flat_.position[corners[2]] * w[2];
@@ -173,11 +244,13 @@ class Rasterizer {
 Raster rasterize(const FlatSurface& flat, const Progress& progress) {
   Rasterizer rasterizer(flat);
   rasterizer.sample_outlines();
+  rasterizer.fill_outlines();
   constexpr uint32_t kReportEvery = 1U << 14U;
   for (uint32_t t = 0; t < flat.triangle.size(); ++t) {
     if (progress && t % kReportEvery == 0) progress("rasterize", t / static_cast<double>(flat.triangle.size()));
     rasterizer.sample_triangle(t);
   }
+  rasterizer.sample_displaced();
   return rasterizer.finish();
 }
 

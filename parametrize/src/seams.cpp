@@ -49,8 +49,7 @@ struct Image {
     return asset.valid(a) && asset.chart[a] == asset.chart[b];
   }
   [[nodiscard]] Point2 place(uint32_t pixel) const {
-    return place_in_chart(flat, flat.charts[asset.chart[pixel]], raster.vertex[pixel], pixel % asset.width,
-                          pixel / asset.width);
+    return pixel_in_chart(flat.charts[asset.chart[pixel]], pixel % asset.width, pixel / asset.width);
   }
   /// May a spring or a triangle edge join the two pixels?
   [[nodiscard]] bool linked(uint32_t a, uint32_t b) const {

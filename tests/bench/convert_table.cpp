@@ -39,9 +39,11 @@ std::string line_of(const std::filesystem::path& file, const geocloth::ConvertOp
   line += topology(r.welded.components, r.welded.boundary_loops, r.welded.euler_characteristic) + " | ";
   line += std::to_string(asset.width) + " x " + std::to_string(asset.height) + " | ";
   line += std::to_string(asset.chart_count) + " | " + std::to_string(asset.splits.rows()) + " | ";
-  line += number(q.l2_stretch, 4) + " | " + number(q.anisotropy_p95, 3) + " | ";
-  line += number(q.spring_min, 2) + " - " + number(q.spring_max, 3) + " | " + number(q.shear_deg_p95, 3) + " | ";
-  line += number(q.psnr_db, 3) + " | " + number(q.binding_error, 2) + " | ";
+  line +=
+      number(q.l2_stretch, 4) + " | " + number(q.symmetric_dirichlet, 4) + " | " + number(q.anisotropy_p95, 3) + " | ";
+  line += number(q.spring_min, 2) + " - " + number(q.spring_max, 3) + " (" + number(q.spring_p99_over_p1, 3) + ") | " +
+          number(q.shear_deg_p50, 2) + " / " + number(q.shear_deg_p95, 3) + " | ";
+  line += number(q.seam_length, 3) + " | " + number(q.psnr_db, 3) + " | " + number(q.binding_error, 2) + " | ";
   line += number(r.seconds.back().second, 3);
   std::cout << "  ";
   for (const auto& [stage, seconds] : r.seconds) std::cout << ' ' << stage << ' ' << number(seconds, 3);
@@ -60,16 +62,20 @@ std::vector<std::filesystem::path> meshes_in(const std::filesystem::path& folder
   return files;
 }
 
-int run(const std::filesystem::path& folder, const std::filesystem::path& out, const char* resolution) {
+int run(const std::filesystem::path& folder, const std::filesystem::path& out, const std::string& layout,
+        uint32_t resolution) {
   geocloth::ConvertOptions options;
-  if (resolution != nullptr) options.flatten.resolution = static_cast<uint32_t>(std::stoul(resolution));
+  options.flatten.layout = layout == "panels" ? geocloth::Layout::panels : geocloth::Layout::square;
+  options.flatten.resolution = resolution;
   std::string table =
-      "Layout square, resolution " + std::to_string(options.flatten.resolution) +
+      "Layout " + layout + ", resolution " + std::to_string(options.flatten.resolution) +
       ". Topology is components / boundary loops / Euler characteristic of the tied surface. Springs are structural, "
       "relative to the nominal spacing; shear is in degrees, PSNR in dB, binding relative to the diagonal.\n\n"
-      "| mesh | faces | surface | welded image | pixels | charts | split points | L2 stretch | anisotropy p95 | "
+      "| mesh | faces | surface | welded image | pixels | charts | split points | L2 stretch | Dirichlet | anisotropy "
+      "p95 | "
       "springs "
-      "| shear p95 | PSNR | binding | seconds |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
+      "| shear p50 / p95 | seam | PSNR | binding | seconds "
+      "|\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
   std::size_t done = 0;
   const std::vector<std::filesystem::path> files = meshes_in(folder);
   for (const auto& file : files) {
@@ -96,12 +102,13 @@ int run(const std::filesystem::path& folder, const std::filesystem::path& out, c
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc < 3 || argc > 4) {
-    std::cerr << "usage: convert_table FOLDER OUT.md [RESOLUTION]\n";
+  const std::string layout = argc > 3 ? argv[3] : "square";
+  if (argc < 3 || argc > 5 || (layout != "square" && layout != "panels")) {
+    std::cerr << "usage: convert_table FOLDER OUT.md [square|panels [RESOLUTION]]\n";
     return 2;
   }
   try {
-    return run(argv[1], argv[2], argc == 4 ? argv[3] : nullptr);
+    return run(argv[1], argv[2], layout, argc == 5 ? static_cast<uint32_t>(std::stoul(argv[4])) : 128);
   } catch (const std::exception& e) {
     std::cerr << e.what() << '\n';
     return EXIT_FAILURE;

@@ -268,7 +268,7 @@ TEST(Binding, IsExactAtRestAndTheAssetIsSound) {
        {test::sheet(9), test::tube(9), test::closed_sphere(9), test::torus(17), test::moebius(9), test::fan(9, 3)}) {
     const TriangleMesh mesh = as_source(b);
     ClothAsset asset = image_of(b.flat);
-    bind_source(mesh, b.clean, b.flat, asset);
+    bind_source(mesh, b.clean, b.flat, rasterize(b.flat), asset);
     EXPECT_NO_THROW(validate(asset));
     const std::vector<Vec3> bound = bound_at(asset, asset.rest_position);
     ASSERT_EQ(bound.size(), mesh.position.size());
@@ -287,7 +287,7 @@ TEST(Binding, FollowsARigidMotion) {
   FlatBuilder b = test::tube(9);
   const TriangleMesh mesh = as_source(b);
   ClothAsset asset = image_of(b.flat);
-  bind_source(mesh, b.clean, b.flat, asset);
+  bind_source(mesh, b.clean, b.flat, rasterize(b.flat), asset);
   const auto move = [](const Vec3& p) { return Vec3{-p.y + 3, p.x, p.z - 1}; };  // a quarter turn about z and a step
   std::vector<Vec3> position;
   for (const Vec3& p : asset.rest_position) position.push_back(move(p));
@@ -306,7 +306,7 @@ TEST(Binding, SplitsVerticesByTextureAndNormalButKeepsTheirPlace) {
     mesh.normal.push_back({Point3{0, 0, 1}, Point3{0, 0, 2}, Point3{0, 0, 0}});  // none is a broken file's normal
   }
   ClothAsset asset = image_of(b.flat);
-  bind_source(mesh, b.clean, b.flat, asset);
+  bind_source(mesh, b.clean, b.flat, rasterize(b.flat), asset);
   EXPECT_NO_THROW(validate(asset));
   EXPECT_EQ(asset.source.position.size(), mesh.position.size() + 9);
   EXPECT_EQ(asset.source.uv.size(), asset.source.position.size());
@@ -322,7 +322,7 @@ TEST(Binding, ComputesMissingNormals) {
   FlatBuilder b = test::sheet(9);
   const TriangleMesh mesh = as_source(b);
   ClothAsset asset = image_of(b.flat);
-  bind_source(mesh, b.clean, b.flat, asset);
+  bind_source(mesh, b.clean, b.flat, rasterize(b.flat), asset);
   for (std::size_t i = 0; i + 1 < asset.source.normal.size(); ++i) EXPECT_NEAR(asset.source.normal[i].z, 1, 1e-5);
 }
 

@@ -14,11 +14,13 @@ struct Raster {
   std::vector<uint32_t> triangle;     ///< per pixel: flat triangle it samples, kNone where not valid
   std::vector<uint32_t> point;        ///< per pixel: surface point for outline pixels, kNone otherwise
   std::vector<uint32_t> vertex;       ///< per pixel: flat vertex for outline pixels, kNone otherwise
+  std::vector<Point2> place;          ///< per pixel: where it samples its chart's plane [pixels], relative to the chart
   std::vector<uint32_t> overlapping;  ///< pixels claimed by more than one chart or covered twice by one, ascending
 };
 
-/// A pixel is valid when it is an outline sample or when a triangle of its chart covers it. Where several do, the first
-/// triangle is taken and the pixel counts as overlapping.
+/// A pixel is valid when it is an outline sample or lies inside the closed polygon of its chart's outline samples. It
+/// samples the plane at itself, or beside outline samples that stand off the lattice a little to the side (see
+/// sampling_places). Where several triangles cover a pixel, the first is taken and the pixel counts as overlapping.
 /// @throws Error(limit) when there are too many charts, Error(invalid_argument) when a chart leaves the atlas
 [[nodiscard]] Raster rasterize(const FlatSurface& flat, const Progress& progress = {});
 

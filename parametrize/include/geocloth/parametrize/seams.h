@@ -13,6 +13,7 @@ namespace geocloth {
 /// Fills `name`, `vertex_groups`, `source` and `binding`: the mesh of the file as render vertices (those of file vertex
 /// 0 first), each bound to the grid triangle that holds its place in the chart. Vertices without a place there, such as
 /// those that no face uses, are bound to the nearest place.
-void bind_source(const TriangleMesh& mesh, const CleanSurface& clean, const FlatSurface& flat, ClothAsset& asset);
+void bind_source(const TriangleMesh& mesh, const CleanSurface& clean, const FlatSurface& flat, const Raster& raster,
+                 ClothAsset& asset);
 
 }  // namespace geocloth

@@ -20,6 +20,9 @@ struct GridMesh {
 /// For every pixel the first pixel of its row in the split-vertex table, or the pixel itself.
 [[nodiscard]] std::vector<uint32_t> first_copies(const ClothAsset& asset);
 
+/// The triangles, none to two, of the cell whose upper left corner is `pixel`, as pixel indices.
+[[nodiscard]] std::vector<Triangle> cell_triangles(const ClothAsset& asset, uint32_t pixel);
+
 /// The grid's triangles as pixel indices (charts apart), in the order of the cells.
 [[nodiscard]] std::vector<Triangle> pixel_triangles(const ClothAsset& asset);
 

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "geocloth/parametrize/flatten.h"
+
+namespace geocloth {
+
+/// A place in a chart's plane as a triangle and weights that are not negative and sum to 1.
+struct PlanePlace {
+  uint32_t triangle = kNone;
+  Point3 weight{};
+};
+
+/// Finds the triangle of one chart that holds a place in its plane, or the nearest one.
+class PlaneLocator {
+ public:
+  /// @param triangles  the chart's triangles, at least one
+  PlaneLocator(const FlatSurface& flat, const FlatChart& chart, std::vector<uint32_t> triangles);
+
+  [[nodiscard]] PlanePlace locate(const Point2& place) const;
+
+ private:
+  [[nodiscard]] const std::vector<uint32_t>& bin(int32_t x, int32_t y) const;
+
+  const FlatSurface& flat_;
+  int32_t width_, height_;  ///< [bins] one per pixel, with a margin
+  std::vector<std::vector<uint32_t>> bin_;
+};
+
+/// Where the pixels of a chart sample its plane: outline pixels at their vertex, pixels deep inside at themselves, and
+/// those between evenly in between, so that no spring beside the outline is short or long.
+/// @param inside  per pixel of the chart's rectangle, row by row: non-zero strictly inside the outline
+/// @returns one place per pixel of the rectangle; meaningful on the outline and inside
+[[nodiscard]] std::vector<Point2> sampling_places(const FlatSurface& flat, const FlatChart& chart,
+                                                  const std::vector<uint8_t>& inside);
+
+}  // namespace geocloth
