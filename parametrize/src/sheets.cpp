@@ -260,31 +260,37 @@ class SheetMaker {
   /// again so that the fan falls into two at one end; where that does not help, all joints around one end are opened.
   void settle_vertices() {
     std::set<uint64_t> opened;
-    std::set<uint32_t> burst;
-    while (true) {
+    std::vector<bool> burst(soup_.position.size(), false);
+    for (std::size_t round = 0;; ++round) {
       find_fans();
-      std::set<uint64_t> fresh;
-      bool settled = true;
-      for_each_edge(sorted_sides([&](uint32_t s) { return vertex_[s]; }), [&](std::span<const Side> faces) {
-        const uint32_t a = faces[0].side;
-        if (faces.size() == 1 || (faces.size() == 2 && joint_[a] == faces[1].side)) return;
-        settled = false;
-        const uint32_t low = std::min(point(a), point(next_side(a))), high = std::max(point(a), point(next_side(a)));
-        const uint64_t edge = uint64_t{low} << 32U | high;
-        mark_crowded(a);
-        if (opened.insert(edge).second) {
-          fresh.insert(edge);
-        } else if (!fresh.contains(edge)) {
-          burst_point(burst.contains(low) ? high : low, burst);
-        }
-      });
-      if (settled) return;
+      std::set<uint64_t> fresh, stubborn;
+      for (const uint64_t edge : edges_met_twice()) (opened.insert(edge).second ? fresh : stubborn).insert(edge);
+      if (fresh.empty() && stubborn.empty()) return;
       for (const uint64_t edge : fresh) {
         for (const Side& face : faces_at(edge)) open(face.side);
       }
+      for (const uint64_t edge : stubborn) {
+        // Some of many ends may do; but the work has to end.
+        const auto low = static_cast<uint32_t>(edge >> 32U), high = static_cast<uint32_t>(edge);
+        if (burst[low] || round > 8) burst[high] = true;
+        burst[low] = true;
+      }
+      if (!stubborn.empty()) open_around(burst);
       find_fans();
       for (const uint64_t edge : fresh) join_by_fan(faces_at(edge));
     }
+  }
+
+  /// Edges, by their points, whose ends are vertices of another edge too.
+  std::vector<uint64_t> edges_met_twice() const {
+    std::vector<uint64_t> edges;
+    for_each_edge(sorted_sides([&](uint32_t s) { return vertex_[s]; }), [&](std::span<const Side> faces) {
+      const uint32_t a = faces[0].side;
+      if (faces.size() == 1 || (faces.size() == 2 && joint_[a] == faces[1].side)) return;
+      const uint32_t p = point(a), q = point(next_side(a));
+      edges.push_back(uint64_t{std::min(p, q)} << 32U | std::max(p, q));
+    });
+    return edges;
   }
 
   std::span<const Side> faces_at(uint64_t edge) const {
@@ -329,10 +335,9 @@ class SheetMaker {
     part_with(side);
   }
 
-  void burst_point(uint32_t p, std::set<uint32_t>& burst) {
-    burst.insert(p);
+  void open_around(const std::vector<bool>& burst) {
     for (uint32_t s = 0; s < sides_; ++s) {
-      if (point(s) == p || point(next_side(s)) == p) open(s);
+      if (burst[point(s)] || burst[point(next_side(s))]) open(s);
     }
   }
 
