@@ -22,11 +22,9 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Tangents of half angles of needle triangles span many magnitudes; beyond this share of the mean they only cost
 // precision.
 constexpr double kLeastWeight = 1e-4, kGreatestWeight = 1e4;
-
-struct Side {
-  uint32_t a, b;  // vertices of an edge, seen from one triangle
-  double weight;
-};
+// A vertex's weight changes by this factor at most in a round; a flipped triangle counts as that much stretch. (A patch
+// whose outline lies on one side of the square shrinks exponentially with its depth, at first beyond all precision.)
+constexpr double kStep = 16;
 
 /// tan(angle / 2) between two directions, finite for every input.
 double half_tangent(const Point3& p, const Point3& q) {
@@ -122,6 +120,28 @@ struct DiskEmbedding::Impl {
     }
   }
 
+  /// Multiplies the divisor of every vertex by its stretch in `uv`, in units of the mean.
+  void divide_by_stretch(std::span<const Point2> uv) {
+    std::vector<double> sum(unknown.size(), 0.0), around(unknown.size(), 0.0);
+    for (size_t t = 0; t < triangle.size(); ++t) {
+      const double stretch = squared_stretch(t, uv);
+      for (const uint32_t v : triangle[t]) {
+        sum[v] += area[t] * stretch;
+        around[v] += area[t];
+      }
+    }
+    double logarithm = 0, weighed = 0;
+    for (size_t v = 0; v < sum.size(); ++v) {
+      if (!std::isfinite(sum[v]) || !(sum[v] > 0)) continue;
+      logarithm += around[v] * std::log(sum[v] / around[v]);
+      weighed += around[v];
+    }
+    const double mean = weighed > 0 ? std::exp(logarithm / weighed) : 1;
+    for (size_t v = 0; v < sum.size(); ++v) {
+      if (around[v] > 0) vertex_stretch[v] *= std::clamp(std::sqrt(sum[v] / around[v] / mean), 1 / kStep, kStep);
+    }
+  }
+
   /// Half the squared norm of the map from the plane to the surface: (a + c) / 2 in Sander's notation. By the cotangent
   /// formula with the sides' roles exchanged: the squared length of a plane edge weighs the opposite angle of the
   /// surface.
@@ -196,28 +216,19 @@ double DiskEmbedding::relax_stretch(std::vector<Point2>& uv, int rounds) {
   double best = l2_stretch(uv);
   if (s.unknowns == 0) return best;
   std::vector<Point2> trial = uv;
-  for (int round = 0; round < rounds && std::isfinite(best); ++round) {
-    std::vector<double> sum(s.unknown.size(), 0.0), weight(s.unknown.size(), 0.0);
-    for (size_t t = 0; t < s.triangle.size(); ++t) {
-      const double stretch = s.squared_stretch(t, uv);
-      for (const uint32_t v : s.triangle[t]) {
-        sum[v] += s.area[t] * stretch;
-        weight[v] += s.area[t];
-      }
-    }
+  for (int round = 0; round < rounds; ++round) {
     const std::vector<double> before = s.vertex_stretch;
-    for (size_t v = 0; v < sum.size(); ++v) {
-      if (weight[v] > 0) s.vertex_stretch[v] *= std::sqrt(sum[v] / weight[v]);
-    }
+    s.divide_by_stretch(trial);
     s.factorise();
     s.solve(trial);
     const double reached = l2_stretch(trial);
-    if (!(reached < best)) {
+    // As long as something is flipped there is nothing to compare with: the weights need more rounds.
+    if (std::isfinite(best) && !(reached < best)) {
       s.vertex_stretch = before;
       break;
     }
     uv = trial;
-    const bool settled = reached > best * 0.999;
+    const bool settled = std::isfinite(best) && reached > best * 0.999;
     best = reached;
     if (settled) break;
   }

@@ -8,9 +8,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <string>
 
 #include "disk_embedding.h"
+#include "extend_cut.h"
 #include "geocloth/asset/error.h"
 #include "half_edges.h"
 #include "pack.h"
@@ -25,7 +27,8 @@ namespace geocloth {
 namespace {
 
 constexpr size_t kCornerCandidates = 16;
-constexpr int kRelaxRounds = 8;
+constexpr int kRelaxRounds = 40;
+constexpr double kLeastPixelsToExtend = 100;
 constexpr uint32_t kNewtonSteps = 30;
 constexpr double kNewtonTolerance = 1e-4;
 
@@ -141,12 +144,11 @@ bool embed(Disk& disk, const RefinedMesh& mesh, const Size& size, DiskEmbedding:
   }
   place_outline(disk, size, best_step);
   embedding.solve(disk.uv);
-  if (has_flips(disk)) return false;
-  std::vector<Point2> relaxed = disk.uv;
-  embedding.relax_stretch(relaxed, kRelaxRounds);
-  std::swap(relaxed, disk.uv);
-  if (has_flips(disk)) std::swap(relaxed, disk.uv);
-  return true;
+  const std::vector<Point2> first = disk.uv;
+  embedding.relax_stretch(disk.uv, kRelaxRounds);
+  if (!has_flips(disk)) return true;
+  disk.uv = first;
+  return !has_flips(disk);
 }
 
 /// Symmetric Dirichlet energy with the outline fixed. The optimiser works in metres; outline vertices keep their exact
@@ -201,9 +203,20 @@ FlatChart lay_out(Disk& disk, const RefinedMesh& mesh, const Size& wanted, uint3
   return chart;
 }
 
+/// Parts of a few pixels gain nothing from longer cuts.
+std::vector<char> worth_extending(const std::vector<double>& area, const FlattenOptions& options) {
+  const double total = std::accumulate(area.begin(), area.end(), 0.0);
+  const double pixels = options.spacing > 0 ? total / (options.spacing * options.spacing)
+                                            : static_cast<double>(options.resolution) * options.resolution;
+  std::vector<char> worth;
+  for (const double a : area) worth.push_back(a / total * pixels >= kLeastPixelsToExtend ? 1 : 0);
+  return worth;
+}
+
 }  // namespace
 
-FlatSurface lay_out_squares(const CutSurface& cut, const FlattenOptions& options, const Progress& progress) {
+FlatSurface lay_out_squares(const CutSurface& disks_as_cut, const FlattenOptions& options, const Progress& progress) {
+  const CutSurface cut = extend_cuts(disks_as_cut, worth_extending(component_areas(disks_as_cut), options), progress);
   const std::vector<Outline> outlines = trace_outlines(cut);
   const SquarePlan plan = plan_squares(cut, outlines, component_areas(cut), options);
   (void)pack_rectangles(plan.size);  // an atlas that is too large is refused before the long work
