@@ -9,10 +9,12 @@ vec3 position_at(uvec2 pixel) {
   return imageLoad(position_image, texel(pixel)).xyz;
 }
 
-// The share of the cell whose upper left corner is given; this pixel is that corner of it.
-vec3 cell_share(uvec2 cell, uint corner) {
+// The share of the cell with this upper left corner; this pixel is the given corner of it.
+vec3 cell_share(uint x, uint y, uint corner) {
+  uvec2 cell = uvec2(x, y);
+  if (!in_image(cell)) return vec3(0.0f);  // x - 1 of column 0 wraps to a huge number
   uint bits = imageLoad(cell_image, texel(cell)).x;
-  if (bits == 0u) return vec3(0.0f);
+  if ((bits & (kCellFirstBit | kCellSecondBit)) == 0u) return vec3(0.0f);
   return corner_normal(bits, corner, position_at(cell), position_at(cell + uvec2(1u, 0u)),
                        position_at(cell + uvec2(0u, 1u)), position_at(cell + uvec2(1u, 1u)));
 }
@@ -20,10 +22,7 @@ vec3 cell_share(uvec2 cell, uint corner) {
 void main() {
   uvec2 p = own_pixel();
   if (!in_image(p)) return;
-  precise vec3 sum = vec3(0.0f);
-  if (p.x > 0u && p.y > 0u) sum = sum + cell_share(p - uvec2(1u, 1u), 3u);
-  if (p.y > 0u) sum = sum + cell_share(p - uvec2(0u, 1u), 2u);
-  if (p.x > 0u) sum = sum + cell_share(p - uvec2(1u, 0u), 1u);
-  sum = sum + cell_share(p, 0u);
+  precise vec3 sum = cell_share(p.x - 1u, p.y - 1u, 3u) + cell_share(p.x, p.y - 1u, 2u) +
+                     cell_share(p.x - 1u, p.y, 1u) + cell_share(p.x, p.y, 0u);
   imageStore(normal_image, texel(p), unit_and_length(sum));
 }

@@ -51,4 +51,23 @@ void memory_barrier(const vk::raii::CommandBuffer& commands, vk::PipelineStageFl
   commands.pipelineBarrier(from, to, {}, barrier, {}, {});
 }
 
+void change_layout(const vk::raii::CommandBuffer& commands, const Image& image, vk::ImageLayout from,
+                   vk::ImageLayout to) {
+  using Access = vk::AccessFlagBits;
+  using Stage = vk::PipelineStageFlagBits;
+  constexpr vk::AccessFlags kAll = Access::eMemoryRead | Access::eMemoryWrite;
+  const auto outside = [](vk::ImageLayout layout) { return layout == vk::ImageLayout::eGeneral; };
+  const vk::ImageMemoryBarrier barrier{
+      .srcAccessMask = outside(from) ? kAll : Access::eTransferWrite,
+      .dstAccessMask = outside(to) ? kAll : Access::eTransferRead | Access::eTransferWrite,
+      .oldLayout = from,
+      .newLayout = to,
+      .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+      .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+      .image = image.handle(),
+      .subresourceRange = image.range()};
+  commands.pipelineBarrier(outside(from) ? Stage::eAllCommands : Stage::eTransfer,
+                           outside(to) ? Stage::eAllCommands : Stage::eTransfer, {}, {}, {}, barrier);
+}
+
 }  // namespace geocloth::vulkan

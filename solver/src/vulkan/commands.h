@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "vulkan/context.h"
+#include "vulkan/image.h"
 
 namespace geocloth::vulkan {
 
@@ -47,5 +48,10 @@ void run_once(const std::shared_ptr<const Context>& context, F&& f) {
 /// here: each pass needs all that the one before it wrote.
 void memory_barrier(const vk::raii::CommandBuffer& commands, vk::PipelineStageFlags from, vk::AccessFlags written,
                     vk::PipelineStageFlags to, vk::AccessFlags used);
+
+/// Moves an image from one layout to another between two transfers, or between a transfer and all that went before or
+/// comes after: `from` and `to` are one of undefined, general and the two transfer layouts.
+void change_layout(const vk::raii::CommandBuffer& commands, const Image& image, vk::ImageLayout from,
+                   vk::ImageLayout to);
 
 }  // namespace geocloth::vulkan

@@ -25,27 +25,18 @@ const Buffer& Upload::stage(std::span<const std::byte> bytes) {
   return staging;
 }
 
-void Upload::to_general_layout(const Image& image) {
-  const vk::ImageMemoryBarrier barrier{.srcAccessMask = {},
-                                       .dstAccessMask = Access::eTransferWrite,
-                                       .oldLayout = vk::ImageLayout::eUndefined,
-                                       .newLayout = vk::ImageLayout::eGeneral,
-                                       .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-                                       .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-                                       .image = image.handle(),
-                                       .subresourceRange = image.range()};
-  commands_.buffer().pipelineBarrier(Stage::eTransfer, Stage::eTransfer, {}, {}, {}, barrier);
-}
-
 void Upload::copy_to_image(const Image& image, std::span<const std::byte> bytes) {
-  to_general_layout(image);
-  commands_.buffer().copyBufferToImage(stage(bytes).handle(), image.handle(), vk::ImageLayout::eGeneral,
-                                       image.whole_copy());
+  const auto target = vk::ImageLayout::eTransferDstOptimal;
+  change_layout(commands_.buffer(), image, vk::ImageLayout::eUndefined, target);
+  commands_.buffer().copyBufferToImage(stage(bytes).handle(), image.handle(), target, image.whole_copy());
+  change_layout(commands_.buffer(), image, target, vk::ImageLayout::eGeneral);
 }
 
 void Upload::clear_image(const Image& image) {
-  to_general_layout(image);
-  commands_.buffer().clearColorImage(image.handle(), vk::ImageLayout::eGeneral, vk::ClearColorValue{}, image.range());
+  const auto target = vk::ImageLayout::eTransferDstOptimal;
+  change_layout(commands_.buffer(), image, vk::ImageLayout::eUndefined, target);
+  commands_.buffer().clearColorImage(image.handle(), target, vk::ClearColorValue{}, image.range());
+  change_layout(commands_.buffer(), image, target, vk::ImageLayout::eGeneral);
 }
 
 void Upload::copy_to_buffer(const Buffer& buffer, std::span<const std::byte> bytes) {
@@ -64,8 +55,10 @@ void Upload::run() {
 void read_image(const std::shared_ptr<const Context>& context, const Image& image, std::span<std::byte> out) {
   const Buffer staging(context, out.size(), vk::BufferUsageFlagBits::eTransferDst, Memory::readback);
   run_once(context, [&](const vk::raii::CommandBuffer& commands) {
-    memory_barrier(commands, Stage::eAllCommands, Access::eMemoryWrite, Stage::eTransfer, Access::eTransferRead);
-    commands.copyImageToBuffer(image.handle(), vk::ImageLayout::eGeneral, staging.handle(), image.whole_copy());
+    const auto source = vk::ImageLayout::eTransferSrcOptimal;
+    change_layout(commands, image, vk::ImageLayout::eGeneral, source);
+    commands.copyImageToBuffer(image.handle(), source, staging.handle(), image.whole_copy());
+    change_layout(commands, image, source, vk::ImageLayout::eGeneral);
     memory_barrier(commands, Stage::eTransfer, Access::eTransferWrite, Stage::eHost, Access::eHostRead);
   });
   std::ranges::copy(staging.mapped().first(out.size()), out.begin());

@@ -30,7 +30,6 @@ class Upload {
  private:
   void copy_to_image(const Image& image, std::span<const std::byte> bytes);
   void copy_to_buffer(const Buffer& buffer, std::span<const std::byte> bytes);
-  void to_general_layout(const Image& image);
   const Buffer& stage(std::span<const std::byte> bytes);
 
   std::shared_ptr<const Context> context_;

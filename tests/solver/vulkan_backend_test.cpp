@@ -1,0 +1,372 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The vulkan backend does what the cpu backend does, pass by pass and all together: both compile the same text from
+// shaders/lib, so on a device with exact square roots and divisions (lavapipe) every bit agrees; elsewhere the
+// positions agree to a thousandth of the cloth's size.
+#include <cmath>
+#include <functional>
+#include <ostream>
+
+#include "geocloth/solver/solver.h"
+#include "support/make_sheet.h"
+#include "support/vulkan_test.h"
+
+namespace geocloth {
+namespace {
+
+using test::SheetOptions;
+
+/// A way to play a scene: called before every frame with the solver and the frame's number.
+using Director = std::function<void(Solver&, uint32_t)>;
+
+struct Play {
+  std::vector<ClothDesc> cloths;
+  SolverSettings settings;
+  Director before_frame = [](Solver&, uint32_t) {};
+  uint32_t frames = 4;
+};
+
+struct Outcome {
+  std::vector<std::vector<Vec3>> positions, normals, velocities;
+  SolverStatistics statistics;
+};
+
+Outcome play(Solver solver, const Play& scene) {
+  for (uint32_t f = 0; f < scene.frames; ++f) {
+    scene.before_frame(solver, f);
+    solver.step();
+  }
+  Outcome outcome;
+  outcome.positions.resize(scene.cloths.size());
+  outcome.normals.resize(scene.cloths.size());
+  outcome.velocities.resize(scene.cloths.size());
+  for (uint32_t c = 0; c < scene.cloths.size(); ++c) {
+    solver.read_positions(c, outcome.positions[c]);
+    solver.read_normals(c, outcome.normals[c]);
+    solver.read_velocities(c, outcome.velocities[c]);
+  }
+  outcome.statistics = solver.statistics();
+  return outcome;
+}
+
+ClothDesc cloth_of(const SheetOptions& options, const Material& material = {}) {
+  return {.asset = std::make_shared<ClothAsset>(make_sheet(options)), .material = material, .transform = {}};
+}
+
+/// Every pixel of the sheet's top row, where it is.
+std::vector<Pin> pins_of_top(const SheetOptions& options, const ClothAsset& asset, const Vec3& shift = {}) {
+  std::vector<Pin> pins;
+  for (uint32_t i = 0; i < options.nx; ++i) {
+    const uint32_t pixel = sheet_pixel(options, i, 0);
+    pins.push_back({pixel, asset.rest_position[pixel] + shift});
+  }
+  return pins;
+}
+
+double largest_distance(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
+  double largest = 0;
+  for (size_t i = 0; i < a.size(); ++i) {
+    const double distance = double{length(a[i] - b[i])};
+    if (!(distance <= largest)) largest = distance;  // NaN is the largest of all
+  }
+  return largest;
+}
+
+class VulkanBackendTest : public test::VulkanTest {
+ protected:
+  /// Plays the scene on both backends and compares.
+  Outcome expect_same_as_cpu(Play scene) {
+    const Outcome vulkan = play(make_solver(scene.cloths, scene.settings), scene);
+    scene.settings.backend = Backend::cpu;
+    const Outcome cpu = play(Solver(scene.cloths, scene.settings), scene);
+    for (size_t c = 0; c < scene.cloths.size(); ++c) {
+      SCOPED_TRACE(c);
+      const ClothAsset& asset = *scene.cloths[c].asset;
+      EXPECT_GT(largest_distance(vulkan.positions[c], asset.rest_position), 1e-6) << "nothing moved";
+      if (exact_device(vulkan.statistics)) {
+        EXPECT_EQ(hash_state(asset, vulkan.positions[c]), hash_state(asset, cpu.positions[c]));
+        EXPECT_EQ(largest_distance(vulkan.normals[c], cpu.normals[c]), 0);
+      }
+      EXPECT_LE(largest_distance(vulkan.positions[c], cpu.positions[c]), 1e-3 * kDiagonal);
+      EXPECT_LE(largest_distance(vulkan.velocities[c], cpu.velocities[c]), 0.5);
+    }
+    EXPECT_NEAR(vulkan.statistics.copy_gap, cpu.statistics.copy_gap, 1e-6);
+    EXPECT_NEAR(vulkan.statistics.penetration, cpu.statistics.penetration, 1e-4);
+    EXPECT_EQ(vulkan.statistics.particles, cpu.statistics.particles);
+    EXPECT_EQ(vulkan.statistics.springs, cpu.statistics.springs);
+    return vulkan;
+  }
+
+  static bool exact_device(const SolverStatistics& statistics) {
+    return statistics.device.find("llvmpipe") != std::string::npos;
+  }
+
+  static constexpr double kDiagonal = 1.4;  ///< [m] of the sheets below
+};
+
+const SheetOptions kUncut{.nx = 13, .ny = 11};
+const SheetOptions kCut{.nx = 13, .ny = 11, .charts_x = 3, .charts_y = 2, .jitter = 0.2F};
+
+SolverSettings settings_of(uint32_t substeps) {
+  SolverSettings settings;
+  settings.substeps = substeps;
+  return settings;
+}
+
+Play hanging(const SheetOptions& options, const Material& material = {}) {
+  Play scene{.cloths = {cloth_of(options, material)}, .settings = settings_of(4)};
+  scene.before_frame = [options, asset = scene.cloths[0].asset](Solver& solver, uint32_t frame) {
+    if (frame == 0) solver.set_pins(0, pins_of_top(options, *asset));
+  };
+  return scene;
+}
+
+TEST_F(VulkanBackendTest, PredictionOfAFreeFallAgrees) {
+  expect_same_as_cpu({.cloths = {cloth_of(kUncut)}, .settings = settings_of(3)});
+}
+
+TEST_F(VulkanBackendTest, SpringsAndPinsOfAHangingSheetAgree) {
+  expect_same_as_cpu(hanging(kUncut));
+}
+
+TEST_F(VulkanBackendTest, OneRowOfPixelsIsEnough) {
+  const SheetOptions strip{.nx = 2, .ny = 17, .width = 0.05F};
+  expect_same_as_cpu(hanging(strip));
+}
+
+TEST_F(VulkanBackendTest, StitchedCopiesOfACutSheetAgreeAndStayTogether) {
+  Play scene = hanging(kCut);
+  scene.settings.check_copies = true;
+  const Outcome outcome = expect_same_as_cpu(scene);
+  EXPECT_LE(outcome.statistics.copy_gap, 1e-6);
+}
+
+TEST_F(VulkanBackendTest, BendingAcrossSeamsAgrees) {
+  Material stiff;
+  stiff.bend_warp = stiff.bend_weft = 1e-3F;
+  SheetOptions flat = kCut;
+  flat.horizontal = true;
+  expect_same_as_cpu(hanging(flat, stiff));
+}
+
+TEST_F(VulkanBackendTest, SeveralRelaxationStepsAccumulateTheSameMultipliers) {
+  Play scene = hanging(kCut);
+  scene.settings.relaxation_steps = 3;
+  expect_same_as_cpu(scene);
+}
+
+TEST_F(VulkanBackendTest, SeedParametersAgree) {
+  Material seed;
+  seed.stiffness = 0.5F;
+  seed.bend_stiffness = 0.2F;
+  seed.verlet_damping = 0.98F;
+  expect_same_as_cpu(hanging(kCut, seed));
+}
+
+TEST_F(VulkanBackendTest, LongRangeAttachmentsAgreeAndHoldTheLength) {
+  Material limited;
+  limited.stretch_warp = limited.stretch_weft = 20.F;
+  limited.max_stretch = 0.01F;
+  Play scene = hanging(kCut, limited);
+  scene.frames = 30;
+  const Outcome outcome = expect_same_as_cpu(scene);
+  float lowest = 0;
+  for (const Vec3& p : outcome.positions[0]) lowest = std::min(lowest, p.y);
+  EXPECT_GE(lowest, 0.5F - 1.02F);
+}
+
+TEST_F(VulkanBackendTest, PinsThatMoveAndChangeAgree) {
+  Play scene = hanging(kCut);
+  scene.frames = 9;
+  scene.before_frame = [asset = scene.cloths[0].asset](Solver& solver, uint32_t frame) {
+    const float angle = 0.3F * static_cast<float>(frame);
+    std::vector<Pin> pins = pins_of_top(kCut, *asset, {0.05F * std::sin(angle), 0, 0.1F * angle});
+    if (frame >= 3) pins.resize(4);                          // some are let go,
+    if (frame >= 6) pins = {{sheet_pixel(kCut, 6, 5), {}}};  // then another one is taken
+    if (frame < 8) solver.set_pins(0, pins);                 // and in the last frame it is held where it was
+  };
+  expect_same_as_cpu(scene);
+}
+
+TEST_F(VulkanBackendTest, WindWithGustsDragAndLiftAgrees) {
+  Play scene = hanging(kCut);
+  scene.frames = 10;
+  scene.before_frame = [asset = scene.cloths[0].asset](Solver& solver, uint32_t frame) {
+    if (frame == 0) solver.set_pins(0, pins_of_top(kCut, *asset));
+    solver.set_wind({.velocity = {1, 0.5F, -6 + 0.1F * static_cast<float>(frame)},
+                     .turbulence = 0.5F,
+                     .frequency = 2,
+                     .drag = 1.2F,
+                     .lift = 0.4F});
+    if (frame == 5) solver.set_gravity({0, -3, 0});
+  };
+  expect_same_as_cpu(scene);
+}
+
+/// A sheet lying above a collider that comes up, moves and turns.
+Play over_collider(const ColliderShape& shape, uint32_t frames) {
+  SheetOptions options = kCut;
+  options.horizontal = true;
+  options.center = {0, 0.25F, 0};
+  Play scene{.cloths = {cloth_of(options)}, .settings = settings_of(6), .frames = frames};
+  scene.settings.check_copies = true;
+  scene.before_frame = [shape](Solver& solver, uint32_t frame) {
+    const float t = static_cast<float>(frame) / 60.F;
+    const Collider collider{.name = "it",
+                            .shape = shape,
+                            .friction = 0.4F,
+                            .pose = {.translate = {0.2F * t, 0.3F * t, -0.1F * t},
+                                     .rotate = quat_from_euler_deg({20 * t, 90 * t, 10 * t})}};
+    solver.set_colliders(std::vector{collider});
+  };
+  return scene;
+}
+
+struct NamedShape {
+  const char* name;
+  ColliderShape shape;
+};
+void PrintTo(const NamedShape& shape, std::ostream* out) {
+  *out << shape.name;
+}
+
+class VulkanColliderTest : public VulkanBackendTest, public testing::WithParamInterface<NamedShape> {};
+
+TEST_P(VulkanColliderTest, ContactAgreesAndNothingSinksIn) {
+  const Outcome outcome = expect_same_as_cpu(over_collider(GetParam().shape, 24));
+  EXPECT_LE(outcome.statistics.penetration, double{Material{}.thickness});
+  EXPECT_LE(outcome.statistics.copy_gap, 1e-6);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    EveryShape, VulkanColliderTest,
+    testing::Values(NamedShape{"plane", Plane{{0, 0.1F, 0}, {0, 1, 0}}}, NamedShape{"sphere", Sphere{{}, 0.2F}},
+                    NamedShape{"capsule", Capsule{{-0.3F, 0, 0}, {0.3F, 0.05F, 0}, 0.1F, 0.1F}},
+                    NamedShape{"tapered", Capsule{{-0.3F, 0, 0}, {0.3F, 0, 0}, 0.2F, 0.08F}},
+                    NamedShape{"box", Box{{}, {0.2F, 0.15F, 0.25F}, quat_from_euler_deg({0, 30, 5})}},
+                    NamedShape{"ellipsoid", Ellipsoid{{}, {0.3F, 0.15F, 0.2F}, quat_from_euler_deg({10, 0, 0})}}),
+    [](const auto& tested) { return std::string(tested.param.name); });
+
+TEST_F(VulkanBackendTest, SheetOverAMovingSphereAgreesAfterSixtyFrames) {
+  const Outcome outcome = expect_same_as_cpu(over_collider(Sphere{{}, 0.2F}, 60));
+  EXPECT_LE(outcome.statistics.penetration, double{Material{}.thickness});
+}
+
+TEST_F(VulkanBackendTest, ManyCollidersOfChangingNumberAgree) {
+  Play scene = over_collider(Sphere{{}, 0.2F}, 12);
+  scene.before_frame = [](Solver& solver, uint32_t frame) {
+    std::vector<Collider> colliders;
+    for (uint32_t i = 0; i < 1 + 7 * (frame / 3); ++i)
+      colliders.push_back({.name = std::to_string(i),
+                           .shape = Sphere{{-0.5F + 0.04F * static_cast<float>(i), 0.2F, 0}, 0.03F},
+                           .pose = {}});
+    solver.set_colliders(colliders, frame % 4 == 2);
+  };
+  expect_same_as_cpu(scene);
+}
+
+TEST_F(VulkanBackendTest, SeveralClothsOfDifferentShapeStepTogether) {
+  Material other;
+  other.stretch_warp = 200;
+  other.max_speed = 2;
+  Play scene{.cloths = {cloth_of(kUncut), cloth_of(kCut, other), cloth_of({.nx = 30, .ny = 5, .width = 0.9F})},
+             .settings = settings_of(4),
+             .frames = 8};
+  scene.cloths[1].transform = {.translate = {0, 2, 0}, .rotate = quat_from_euler_deg({0, 45, 0}), .scale = 0.5F};
+  scene.before_frame = [asset = scene.cloths[0].asset](Solver& solver, uint32_t frame) {
+    if (frame == 2) solver.set_pins(0, pins_of_top(kUncut, *asset));
+  };
+  expect_same_as_cpu(scene);
+}
+
+TEST_F(VulkanBackendTest, FarFromTheWorldsOriginNothingIsLost) {
+  Play scene = hanging(kCut);
+  scene.cloths[0].transform.translate = {1000, 200, -3000};
+  scene.before_frame = [asset = scene.cloths[0].asset](Solver& solver, uint32_t frame) {
+    if (frame == 0) solver.set_pins(0, pins_of_top(kCut, *asset, {1000, 200, -3000}));
+  };
+  expect_same_as_cpu(scene);
+}
+
+TEST_F(VulkanBackendTest, TwoRunsGiveTheSameBits) {
+  const Play scene = over_collider(Sphere{{}, 0.2F}, 10);
+  const Outcome first = play(make_solver(scene.cloths, scene.settings), scene);
+  const Outcome second = play(make_solver(scene.cloths, scene.settings), scene);
+  const ClothAsset& asset = *scene.cloths[0].asset;
+  EXPECT_EQ(hash_state(asset, first.positions[0]), hash_state(asset, second.positions[0]));
+}
+
+TEST_F(VulkanBackendTest, TheStartIsTheRestShapeWithItsNormals) {
+  const ClothDesc cloth = cloth_of(kCut);
+  Solver solver = make_solver(std::vector{cloth}, settings_of(4));
+  std::vector<Vec3> positions, normals, expected;
+  solver.read_positions(0, positions);
+  solver.read_normals(0, normals);
+  EXPECT_LE(largest_distance(positions, cloth.asset->rest_position), 1e-6);
+  compute_normals(*cloth.asset, cloth.asset->rest_position, expected);
+  EXPECT_LE(largest_distance(normals, expected), 1e-5);
+}
+
+TEST_F(VulkanBackendTest, AWrittenStateIsReadBackAndGoesOnFromThere) {
+  Play scene = hanging(kCut);
+  const ClothAsset& asset = *scene.cloths[0].asset;
+  std::vector<Vec3> positions = asset.rest_position, velocities(positions.size());
+  for (uint32_t i = 0; i < positions.size(); ++i) {
+    if (!asset.valid(i)) continue;
+    positions[i] += Vec3{0.25F, 0.5F, 0};
+    velocities[i] = {0, 0, 1};
+  }
+  Solver solver = make_solver(scene.cloths, scene.settings);
+  solver.step();
+  solver.write_state(0, positions, velocities);
+  std::vector<Vec3> read;
+  solver.read_positions(0, read);
+  EXPECT_LE(largest_distance(read, positions), 1e-6);
+  solver.read_velocities(0, read);
+  EXPECT_LE(largest_distance(read, velocities), 1e-2);
+  solver.step();
+  solver.read_positions(0, read);
+  EXPECT_NEAR(read[0].z, positions[0].z + 1.F / 60, 2e-3);
+}
+
+TEST_F(VulkanBackendTest, ReadingEveryFrameChangesNothing) {
+  const Play quiet = hanging(kCut);
+  Play watched = quiet;
+  watched.before_frame = [quiet](Solver& solver, uint32_t frame) {
+    std::vector<Vec3> ignored;
+    solver.read_positions(0, ignored);
+    quiet.before_frame(solver, frame);
+    solver.wait();
+  };
+  const Outcome a = play(make_solver(quiet.cloths, quiet.settings), quiet);
+  const Outcome b = play(make_solver(watched.cloths, watched.settings), watched);
+  EXPECT_EQ(hash_state(*quiet.cloths[0].asset, a.positions[0]), hash_state(*quiet.cloths[0].asset, b.positions[0]));
+}
+
+TEST_F(VulkanBackendTest, TimingsNameThePassesAndChangeNothing) {
+  Play scene = hanging(kCut);
+  const Outcome plain = play(make_solver(scene.cloths, scene.settings), scene);
+  scene.settings.timings = true;
+  const Outcome timed = play(make_solver(scene.cloths, scene.settings), scene);
+  EXPECT_EQ(hash_state(*scene.cloths[0].asset, plain.positions[0]),
+            hash_state(*scene.cloths[0].asset, timed.positions[0]));
+  EXPECT_THAT(plain.statistics.passes, testing::IsEmpty());
+  std::vector<std::string> names;
+  for (const PassTiming& timing : timed.statistics.passes) {
+    names.push_back(timing.pass);
+    EXPECT_GT(timing.seconds, 0);
+    EXPECT_LT(timing.seconds, 60);
+  }
+  EXPECT_THAT(names, testing::IsSupersetOf({"predict", "pins", "structural", "shear", "stitch", "normals"}));
+  EXPECT_EQ(timed.statistics.backend, "vulkan");
+  EXPECT_EQ(timed.statistics.path, "plain");
+  EXPECT_THAT(timed.statistics.device, testing::Not(testing::IsEmpty()));
+}
+
+TEST_F(VulkanBackendTest, ManyFramesMayBeSubmittedWithoutWaiting) {
+  Play scene = hanging(kUncut);
+  scene.frames = 40;
+  expect_same_as_cpu(scene);
+}
+
+}  // namespace
+}  // namespace geocloth

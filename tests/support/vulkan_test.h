@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdlib>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "geocloth/asset/error.h"
+#include "geocloth/solver/vulkan_interop.h"
+
+namespace geocloth::test {
+
+/// Tests that run Vulkan under the validation layers: any message, also one about destruction, fails the test. They
+/// skip where there is no device, unless GEOCLOTH_REQUIRE_DEVICE is set.
+class VulkanTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() { setenv("GEOCLOTH_VULKAN_VALIDATION", "1", 1); }
+
+  void SetUp() override {
+    for (const DeviceInfo& device : enumerate_devices())
+      if (device.backend == Backend::vulkan && device.usable) return;
+    if (std::getenv("GEOCLOTH_REQUIRE_DEVICE") != nullptr) FAIL() << "no usable Vulkan device";
+    GTEST_SKIP() << "no usable Vulkan device";
+  }
+
+  void TearDown() override {
+    for (const auto& log : logs_) EXPECT_THAT(log->messages(), testing::IsEmpty());
+  }
+
+  /// A solver whose validation messages fail this test.
+  [[nodiscard]] Solver make_solver(std::span<const ClothDesc> cloths, SolverSettings settings) {
+    settings.backend = Backend::vulkan;
+    Solver solver(cloths, settings);
+    watch(solver);
+    return solver;
+  }
+  void watch(Solver& solver) { logs_.push_back(validation_log(solver)); }
+
+ private:
+  std::vector<std::shared_ptr<const ValidationLog>> logs_;
+};
+
+}  // namespace geocloth::test
