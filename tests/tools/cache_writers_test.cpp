@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a user takes into Blender or an engine: every format holds every frame exactly, under its documented header.
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <filesystem>
+#include <sstream>
+#include <string>
+
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfInputFile.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "asset/sample_asset.h"
+#include "export/cache_writer.h"
+#include "geocloth/asset/error.h"
+#include "geocloth/asset/output_file.h"
+#include "glb.h"
+#include "support/make_sheet.h"
+#include "waving_cloth.h"
+
+namespace geocloth {
+namespace {
+
+namespace fs = std::filesystem;
+using test::waving_frame;
+using test::write_waving;
+
+std::shared_ptr<const ClothAsset> sample() {
+  return std::make_shared<const ClothAsset>(test::sample_asset());
+}
+
+class CacheWriters : public testing::Test {
+ protected:
+  CacheWriters() {
+    std::string name = (fs::temp_directory_path() / "geocloth_cache_XXXXXX").string();
+    folder_ = ::mkdtemp(name.data());
+  }
+  ~CacheWriters() override { fs::remove_all(folder_); }
+
+  void write(const char* name, const CacheDescription& description) {
+    const auto writer = make_cache_writer(folder_ / name, description);
+    ASSERT_NE(writer, nullptr);
+    write_waving(*writer, description);
+  }
+  [[nodiscard]] std::vector<std::string> listing() const {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder_)) names.push_back(entry.path().filename().string());
+    std::sort(names.begin(), names.end());
+    return names;
+  }
+  [[nodiscard]] std::vector<std::byte> bytes(const char* name) const { return read_file(folder_ / name); }
+
+  fs::path folder_;
+};
+
+template <class T>
+T value_at(const std::vector<std::byte>& bytes, std::size_t at, bool big_endian = false) {
+  std::array<std::byte, sizeof(T)> word{};
+  std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(at), sizeof(T), word.begin());
+  if (big_endian) std::reverse(word.begin(), word.end());
+  return std::bit_cast<T>(word);
+}
+
+Vec3 vec3_at(const std::vector<std::byte>& bytes, std::size_t at, bool big_endian = false) {
+  return {value_at<float>(bytes, at, big_endian), value_at<float>(bytes, at + 4, big_endian),
+          value_at<float>(bytes, at + 8, big_endian)};
+}
+
+TEST_F(CacheWriters, AnUnknownEndingIsNoFormat) {
+  EXPECT_EQ(make_cache_writer(folder_ / "a.xyz", CacheDescription{{sample()}}), nullptr);
+  EXPECT_NE(make_cache_writer(folder_ / "a.GLB", CacheDescription{{sample()}}), nullptr);
+}
+
+TEST_F(CacheWriters, NothingStandsBeforeCommitOrAfterAFailure) {
+  for (const char* name : {"a.glb", "a.obj", "a.pc2", "a.mdd", "a.exr"}) {
+    const CacheDescription description{{sample()}, 60, 2};
+    const auto writer = make_cache_writer(folder_ / name, description);
+    const ClothFrame frame = waving_frame(*description.cloths[0], 0);
+    for (int i = 0; i < 3; ++i) writer->add(std::span(&frame, 1));
+    writer->finish();
+    for (const std::string& file : listing()) EXPECT_THAT(file, testing::StartsWith(".geocloth-")) << name;
+  }
+  EXPECT_THAT(listing(), testing::IsEmpty());
+}
+
+TEST_F(CacheWriters, Pc2HoldsEveryFrameInFileOrder) {
+  const CacheDescription description{{sample()}, 60, 3};
+  const ClothAsset& asset = *description.cloths[0];
+  write("a.pc2", description);
+  const auto data = bytes("a.pc2");
+  const std::size_t points = asset.source.source_vertex_count;
+  ASSERT_EQ(data.size(), 32 + 4 * points * 12);
+  EXPECT_EQ(std::memcmp(data.data(), "POINTCACHE2\0", 12), 0);
+  EXPECT_EQ(value_at<int32_t>(data, 12), 1);
+  EXPECT_EQ(value_at<uint32_t>(data, 16), points);
+  EXPECT_EQ(value_at<float>(data, 20), 0);
+  EXPECT_EQ(value_at<float>(data, 24), 1);
+  EXPECT_EQ(value_at<int32_t>(data, 28), 4);
+  for (uint32_t frame = 0; frame < 4; ++frame) {
+    const ClothFrame expected = waving_frame(asset, frame);
+    for (std::size_t i = 0; i < asset.source.position.size(); ++i) {
+      const std::size_t point = asset.source.source_vertex[i];
+      EXPECT_EQ(vec3_at(data, 32 + (frame * points + point) * 12), expected.source_position[i]);
+    }
+  }
+}
+
+TEST_F(CacheWriters, MddIsBigEndianWithTimes) {
+  const CacheDescription description{{sample()}, 25, 3};
+  const ClothAsset& asset = *description.cloths[0];
+  write("a.mdd", description);
+  const auto data = bytes("a.mdd");
+  const std::size_t points = asset.source.source_vertex_count;
+  ASSERT_EQ(data.size(), 8 + 4 * 4 + 4 * points * 12);
+  EXPECT_EQ(value_at<int32_t>(data, 0, true), 4);
+  EXPECT_EQ(value_at<uint32_t>(data, 4, true), points);
+  for (uint32_t frame = 0; frame < 4; ++frame) {
+    EXPECT_EQ(value_at<float>(data, 8 + 4 * frame, true), static_cast<float>(frame / 25.0));
+    const ClothFrame expected = waving_frame(asset, frame);
+    const std::size_t point = asset.source.source_vertex[5];
+    EXPECT_EQ(vec3_at(data, 24 + (frame * points + point) * 12, true), expected.source_position[5]);
+  }
+}
+
+TEST_F(CacheWriters, SeveralClothsAreSeveralPointCaches) {
+  write("a.pc2", {{sample(), sample()}, 60, 1});
+  write("b.mdd", {{sample(), sample()}, 60, 1});
+  EXPECT_THAT(listing(), testing::ElementsAre("a_1.pc2", "a_2.pc2", "b_1.mdd", "b_2.mdd"));
+  EXPECT_NE(bytes("a_1.pc2"), bytes("a_2.pc2"));
+}
+
+TEST_F(CacheWriters, ObjSeriesIsTheSourceMeshWelded) {
+  const CacheDescription description{{sample(), sample()}, 60, 2};
+  const ClothAsset& asset = *description.cloths[0];
+  write("a.obj", description);
+  ASSERT_THAT(listing(), testing::ElementsAre("a_0001.obj", "a_0002.obj"));
+  const auto data = bytes("a_0002.obj");
+  std::istringstream text(std::string(reinterpret_cast<const char*>(data.data()), data.size()));
+  std::vector<Vec3> points;
+  std::size_t objects = 0, faces = 0, uvs = 0, largest = 0;
+  for (std::string line; std::getline(text, line);) {
+    std::istringstream words(line);
+    std::string keyword;
+    words >> keyword;
+    if (keyword == "v") {
+      Vec3& p = points.emplace_back();
+      words >> p.x >> p.y >> p.z;
+    } else if (keyword == "f") {
+      ++faces;
+      std::size_t index = 0;
+      words >> index;
+      largest = std::max(largest, index);
+    }
+    objects += keyword == "o" ? 1U : 0U;
+    uvs += keyword == "vt" ? 1U : 0U;
+  }
+  EXPECT_EQ(objects, 2U);
+  EXPECT_EQ(faces, 2 * asset.source.triangle.size());
+  EXPECT_EQ(uvs, 2 * asset.source.uv.size());
+  ASSERT_EQ(points.size(), 2 * asset.source.source_vertex_count);
+  EXPECT_LE(largest, points.size());
+  EXPECT_GT(largest, points.size() / 2) << "the second object counts on";
+  const ClothFrame expected = waving_frame(asset, 2, {1.2F, 0, 0});
+  const std::size_t second = asset.source.source_vertex_count;
+  EXPECT_EQ(points[second + asset.source.source_vertex[7]], expected.source_position[7]);
+}
+
+TEST_F(CacheWriters, ARunWithoutFramesStillGivesAFile) {
+  write("a.obj", {{sample()}, 60, 0});
+  write("a.glb", {{sample()}, 60, 0});
+  EXPECT_THAT(listing(), testing::ElementsAre("a.glb", "a_0000.obj"));
+}
+
+TEST_F(CacheWriters, ExrHoldsTheGridBitForBit) {
+  const CacheDescription description{{sample()}, 60, 2};
+  const ClothAsset& asset = *description.cloths[0];
+  write("a.exr", description);
+  ASSERT_THAT(listing(), testing::ElementsAre("a_0001.exr", "a_0002.exr"));
+  Imf::InputFile file((folder_ / "a_0002.exr").c_str());
+  const auto width = static_cast<std::size_t>(asset.width);
+  struct Pixel {
+    float r = -1, g = -1, b = -1, a = -1;
+  };
+  std::vector<Pixel> pixels(asset.pixel_count());
+  Imf::FrameBuffer buffer;
+  const auto slice = [&](float Pixel::*member) {
+    char* base = reinterpret_cast<char*>(&(pixels.front().*member));
+    return Imf::Slice(Imf::FLOAT, base, sizeof(Pixel), sizeof(Pixel) * width);
+  };
+  buffer.insert("R", slice(&Pixel::r));
+  buffer.insert("G", slice(&Pixel::g));
+  buffer.insert("B", slice(&Pixel::b));
+  buffer.insert("A", slice(&Pixel::a));
+  file.setFrameBuffer(buffer);
+  ASSERT_EQ(file.header().dataWindow().max.x + 1, static_cast<int>(asset.width));
+  file.readPixels(0, static_cast<int>(asset.height) - 1);
+  const ClothFrame expected = waving_frame(asset, 2);
+  for (uint32_t i = 0; i < asset.pixel_count(); ++i) {
+    EXPECT_EQ((Vec3{pixels[i].r, pixels[i].g, pixels[i].b}), expected.position[i]);
+    EXPECT_EQ(pixels[i].a, asset.valid(i) ? 1.0F : 0.0F);
+  }
+}
+
+/// The vectors of an accessor.
+std::vector<Vec3> vec3_accessor(const glb::Container& file, const glb::Json& index) {
+  const auto& accessor = file.json["accessors"][index.get<std::size_t>()];
+  const auto& view = file.json["bufferViews"][accessor["bufferView"].get<std::size_t>()];
+  const std::size_t offset = view["byteOffset"].get<std::size_t>() + accessor["byteOffset"].get<std::size_t>();
+  std::vector<Vec3> values(accessor["count"].get<std::size_t>());
+  std::memcpy(values.data(), file.binary.data() + offset, values.size() * sizeof(Vec3));
+  return values;
+}
+
+TEST_F(CacheWriters, AnimatedGltfGivesBackEveryFrame) {
+  const CacheDescription description{{sample(), sample()}, 30, 4};
+  const ClothAsset& asset = *description.cloths[0];
+  write("a.glb", description);
+  const auto data = bytes("a.glb");
+  const glb::Container file = glb::parse(data, "a.glb");
+  ASSERT_EQ(file.json["nodes"].size(), 2U);
+  ASSERT_EQ(file.json["animations"][0]["channels"].size(), 2U);
+  EXPECT_EQ(file.json["materials"].size(), 2 * asset.source.material.size());
+  EXPECT_EQ(file.json["images"].size(), 2U);
+
+  const auto& primitive = file.json["meshes"][1]["primitives"][0];
+  const auto base = vec3_accessor(file, primitive["attributes"]["POSITION"]);
+  const auto base_normal = vec3_accessor(file, primitive["attributes"]["NORMAL"]);
+  ASSERT_EQ(primitive["targets"].size(), 4U);
+  // Vertices of a part are the render vertices that it uses, ascending.
+  std::vector<uint32_t> used;
+  const SourcePart& part = asset.source.part[0];
+  for (uint32_t t = 0; t < part.triangle_count; ++t) {
+    used.insert(used.end(), asset.source.triangle[t].begin(), asset.source.triangle[t].end());
+  }
+  std::sort(used.begin(), used.end());
+  used.erase(std::unique(used.begin(), used.end()), used.end());
+  ASSERT_EQ(base.size(), used.size());
+  for (uint32_t frame = 1; frame <= 4; ++frame) {
+    const ClothFrame expected = waving_frame(asset, frame, {1.2F, 0, 0});
+    const auto delta = vec3_accessor(file, primitive["targets"][frame - 1]["POSITION"]);
+    const auto delta_normal = vec3_accessor(file, primitive["targets"][frame - 1]["NORMAL"]);
+    for (std::size_t i = 0; i < used.size(); ++i) {
+      EXPECT_LT(length(base[i] + delta[i] - expected.source_position[used[i]]), 3e-7F);
+      EXPECT_NEAR(length(base_normal[i] + delta_normal[i]), 1, 1e-5F);
+    }
+  }
+}
+
+TEST_F(CacheWriters, SameFramesSameBytes) {
+  for (const char* ending : {"glb", "obj", "pc2", "mdd", "exr"}) {
+    write((std::string("a.") + ending).c_str(), {{sample()}, 60, 2});
+    write((std::string("b.") + ending).c_str(), {{sample()}, 60, 2});
+  }
+  EXPECT_EQ(bytes("a.glb"), bytes("b.glb"));
+  EXPECT_EQ(bytes("a_0002.obj"), bytes("b_0002.obj"));
+  EXPECT_EQ(bytes("a.pc2"), bytes("b.pc2"));
+  EXPECT_EQ(bytes("a.mdd"), bytes("b.mdd"));
+  EXPECT_EQ(bytes("a_0001.exr"), bytes("b_0001.exr"));
+}
+
+TEST_F(CacheWriters, AMissingFolderIsAnErrorAtOnce) {
+  for (const char* name : {"missing/a.glb", "missing/a.pc2", "missing/a.mdd"}) {
+    EXPECT_THROW(static_cast<void>(make_cache_writer(folder_ / name, CacheDescription{{sample()}, 60, 2})), Error);
+  }
+}
+
+}  // namespace
+}  // namespace geocloth
