@@ -1,0 +1,388 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "geocloth/parametrize/convert.h"
+
+#include <fstream>
+#include <map>
+#include <numbers>
+#include <numeric>
+#include <set>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "geocloth/asset/asset_file.h"
+#include "geocloth/asset/error.h"
+#include "geocloth/asset/grid_mesh.h"
+#include "verify.h"
+
+namespace geocloth {
+namespace {
+
+using testing::HasSubstr;
+
+/// A mesh from positions and polygons, as an importer would hand it over.
+TriangleMesh make_mesh(const std::string& name, std::vector<Point3> position, std::vector<Triangle> triangle) {
+  TriangleMesh mesh;
+  mesh.name = name;
+  mesh.position = std::move(position);
+  mesh.triangle = std::move(triangle);
+  mesh.polygon.resize(mesh.triangle.size());
+  std::iota(mesh.polygon.begin(), mesh.polygon.end(), 0U);
+  mesh.material.emplace_back();
+  mesh.part.push_back({name, 0, 0, static_cast<uint32_t>(mesh.triangle.size())});
+  return mesh;
+}
+
+/// A grid of columns x rows cells over a rectangle, bent by `shape` (u, v in 0..1); the sides may be closed.
+TriangleMesh patch(const std::string& name, uint32_t columns, uint32_t rows,
+                   const std::function<Point3(double u, double v)>& shape, bool close_u = false, bool close_v = false) {
+  const uint32_t across = close_u ? columns : columns + 1, down = close_v ? rows : rows + 1;
+  std::vector<Point3> position;
+  for (uint32_t y = 0; y < down; ++y) {
+    for (uint32_t x = 0; x < across; ++x) {
+      position.push_back(shape(static_cast<double>(x) / columns, static_cast<double>(y) / rows));
+    }
+  }
+  std::vector<Triangle> triangle;
+  for (uint32_t y = 0; y < rows; ++y) {
+    for (uint32_t x = 0; x < columns; ++x) {
+      const auto at = [&](uint32_t i, uint32_t j) { return (j % down) * across + i % across; };
+      const uint32_t a = at(x, y), b = at(x + 1, y), c = at(x, y + 1), d = at(x + 1, y + 1);
+      triangle.push_back({a, c, d});
+      triangle.push_back({a, d, b});
+    }
+  }
+  return make_mesh(name, std::move(position), std::move(triangle));
+}
+
+TriangleMesh sheet(const Point3& origin = {0, 0, 0}, const Point3& across = {1, 0, 0},
+                   const Point3& down = {0, -1, 0}) {
+  return patch("sheet", 8, 8, [=](double u, double v) {
+    return Point3{origin[0] + u * across[0] + v * down[0], origin[1] + u * across[1] + v * down[1],
+                  origin[2] + u * across[2] + v * down[2]};
+  });
+}
+TriangleMesh tube() {
+  return patch(
+      "tube", 24, 10,
+      [](double u, double v) {
+        return Point3{0.3 * std::cos(2 * std::numbers::pi * u), -v, -0.3 * std::sin(2 * std::numbers::pi * u)};
+      },
+      true);
+}
+TriangleMesh torus() {
+  return patch(
+      "torus", 32, 16,
+      [](double u, double v) {
+        const double p = 2 * std::numbers::pi * u, q = 2 * std::numbers::pi * v, r = 1 + 0.4 * std::cos(q);
+        return Point3{r * std::cos(p), 0.4 * std::sin(q), r * std::sin(p)};
+      },
+      true, true);
+}
+/// An octahedron, each face divided into 64.
+TriangleMesh sphere() {
+  std::vector<Point3> position;
+  std::vector<Triangle> triangle;
+  const uint32_t n = 8;
+  for (const double sx : {1.0, -1.0}) {
+    for (const double sy : {1.0, -1.0}) {
+      for (const double sz : {1.0, -1.0}) {
+        const auto first = static_cast<uint32_t>(position.size());
+        const auto at = [&](uint32_t i, uint32_t j) { return first + i * (2 * n + 3 - i) / 2 + j; };
+        for (uint32_t i = 0; i <= n; ++i) {
+          for (uint32_t j = 0; i + j <= n; ++j) {
+            const double x = sx * i, y = sy * j, z = sz * (n - i - j), l = std::sqrt(x * x + y * y + z * z);
+            position.push_back({x / l, y / l, z / l});
+          }
+        }
+        for (uint32_t i = 0; i < n; ++i) {
+          for (uint32_t j = 0; i + j < n; ++j) {
+            triangle.push_back({at(i, j), at(i + 1, j), at(i, j + 1)});
+            if (i + j + 1 < n) triangle.push_back({at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
+          }
+        }
+      }
+    }
+  }
+  return make_mesh("sphere", std::move(position), std::move(triangle));
+}
+
+TriangleMesh joined(const TriangleMesh& a, const TriangleMesh& b) {
+  TriangleMesh mesh = a;
+  const auto offset = static_cast<uint32_t>(a.position.size());
+  mesh.position.insert(mesh.position.end(), b.position.begin(), b.position.end());
+  for (const Triangle& t : b.triangle) mesh.triangle.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
+  return make_mesh(a.name + "_" + b.name, mesh.position, mesh.triangle);
+}
+
+ConvertOptions small() {
+  ConvertOptions options;
+  options.flatten.resolution = 40;
+  return options;
+}
+
+struct Shape {
+  const char* name;
+  std::function<TriangleMesh()> make;
+  uint32_t components, loops;
+  int64_t euler;
+};
+
+class Convert : public testing::TestWithParam<Shape> {};
+
+TEST_P(Convert, KeepsTheTopologyAndBindsExactly) {
+  const ConvertResult result = convert(GetParam().make(), small());
+  const ConvertReport& report = result.report;
+  EXPECT_EQ(report.welded.components, GetParam().components);
+  EXPECT_EQ(report.welded.boundary_loops, GetParam().loops);
+  EXPECT_EQ(report.welded.euler_characteristic, GetParam().euler);
+  EXPECT_EQ(report.quality.flipped, 0U);
+  EXPECT_EQ(report.quality.copy_gap, 0);
+  EXPECT_LE(report.quality.binding_error, 1e-6);
+  EXPECT_GT(report.quality.psnr_db, 40);
+  EXPECT_NO_THROW(validate(result.asset));
+  EXPECT_NO_THROW(static_cast<void>(encode_asset(result.asset)));
+  const double area = std::accumulate(result.asset.area.begin(), result.asset.area.end(), 0.0);
+  double source_area = 0;
+  const TriangleMesh mesh = GetParam().make();
+  for (const Triangle& t : mesh.triangle) {
+    const Point3 &a = mesh.position[t[0]], &b = mesh.position[t[1]], &c = mesh.position[t[2]];
+    const Point3 u{b[0] - a[0], b[1] - a[1], b[2] - a[2]}, v{c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+    source_area += std::hypot(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]) / 2;
+  }
+  EXPECT_NEAR(area, source_area, 0.03 * source_area);  // the mass of the cloth
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Shapes, Convert,
+    testing::Values(Shape{"sheet", [] { return sheet(); }, 1, 1, 1}, Shape{"tube", tube, 1, 2, 0},
+                    Shape{"sphere", sphere, 1, 0, 2}, Shape{"torus", torus, 1, 0, 0},
+                    Shape{"two_parts",
+                          [] {
+                            return joined(sheet(), sheet({3, 0, 0}));
+                          },
+                          2, 2, 2},
+                    // A pocket sewn on by its upper edge, which lies on an inner edge row of the shirt.
+                    Shape{"pocket",
+                          [] {
+                            return joined(sheet(), sheet({0, -0.5, 0}, {1, 0, 0}, {0, -0.5, 0.5}));
+                          },
+                          1, 1, 1},
+                    // Two cones that touch in one point are one component of the tied surface.
+                    Shape{"bow_tie",
+                          [] {
+                            return joined(sheet(), sheet({1, -1, 0}));
+                          },
+                          1, 1, 1}),
+    [](const auto& instance) { return std::string(instance.param.name); });
+
+TEST(ConvertReport, HasEveryKey) {
+  const auto json = nlohmann::json::parse(to_json(convert(tube(), small())));
+  const std::map<std::string, std::vector<std::string>> keys{
+      {"source",
+       {"vertices", "faces", "components", "boundary_loops", "euler_characteristic", "non_manifold_edges",
+        "bow_tie_vertices", "bbox_diagonal"}},
+      {"cleaned", {"vertices", "faces", "components", "boundary_loops", "euler_characteristic", "bbox_diagonal"}},
+      {"represented", {"vertices", "faces", "components", "boundary_loops", "euler_characteristic", "bbox_diagonal"}},
+      {"image",
+       {"layout", "width", "height", "valid_pixels", "charts", "spacing", "split_points", "copies_max", "utilisation",
+        "border_share"}},
+      {"welded", {"components", "boundary_loops", "euler_characteristic", "orientable"}},
+      {"quality",
+       {"flipped",
+        "mirrored",
+        "overlapping_pixels",
+        "crossing_springs",
+        "copy_gap",
+        "l2_stretch",
+        "spring_min",
+        "symmetric_dirichlet",
+        "anisotropy_p95",
+        "spring_max",
+        "shear_deg_p50",
+        "shear_deg_p95",
+        "spring_p99_over_p1",
+        "quad_area_p5",
+        "quad_area_p95",
+        "rms_error",
+        "max_error",
+        "psnr_db",
+        "seam_length",
+        "binding_error"}},
+      {"seconds", {"repair", "cut", "flatten", "total"}}};
+  for (const auto& [group, names] : keys) {
+    ASSERT_TRUE(json.contains(group)) << group;
+    for (const std::string& name : names) EXPECT_TRUE(json[group].contains(name)) << group << '.' << name;
+  }
+  EXPECT_TRUE(json["repairs"].is_array());
+  EXPECT_TRUE(json["carried"].is_array());
+  EXPECT_GT(json["peak_memory_bytes"].get<uint64_t>(), 1U << 20U);
+  EXPECT_EQ(json["image"]["layout"], "square");
+  EXPECT_EQ(json["welded"]["boundary_loops"], 2);
+  EXPECT_EQ(json["source"]["faces"], 480);
+}
+
+TEST(ConvertReport, WarnsOfAnImplausibleSize) {
+  TriangleMesh mesh = sheet({0, 0, 0}, {100, 0, 0}, {0, -100, 0});
+  const auto large = convert(mesh, small()).report.warnings;
+  ASSERT_FALSE(large.empty());
+  EXPECT_THAT(large[0], HasSubstr("--unit"));
+  EXPECT_TRUE(convert(sheet(), small()).report.warnings.empty());
+}
+
+TEST(Convert, GivesTheSameBitsEveryTime) {
+  EXPECT_EQ(encode_asset(convert(torus(), small()).asset), encode_asset(convert(torus(), small()).asset));
+}
+
+TEST(Convert, ShowsEveryStageAndStopsWhenAsked) {
+  std::set<std::string> stages;
+  static_cast<void>(convert(sheet(), small(), [&](std::string_view stage, double fraction) {
+    EXPECT_GE(fraction, 0);
+    EXPECT_LE(fraction, 1);
+    stages.emplace(stage);
+  }));
+  EXPECT_GE(stages.size(), 6U);
+  for (const std::string& stop : stages) {
+    try {
+      static_cast<void>(convert(sheet(), small(), [&](std::string_view stage, double) {
+        if (stage == stop) throw Error(ErrorCode::cancelled, "stopped by the user");
+      }));
+      ADD_FAILURE() << stop << " did not stop";
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::cancelled);
+    }
+  }
+}
+
+TEST(Convert, NamesTheFileInItsErrors) {
+  try {
+    static_cast<void>(convert(std::filesystem::path("no/such/garment.obj")));
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::io);
+    EXPECT_THAT(e.what(), HasSubstr("no/such/garment.obj"));
+  }
+}
+
+class TemporaryFolder {
+ public:
+  TemporaryFolder() : path_(std::filesystem::path(testing::TempDir()) / "geocloth_convert_test") {
+    std::filesystem::remove_all(path_);
+    std::filesystem::create_directories(path_);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+TEST(Convert, WritesItsStages) {
+  const TemporaryFolder folder;
+  ConvertOptions options = small();
+  options.stages = folder.path() / "deep" / "stages";
+  const ConvertResult result = convert(tube(), options);
+  for (const char* name : {"1_import.obj", "2_clean.obj", "3_cut.obj", "4_flat.obj", "5_image.obj", "6_welded.obj"}) {
+    std::ifstream in(options.stages / name);
+    std::string line;
+    uint32_t faces = 0;
+    while (std::getline(in, line)) faces += line.starts_with("f ") ? 1U : 0U;
+    EXPECT_GT(faces, 0U) << name;
+  }
+  std::ifstream csv(options.stages / "5_splits.csv");
+  std::string line;
+  uint32_t lines = 0;
+  while (std::getline(csv, line)) ++lines;
+  EXPECT_EQ(lines, 1 + result.asset.splits.pixel.size());
+}
+
+// ------------------------------------------------------------------------------------------------ verification
+
+/// A finished conversion, taken apart so that a test can spoil it.
+struct Finished {
+  TriangleMesh mesh = tube();
+  RepairResult repaired = repair_mesh(mesh);
+  FlatSurface flat;
+  Raster raster;
+  ConvertResult result;
+
+  Finished() : result(convert(mesh, small())) {
+    flat = result.flat;
+    raster = rasterize(flat);
+  }
+  void check() {
+    const GridMesh grid = welded_grid_mesh(result.asset, result.asset.rest_position);
+    result.report.welded = measure_topology(grid.triangle, static_cast<uint32_t>(grid.position.size()));
+    verify(mesh, repaired.surface, flat, raster, result.asset, result.report);
+  }
+  std::string refusal() {
+    try {
+      check();
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::verification);
+      return e.what();
+    }
+    return "";
+  }
+};
+
+TEST(Verify, AcceptsWhatConvertMade) {
+  Finished f;
+  EXPECT_NO_THROW(f.check());
+}
+
+TEST(Verify, RefusesALostWeldAndNamesThePart) {
+  Finished f;
+  f.result.asset.splits = {};
+  EXPECT_THAT(f.refusal(), testing::AllOf(HasSubstr("'tube'"), HasSubstr("--resolution")));
+}
+
+TEST(Verify, RefusesALostTriangle) {
+  Finished f;
+  f.result.asset.cell[f.result.asset.width * 5 + 5] = kCellFirst;
+  EXPECT_THAT(f.refusal(), HasSubstr("boundary loops"));
+}
+
+TEST(Verify, RefusesFlipsOverlapsCrossingsAndGaps) {
+  const auto spoilt = [](const std::function<void(Finished&)>& spoil) {
+    Finished f;
+    spoil(f);
+    return f.refusal();
+  };
+  EXPECT_THAT(spoilt([](Finished& f) {
+                f.result.report.quality.flipped = 1;
+                std::swap(f.flat.uv[f.flat.triangle[7][0]], f.flat.uv[f.flat.triangle[7][1]]);
+              }),
+              HasSubstr("flipped"));
+  EXPECT_THAT(spoilt([](Finished& f) { f.raster.overlapping.push_back(5); }), HasSubstr("covered twice"));
+  EXPECT_THAT(spoilt([](Finished& f) { f.result.report.quality.crossing_springs = 1; }), HasSubstr("springs"));
+  EXPECT_THAT(spoilt([](Finished& f) { f.result.report.quality.copy_gap = 1e-6; }), HasSubstr("apart"));
+  EXPECT_THAT(spoilt([](Finished& f) { f.result.report.quality.mirrored = 1; }), HasSubstr("mirrored"));
+}
+
+// ------------------------------------------------------------------------------------------------ real garments
+
+class SharedGarment : public testing::TestWithParam<const char*> {};
+
+TEST_P(SharedGarment, Converts) {
+  const std::filesystem::path path =
+      std::filesystem::path(GEOCLOTH_SOURCE_DIR) / ".." / "shared" / "meshes" / "garments" / GetParam();
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not here";
+  const ConvertResult result = convert(path);
+  const ConvertReport& r = result.report;
+  EXPECT_EQ(r.welded.components, r.represented.components);
+  EXPECT_EQ(r.welded.boundary_loops, r.represented.boundary_loops);
+  EXPECT_EQ(r.welded.euler_characteristic, r.represented.euler_characteristic);
+  EXPECT_LE(r.quality.binding_error, 1e-6);
+  EXPECT_GT(r.quality.psnr_db, 55);
+}
+
+INSTANTIATE_TEST_SUITE_P(Garments, SharedGarment,
+                         testing::Values("newton_unisex_shirt.obj", "mh_tee_shorts.obj", "kaykit_knight_cape.glb",
+                                         "codimipc_circle_skirt.obj", "diffcloth_dress_5k.obj", "sf_sweater.glb"));
+
+}  // namespace
+}  // namespace geocloth
