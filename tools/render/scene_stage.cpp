@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "render/scene_stage.h"
+
+#include <algorithm>
+
+#include "render/solid_mesh.h"
+
+namespace geocloth {
+namespace {
+
+constexpr float kSwing = 0.08F;    ///< room on every side, as a share of the garments' diagonal
+constexpr float kNearby = 0.6F;    ///< colliders are framed within this distance, likewise
+constexpr uint32_t kMoments = 33;  ///< at which moving things are looked at
+
+double moment(const Scene& scene, uint32_t i) {
+  return scene.frames / scene.frame_rate * i / (kMoments - 1);
+}
+
+/// A garment at rest where its keyframes put it over the time of the scene.
+Bounds cloth_bounds(const Scene& scene, const SceneCloth& cloth, const ClothDesc& desc) {
+  std::vector<Vec3> points;
+  for (const Vec3& p : desc.asset->source.position) points.push_back(apply(desc.transform, p));
+  Bounds all = bounds_of(points);
+  if (all.empty() || cloth.motion.empty()) return all;
+  const Bounds start = all;
+  const Transform first = pose_at(cloth.motion, 0);
+  for (uint32_t i = 1; i < kMoments; ++i) {
+    const Transform pose = pose_at(cloth.motion, moment(scene, i));
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vec3 p{(corner & 1) != 0 ? start.high.x : start.low.x, (corner & 2) != 0 ? start.high.y : start.low.y,
+                   (corner & 4) != 0 ? start.high.z : start.low.z};
+      all.include(apply(pose, rotate(conjugate(first.rotate), p - first.translate)));
+    }
+  }
+  return all;
+}
+
+Bounds moving_bounds(const Scene& scene, const SceneCollider& collider) {
+  Bounds all = collider_bounds(collider_at(collider, 0));
+  if (all.empty() || collider.motion.empty()) return all;
+  for (uint32_t i = 1; i < kMoments; ++i) all.include(collider_bounds(collider_at(collider, moment(scene, i))));
+  return all;
+}
+
+bool falls(const Scene& scene) {
+  return std::ranges::any_of(scene.cloths, [](const SceneCloth& cloth) { return cloth.pins.empty(); });
+}
+
+/// The highest level plane, on which a falling garment ends.
+float floor_below(const Scene& scene, float otherwise) {
+  float height = -1e30F;
+  for (const SceneCollider& c : scene.colliders)
+    if (const auto* plane = std::get_if<Plane>(&c.collider.shape); plane != nullptr && plane->normal.y > 0.7F)
+      height = std::max(height, plane->point.y);
+  return height > -1e30F ? std::min(height, otherwise) : otherwise;
+}
+
+}  // namespace
+
+RenderScene stage_simulation(const Simulation& simulation) {
+  const Scene& scene = simulation.scene();
+  RenderScene stage;
+  Bounds garments;
+  for (size_t i = 0; i < simulation.cloths().size(); ++i) {
+    const ClothDesc& desc = simulation.cloths()[i];
+    stage.cloths.push_back(make_render_cloth(desc.asset, desc.transform.scale));
+    garments.include(cloth_bounds(scene, scene.cloths[i], desc));
+  }
+  stage.colliders = simulation.colliders();
+  const float diagonal = garments.diagonal();
+  stage.subject = grown(garments, kSwing * diagonal);
+  const Bounds nearby = grown(garments, kNearby * diagonal);
+  for (const SceneCollider& collider : scene.colliders)
+    stage.subject.include(intersection(moving_bounds(scene, collider), nearby));
+  if (falls(scene) && !stage.subject.empty()) {
+    const float floor = floor_below(scene, stage.subject.low.y);
+    stage.subject.low.y = std::max(floor, stage.subject.low.y - 2 * diagonal);
+  }
+  return stage;
+}
+
+}  // namespace geocloth
