@@ -391,10 +391,9 @@ class SheetMaker {
     out.component = component_;
     out.component_count = component_count_;
     out.source_triangle = soup_.source;
-    std::vector<uint32_t> number(sides_, kNone);
+    const std::vector<uint32_t> number = number_vertices(out);
     for (uint32_t t = 0; t < soup_.triangle.size(); ++t) {
-      Triangle triangle{};
-      for (uint32_t k = 0; k < 3; ++k) triangle[k] = number_vertex(vertex_[3 * t + k], number, out);
+      Triangle triangle{number[vertex_[3 * t]], number[vertex_[3 * t + 1]], number[vertex_[3 * t + 2]]};
       if (flipped_[t] != 0) std::swap(triangle[1], triangle[2]);
       out.triangle.push_back(triangle);
     }
@@ -402,13 +401,20 @@ class SheetMaker {
     return out;
   }
 
-  uint32_t number_vertex(uint32_t fan, std::vector<uint32_t>& number, CleanSurface& out) const {
-    if (number[fan] == kNone) {
+  /// Vertices in the order of their points; the copies of a point by the first triangle they occur in.
+  std::vector<uint32_t> number_vertices(CleanSurface& out) const {
+    std::vector<uint32_t> fans;
+    for (uint32_t c = 0; c < sides_; ++c) {
+      if (vertex_[c] == c) fans.push_back(c);
+    }
+    std::stable_sort(fans.begin(), fans.end(), [&](uint32_t a, uint32_t b) { return point(a) < point(b); });
+    std::vector<uint32_t> number(sides_, kNone);
+    for (const uint32_t fan : fans) {
       number[fan] = static_cast<uint32_t>(out.position.size());
       out.position.push_back(place(fan));
       out.point.push_back(point(fan));
     }
-    return number[fan];
+    return number;
   }
 
   void count_bow_ties(const CleanSurface& out) {

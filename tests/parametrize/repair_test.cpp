@@ -1,0 +1,535 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "geocloth/parametrize/repair.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <numbers>
+#include <random>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "geocloth/asset/error.h"
+#include "geocloth/parametrize/import.h"
+#include "parametrize/expect_clean.h"
+
+namespace geocloth {
+namespace {
+
+/// A mesh whose polygons are given by positions' numbers; polygons are fanned.
+TriangleMesh make_mesh(std::vector<Point3> position, const std::vector<std::vector<uint32_t>>& polygons) {
+  TriangleMesh mesh;
+  mesh.name = "made";
+  mesh.position = std::move(position);
+  for (uint32_t p = 0; p < polygons.size(); ++p) {
+    for (std::size_t k = 2; k < polygons[p].size(); ++k) {
+      mesh.triangle.push_back({polygons[p][0], polygons[p][k - 1], polygons[p][k]});
+      mesh.polygon.push_back(p);
+    }
+  }
+  mesh.part.push_back({"made", 0, 0, static_cast<uint32_t>(mesh.triangle.size())});
+  mesh.material.emplace_back();
+  return mesh;
+}
+
+/// A flat sheet of nx x ny quads in the plane z = 0, spacing 1, points row by row.
+TriangleMesh sheet(uint32_t nx, uint32_t ny) {
+  std::vector<Point3> position;
+  for (uint32_t y = 0; y <= ny; ++y) {
+    for (uint32_t x = 0; x <= nx; ++x) position.push_back({double(x), double(y), 0});
+  }
+  std::vector<std::vector<uint32_t>> quads;
+  for (uint32_t y = 0; y < ny; ++y) {
+    for (uint32_t x = 0; x < nx; ++x) {
+      const uint32_t a = y * (nx + 1) + x;
+      quads.push_back({a, a + 1, a + nx + 2, a + nx + 1});
+    }
+  }
+  return make_mesh(std::move(position), quads);
+}
+
+void append(TriangleMesh& mesh, const TriangleMesh& more) {
+  const auto base = static_cast<uint32_t>(mesh.position.size());
+  const uint32_t polygons = mesh.polygon.empty() ? 0 : mesh.polygon.back() + 1;
+  const auto first = static_cast<uint32_t>(mesh.triangle.size());
+  mesh.position.insert(mesh.position.end(), more.position.begin(), more.position.end());
+  for (const Triangle& t : more.triangle) mesh.triangle.push_back({t[0] + base, t[1] + base, t[2] + base});
+  for (const uint32_t p : more.polygon) mesh.polygon.push_back(p + polygons);
+  mesh.part.push_back({"more", 0, first, static_cast<uint32_t>(more.triangle.size())});
+}
+
+TriangleMesh octahedron(const Point3& center) {
+  std::vector<Point3> p;
+  for (const Point3& d : std::vector<Point3>{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}) {
+    p.push_back({center[0] + d[0], center[1] + d[1], center[2] + d[2]});
+  }
+  return make_mesh(std::move(p),
+                   {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}});
+}
+
+uint64_t repaired(const RepairResult& result, const std::string& kind) {
+  for (const Repair& r : result.repairs) {
+    if (r.kind == kind) return r.count;
+  }
+  return 0;
+}
+
+/// Repairs and holds the result against the contract.
+RepairResult repair(const TriangleMesh& mesh) {
+  RepairResult result = repair_mesh(mesh);
+  test::expect_clean(result.surface, mesh);
+  return result;
+}
+
+double signed_volume(const CleanSurface& s) {
+  double volume = 0;
+  for (const Triangle& t : s.triangle) {
+    const Point3 &a = s.position[t[0]], &b = s.position[t[1]], &c = s.position[t[2]];
+    volume +=
+        (a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])) /
+        6;
+  }
+  return volume;
+}
+
+TEST(Repair, LeavesACleanMeshAlone) {
+  const TriangleMesh mesh = sheet(4, 3);
+  const RepairResult r = repair(mesh);
+  EXPECT_TRUE(r.repairs.empty());
+  EXPECT_EQ(r.surface.triangle, mesh.triangle);
+  EXPECT_EQ(r.surface.position, mesh.position);
+  EXPECT_EQ(r.cleaned.boundary_loops, 1U);
+}
+
+TEST(Repair, SingleTriangle) {
+  const RepairResult r = repair(make_mesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}));
+  EXPECT_EQ(r.surface.triangle.size(), 1U);
+  EXPECT_EQ(r.cleaned.euler_characteristic, 1);
+}
+
+TEST(Repair, RefusesAMeshWithoutArea) {
+  EXPECT_THROW(static_cast<void>(repair_mesh(make_mesh({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {{0, 1, 2}}))), Error);
+  EXPECT_THROW(static_cast<void>(repair_mesh(make_mesh({{1, 1, 1}, {1, 1, 1}, {1, 1, 1}}, {{0, 1, 2}}))), Error);
+  EXPECT_THROW(static_cast<void>(repair_mesh(TriangleMesh{})), Error);
+}
+
+// Importers leave every quad apart from its neighbours at texture seams; cloth must not fall to pieces there.
+TEST(Repair, WeldsUnweldedQuads) {
+  const TriangleMesh whole = sheet(5, 4);
+  TriangleMesh loose = whole;
+  loose.position.clear();
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> noise(-1e-6, 1e-6);
+  for (Triangle& t : loose.triangle) {
+    for (uint32_t& v : t) {
+      Point3 p = whole.position[v];
+      p[2] += noise(random);
+      v = static_cast<uint32_t>(loose.position.size());
+      loose.position.push_back(p);
+    }
+  }
+  const RepairResult r = repair(loose);
+  EXPECT_EQ(r.surface.point_count, whole.position.size());
+  EXPECT_EQ(repaired(r, "welded_vertices"), loose.position.size() - whole.position.size());
+  EXPECT_EQ(r.cleaned.components, 1U);
+  EXPECT_EQ(r.cleaned.boundary_loops, 1U);
+}
+
+// A chain of vertices each within the tolerance of the next is a fine feature, not one point.
+TEST(Repair, DoesNotWeldAChainIntoOnePoint) {
+  TriangleMesh mesh = sheet(1, 1);
+  std::vector<Point3> p;
+  std::vector<std::vector<uint32_t>> triangles;
+  for (uint32_t i = 0; i <= 40; ++i) {
+    p.push_back({0.5 + i * 1e-6, 0, 1});
+    p.push_back({0.5 + i * 1e-6, 1.6e-6, 1});
+    if (i > 0) triangles.push_back({2 * i - 2, 2 * i, 2 * i + 1, 2 * i - 1});
+  }
+  append(mesh, make_mesh(p, triangles));
+  const RepairResult r = repair(mesh);
+  EXPECT_EQ(r.surface.triangle.size(), mesh.triangle.size());
+  EXPECT_EQ(r.surface.point_count, mesh.position.size());
+}
+
+TEST(Repair, DropsCollapsedAndDuplicateFaces) {
+  TriangleMesh mesh = sheet(3, 3);
+  const std::size_t good = mesh.triangle.size();
+  mesh.triangle.push_back({0, 1, 1});
+  mesh.triangle.push_back(mesh.triangle[4]);
+  mesh.triangle.push_back({mesh.triangle[6][1], mesh.triangle[6][0], mesh.triangle[6][2]});
+  for (uint32_t p = 9; mesh.polygon.size() < mesh.triangle.size(); ++p) mesh.polygon.push_back(p);
+  mesh.part[0].triangle_count = static_cast<uint32_t>(mesh.triangle.size());
+  const RepairResult r = repair(mesh);
+  EXPECT_EQ(r.surface.triangle.size(), good);
+  EXPECT_EQ(repaired(r, "degenerate_faces"), 1U);
+  EXPECT_EQ(repaired(r, "duplicate_faces"), 2U);
+}
+
+// The second copy of a quad may come with its other diagonal; together they would be a closed pillow.
+TEST(Repair, DropsADuplicateQuadCutTheOtherWay) {
+  TriangleMesh mesh = sheet(2, 2);
+  mesh.triangle.push_back({1, 4, 3});
+  mesh.triangle.push_back({1, 3, 0});
+  mesh.polygon.insert(mesh.polygon.end(), {4, 4});
+  mesh.part[0].triangle_count = 10;
+  const RepairResult r = repair(mesh);
+  EXPECT_EQ(r.surface.triangle.size(), 8U);
+  EXPECT_EQ(repaired(r, "duplicate_faces"), 1U);
+  EXPECT_EQ(r.cleaned.non_manifold_edges, 0U);
+}
+
+TEST(Repair, IgnoresVerticesThatNoFaceUses) {
+  TriangleMesh mesh = sheet(2, 2);
+  mesh.position.insert(mesh.position.begin(), {100, 100, 100});
+  for (Triangle& t : mesh.triangle) {
+    for (uint32_t& v : t) ++v;
+  }
+  const RepairResult r = repair(mesh);
+  EXPECT_EQ(r.surface.source_point[0], kNone);
+  EXPECT_EQ(r.surface.source_point[1], 0U);
+  EXPECT_EQ(r.surface.point_count, 9U);
+}
+
+TEST(Repair, OrientsShuffledFaces) {
+  TriangleMesh mesh = sheet(6, 6);
+  std::mt19937 random(7);
+  uint64_t turned = 0;
+  for (Triangle& t : mesh.triangle) {
+    if (random() % 3 != 0) continue;
+    std::swap(t[0], t[1]);
+    ++turned;
+  }
+  const RepairResult r = repair(mesh);
+  EXPECT_EQ(repaired(r, "flipped_faces"), turned);
+  EXPECT_EQ(r.cleaned.inconsistent_edges, 0U);
+  for (const Triangle& t : r.surface.triangle) {
+    const Point3 &a = r.surface.position[t[0]], &b = r.surface.position[t[1]], &c = r.surface.position[t[2]];
+    EXPECT_GT((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]), 0);  // as most of the file
+  }
+}
+
+TEST(Repair, TurnsAClosedPartInsideOut) {
+  TriangleMesh mesh = octahedron({0, 0, 0});
+  for (Triangle& t : mesh.triangle) std::swap(t[0], t[1]);
+  const RepairResult r = repair(mesh);
+  EXPECT_EQ(repaired(r, "flipped_faces"), 8U);
+  EXPECT_NEAR(signed_volume(r.surface), 4.0 / 3, 1e-12);
+}
+
+// --- edges with more than two faces --------------------------------------------------------------------------------
+
+/// Sheets that meet in the edge (0,0,0)-(0,0,1), each leaving it under an angle.
+TriangleMesh sheets_on_an_edge(const std::vector<double>& degrees) {
+  std::vector<Point3> p{{0, 0, 0}, {0, 0, 1}};
+  std::vector<std::vector<uint32_t>> quads;
+  for (const double d : degrees) {
+    const double c = std::cos(d * std::numbers::pi / 180), s = std::sin(d * std::numbers::pi / 180);
+    const auto base = static_cast<uint32_t>(p.size());
+    p.push_back({c, s, 0});
+    p.push_back({c, s, 1});
+    quads.push_back({0, base, base + 1, 1});
+  }
+  return make_mesh(std::move(p), quads);
+}
+
+/// Components of the sheets, in the order of the angles.
+std::vector<uint32_t> sheet_components(const RepairResult& r) {
+  std::vector<uint32_t> out;
+  for (std::size_t i = 0; i < r.surface.component.size(); i += 2) out.push_back(r.surface.component[i]);
+  return out;
+}
+
+TEST(Repair, KeepsTheFlattestPairOfThreeSheets) {
+  const RepairResult r = repair(sheets_on_an_edge({0, 80, 175}));
+  EXPECT_THAT(sheet_components(r), ::testing::ElementsAre(0, 1, 0));
+  EXPECT_EQ(repaired(r, "detached_sheets"), 1U);
+  EXPECT_EQ(r.cleaned.non_manifold_edges, 1U);
+  EXPECT_EQ(r.cleaned.components, 1U);  // still tied
+  EXPECT_EQ(r.surface.position.size(), r.surface.point_count + 2U);
+}
+
+TEST(Repair, PairsFourSheetsStraightAcross) {
+  const RepairResult r = repair(sheets_on_an_edge({0, 70, 180, 250}));
+  EXPECT_THAT(sheet_components(r), ::testing::ElementsAre(0, 1, 0, 1));
+}
+
+TEST(Repair, ManySheetsOnAnEdge) {
+  std::vector<double> degrees;
+  for (int i = 0; i < 200; ++i) degrees.push_back(i * 1.8);
+  const RepairResult r = repair(sheets_on_an_edge(degrees));
+  EXPECT_EQ(repaired(r, "detached_sheets"), 198U);
+  EXPECT_EQ(r.cleaned.components, 1U);
+}
+
+/// A pocket sewn to the middle row of a shirt patch: bottom and sides tied, top open.
+TriangleMesh patch_with_pocket() {
+  TriangleMesh mesh = sheet(6, 6);
+  TriangleMesh pocket = sheet(2, 2);
+  for (Point3& p : pocket.position) {
+    const bool top = p[1] == 2, middle = p[0] == 1 && p[1] > 0;
+    p = {p[0] + 2, p[1] + 2, top || middle ? 0.4 : 0.0};
+  }
+  append(mesh, pocket);
+  return mesh;
+}
+
+// CGAL's soup orientation tears the shirt here; the shirt has to stay in one piece, and the pocket tied to it.
+TEST(Repair, PocketStaysTiedAndTheShirtWhole) {
+  const RepairResult r = repair(patch_with_pocket());
+  EXPECT_EQ(r.cleaned.components, 1U);
+  EXPECT_GT(r.cleaned.non_manifold_edges, 0U);
+  const auto shirt = static_cast<std::size_t>(std::count(r.surface.component.begin(), r.surface.component.end(), 0U));
+  EXPECT_EQ(shirt, 72U);
+  EXPECT_EQ(r.surface.component_count, 2U);
+  EXPECT_EQ(repaired(r, "torn_edges"), 0U);
+}
+
+TEST(Repair, APartOfItsOwnIsDetachedEvenWhenFlatter) {
+  // The odd sheet continues sheet 0 more straightly than sheet 1 does, but belongs to another part.
+  TriangleMesh mesh = sheets_on_an_edge({0, 170, 185});
+  mesh.part = {{"shirt", 0, 0, 4}, {"trim", 1, 4, 2}};
+  mesh.material.emplace_back();
+  EXPECT_THAT(sheet_components(repair(mesh)), ::testing::ElementsAre(0, 0, 1));
+}
+
+// --- vertices with more than one fan
+// -----------------------------------------------------------------------------------
+
+TEST(Repair, SplitsABowTieInsideAndTiesIt) {
+  TriangleMesh mesh = octahedron({0, 0, 0});
+  append(mesh, octahedron({2, 0, 0}));
+  const RepairResult r = repair(mesh);
+  EXPECT_EQ(r.surface.component_count, 2U);
+  EXPECT_EQ(repaired(r, "bow_ties"), 1U);
+  EXPECT_EQ(r.surface.position.size(), 12U);
+  EXPECT_EQ(r.surface.point_count, 11U);
+  EXPECT_EQ(r.cleaned.bow_tie_vertices, 1U);
+  EXPECT_EQ(r.cleaned.euler_characteristic, 3);
+}
+
+TEST(Repair, SplitsABowTieOnABorder) {
+  // Two holes of a sheet that touch in a corner: one component, two fans at the middle point.
+  TriangleMesh mesh = sheet(4, 4);
+  std::vector<Triangle> kept;
+  std::vector<uint32_t> polygon;
+  for (std::size_t i = 0; i < mesh.triangle.size(); ++i) {
+    if (mesh.polygon[i] == 5 || mesh.polygon[i] == 10) continue;
+    kept.push_back(mesh.triangle[i]);
+    polygon.push_back(mesh.polygon[i]);
+  }
+  mesh.triangle = kept;
+  mesh.polygon = polygon;
+  mesh.part[0].triangle_count = static_cast<uint32_t>(kept.size());
+  const RepairResult r = repair(mesh);
+  EXPECT_EQ(repaired(r, "bow_ties"), 1U);
+  EXPECT_EQ(r.surface.component_count, 1U);
+  EXPECT_EQ(r.cleaned.boundary_loops, 2U);
+  EXPECT_EQ(r.cleaned.euler_characteristic, -1);
+}
+
+// --- surfaces with one side ------------------------------------------------------------------------------------------
+
+TriangleMesh moebius(uint32_t around, uint32_t across) {
+  std::vector<Point3> p;
+  std::vector<std::vector<uint32_t>> quads;
+  for (uint32_t i = 0; i < around; ++i) {
+    const double u = 2 * std::numbers::pi * i / around;
+    for (uint32_t j = 0; j <= across; ++j) {
+      const double w = 0.8 * (double(j) / across - 0.5), r = 1 + w * std::cos(u / 2);
+      p.push_back({r * std::cos(u), r * std::sin(u), w * std::sin(u / 2)});
+    }
+  }
+  const auto id = [&](uint32_t i, uint32_t j) { return i < around ? i * (across + 1) + j : across - j; };
+  for (uint32_t i = 0; i < around; ++i) {
+    for (uint32_t j = 0; j < across; ++j) quads.push_back({id(i, j), id(i + 1, j), id(i + 1, j + 1), id(i, j + 1)});
+  }
+  return make_mesh(std::move(p), quads);
+}
+
+TEST(Repair, TearsAMoebiusStripOnce) {
+  const RepairResult r = repair(moebius(24, 4));
+  EXPECT_EQ(repaired(r, "torn_edges"), 4U);
+  EXPECT_EQ(r.surface.component_count, 1U);
+  EXPECT_FALSE(r.cleaned.orientable);
+  EXPECT_EQ(r.cleaned.boundary_loops, 1U);
+  EXPECT_EQ(r.cleaned.euler_characteristic, 0);
+}
+
+TEST(Repair, TearsAMoebiusStripOfOneQuadAcross) {
+  const RepairResult r = repair(moebius(7, 1));
+  EXPECT_FALSE(r.cleaned.orientable);
+  EXPECT_EQ(r.cleaned.components, 1U);
+}
+
+// --- T-junctions and triangles without area --------------------------------------------------------------------------
+
+TEST(Repair, WeldsSheetsOfDifferentResolution) {
+  // Two sheets share the line x = 4; the right one has twice and a half as many points on it.
+  TriangleMesh mesh = sheet(4, 4);
+  TriangleMesh fine = sheet(5, 10);
+  for (Point3& p : fine.position) p = {4 + p[0] * 0.4, p[1] * 0.4, 0};
+  append(mesh, fine);
+  const RepairResult r = repair(mesh);
+  EXPECT_EQ(r.cleaned.components, 1U);
+  EXPECT_EQ(r.cleaned.boundary_loops, 1U);
+  EXPECT_EQ(r.cleaned.euler_characteristic, 1);
+  EXPECT_EQ(r.cleaned.bow_tie_vertices, 0U);
+  EXPECT_EQ(repaired(r, "t_junctions"), 8U + 2U);
+}
+
+// Cloth that rests on cloth is not sewn to it.
+TEST(Repair, DoesNotSewATouchingCornerToAnEdge) {
+  TriangleMesh mesh = sheet(2, 2);
+  append(mesh, make_mesh({{2, 0.5, 0}, {3, 0.2, 1}, {3, 0.8, 1}}, {{0, 1, 2}}));
+  const RepairResult r = repair(mesh);
+  EXPECT_EQ(repaired(r, "t_junctions"), 0U);
+  EXPECT_EQ(r.cleaned.components, 2U);
+}
+
+TEST(Repair, ReplacesAFlatTriangleWithoutACrack) {
+  // Triangle 0-1-4 has no area: 4 lies on the side 0-1 of the triangle below.
+  const RepairResult r = repair(make_mesh({{0, 0, 0}, {2, 0, 0}, {1, 2, 0}, {1, -2, 0}, {1, 0, 0}},
+                                          {{0, 4, 2}, {4, 1, 2}, {0, 1, 4}, {1, 0, 3}}));
+  EXPECT_EQ(repaired(r, "zero_area_faces"), 1U);
+  EXPECT_EQ(r.surface.triangle.size(), 4U);
+  EXPECT_EQ(r.cleaned.boundary_loops, 1U);
+  EXPECT_EQ(r.cleaned.euler_characteristic, 1);
+  EXPECT_EQ(r.cleaned.edges, 8U);
+}
+
+TEST(Repair, ReplacesARowOfFlatTriangles) {
+  // A fan of flat triangles from (0,0,0) along the x axis, a sheet above and below.
+  std::vector<Point3> p{{0, 0, 0}};
+  for (int i = 1; i <= 6; ++i) p.push_back({double(i), 0, 0});
+  p.push_back({3, 2, 0});
+  p.push_back({3, -2, 0});
+  std::vector<std::vector<uint32_t>> t;
+  for (uint32_t i = 0; i < 6; ++i) t.push_back({i, i + 1, 7});
+  for (uint32_t i = 1; i < 6; ++i) t.push_back({0, i + 1, i});
+  t.push_back({6, 0, 8});
+  const RepairResult r = repair(make_mesh(p, t));
+  EXPECT_EQ(r.cleaned.components, 1U);
+  EXPECT_EQ(r.cleaned.boundary_loops, 1U);
+  EXPECT_EQ(r.cleaned.euler_characteristic, 1);
+  EXPECT_EQ(r.cleaned.vertices, 9U);
+}
+
+// --- independence of order
+// ---------------------------------------------------------------------------------------------
+
+TEST(Repair, TopologyDoesNotDependOnTheOrderOfTheFile) {
+  TriangleMesh mesh = patch_with_pocket();
+  append(mesh, octahedron({20, 0, 0}));
+  append(mesh, octahedron({22, 0, 0}));
+  const RepairResult straight = repair(mesh);
+  std::vector<uint32_t> order(mesh.triangle.size());
+  for (uint32_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::mt19937 random(3);
+  std::shuffle(order.begin(), order.end(), random);
+  TriangleMesh shuffled = mesh;
+  for (std::size_t i = 0; i < order.size(); ++i) shuffled.triangle[i] = mesh.triangle[order[i]];
+  shuffled.polygon.clear();
+  for (uint32_t i = 0; i < order.size(); ++i) shuffled.polygon.push_back(i);
+  shuffled.part = {{"all", 0, 0, static_cast<uint32_t>(order.size())}};
+  const RepairResult r = repair(shuffled);
+  EXPECT_EQ(r.cleaned.euler_characteristic, straight.cleaned.euler_characteristic);
+  EXPECT_EQ(r.surface.component_count, straight.surface.component_count);
+  EXPECT_EQ(r.surface.position.size(), straight.surface.position.size());
+}
+
+// --- random rubbish
+// ----------------------------------------------------------------------------------------------------
+
+class RandomSoup : public ::testing::TestWithParam<uint32_t> {};
+
+TEST_P(RandomSoup, AlwaysGivesACleanSurface) {
+  std::mt19937 random(GetParam());
+  const auto below = [&](uint32_t limit) { return static_cast<uint32_t>(random() % limit); };
+  const uint32_t points = 4 + below(12), faces = 1 + below(60), grid = 2 + below(3);
+  std::vector<Point3> p;
+  for (uint32_t i = 0; i < points; ++i) {
+    p.push_back({double(below(grid)), double(below(grid)), double(below(grid))});
+  }
+  std::vector<std::vector<uint32_t>> t;
+  for (uint32_t i = 0; i < faces; ++i) {
+    t.push_back({below(points), below(points), below(points)});
+  }
+  try {
+    static_cast<void>(repair(make_mesh(p, t)));
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::invalid_data);  // nothing but flat triangles
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, RandomSoup, ::testing::Range(0U, 400U));
+
+// --- real meshes
+// -------------------------------------------------------------------------------------------------------
+
+std::filesystem::path mesh_folder() {
+  return std::filesystem::path(GEOCLOTH_SOURCE_DIR) / ".." / "shared" / "meshes";
+}
+
+using Row = std::map<std::string, std::string>;
+
+std::vector<Row> read_index() {
+  std::ifstream file(mesh_folder() / "INDEX.tsv");
+  std::vector<std::string> header;
+  std::vector<Row> rows;
+  for (std::string line; std::getline(file, line);) {
+    std::istringstream cells(line);
+    Row row;
+    std::size_t column = 0;
+    for (std::string cell; std::getline(cells, cell, '\t'); ++column) {
+      if (rows.empty() && header.size() == column && row.empty()) {
+        header.push_back(cell);
+      } else if (column < header.size()) {
+        row[header[column]] = cell;
+      }
+    }
+    if (!row.empty()) rows.push_back(row);
+  }
+  return rows;
+}
+
+class RealMesh : public ::testing::TestWithParam<Row> {};
+
+std::string test_name(const ::testing::TestParamInfo<Row>& info) {
+  std::string name = info.param.at("name");
+  std::replace_if(
+      name.begin(), name.end(), [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; }, '_');
+  return name;
+}
+
+TEST_P(RealMesh, KeepsTheTopologyThatAnotherProgramCounted) {
+  const Row& row = GetParam();
+  TriangleMesh mesh;
+  try {
+    mesh = import_mesh(mesh_folder() / row.at("name"));
+  } catch (const Error& e) {
+    ASSERT_EQ(e.code(), ErrorCode::unsupported) << e.what();
+    EXPECT_THAT(row.at("name"), ::testing::HasSubstr("draco"));
+    return;
+  }
+  const auto number = [&](const std::string& column) { return std::stoll(row.at(column)); };
+  EXPECT_EQ(mesh.polygon.back() + 1, number("F") + number("collapsed faces") + number("duplicate faces"));
+  const RepairResult r = repair(mesh);
+  EXPECT_EQ(r.cleaned.vertices, number("V"));
+  EXPECT_EQ(r.cleaned.components, number("components"));
+  EXPECT_EQ(r.cleaned.euler_characteristic, number("Euler characteristic"));
+  // Where faces without area or on top of others were taken away, edges around them have fewer faces than counted.
+  if (repaired(r, "zero_area_faces") + repaired(r, "duplicate_faces") > 0) return;
+  EXPECT_EQ(r.cleaned.boundary_loops, number("boundary loops"));
+  EXPECT_EQ(r.cleaned.non_manifold_edges, number("non-manifold edges"));
+  EXPECT_EQ(r.cleaned.bow_tie_vertices, number("bow-tie (non-manifold) vertices"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Shared, RealMesh, ::testing::ValuesIn(read_index()), test_name);
+GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(RealMesh);  // the meshes are not part of the repository
+
+}  // namespace
+}  // namespace geocloth
