@@ -58,14 +58,21 @@ std::vector<uint32_t> outline_loop(const Chart& c) {
   return loop;
 }
 
-std::vector<std::vector<std::pair<uint32_t, double>>> neighbours(const Chart& c) {
-  std::vector<std::vector<std::pair<uint32_t, double>>> result(c.position.size());
+struct Neighbour {
+  uint32_t vertex;
+  double length;  // of the edge [m]
+  bool outline;   // the edge is one of the outline
+};
+
+std::vector<std::vector<Neighbour>> neighbours(const Chart& c) {
+  std::vector<std::vector<Neighbour>> result(c.position.size());
   for (uint32_t h = 0; h < c.opposite.size(); ++h) {
-    if (c.opposite[h] != kNone && c.opposite[h] < h) continue;
+    const bool outline = c.opposite[h] == kNone;
+    if (!outline && c.opposite[h] < h) continue;
     const uint32_t a = tail(c.triangle, h), b = head(c.triangle, h);
     const double l = distance(c.position[a], c.position[b]);
-    result[a].emplace_back(b, l);
-    result[b].emplace_back(a, l);
+    result[a].push_back({b, l, outline});
+    result[b].push_back({a, l, outline});
   }
   return result;
 }
@@ -95,10 +102,8 @@ Distances distances(const Chart& c, const std::vector<uint32_t>& sources, const 
     const auto [value, v] = queue.top();
     queue.pop();
     if (value > d.value[v] || (value > 0 && closed[v] != 0)) continue;
-    for (const auto& [w, l] : around[v]) {
-      // A source on the outline may not slide along it.
-      if (closed[v] != 0 && closed[w] != 0) continue;
-      if (value + l >= d.value[w]) continue;
+    for (const auto& [w, l, outline] : around[v]) {
+      if (outline || value + l >= d.value[w]) continue;
       d.value[w] = value + l;
       d.from[w] = v;
       queue.emplace(d.value[w], w);
@@ -206,7 +211,7 @@ std::vector<Point2> tutte_embedding(const Chart& c) {
   for (uint32_t v = 0; v < around.size(); ++v) {
     if (unknown[v] < 0) continue;
     entries.emplace_back(unknown[v], unknown[v], static_cast<double>(around[v].size()));
-    for (const auto& [w, l] : around[v]) {
+    for (const auto& [w, l, outline] : around[v]) {
       if (unknown[w] < 0) {
         right(unknown[v], 0) += uv[w][0];
         right(unknown[v], 1) += uv[w][1];
@@ -425,6 +430,10 @@ class Developer {
       if (candidate >= worst.size()) break;
       const std::vector<uint32_t> path = distances(chart, outline_loop(chart), closed).path_from(worst[candidate]);
       if (path.size() < 2) break;
+      if (path_length(chart, path) < options_.least_cut) {
+        ++refused;
+        continue;
+      }
       Chart trial = opened(chart, path);
       const double reached = minimise(trial, 12, 1e-3);
       const double price = options_.cut_price * path_length(chart, path) / std::sqrt(total_area(chart));

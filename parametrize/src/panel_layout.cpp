@@ -19,13 +19,15 @@
 #include "point_math.h"
 #include "refined_mesh.h"
 #include "seam_samples.h"
+#include "seam_steps.h"
 
 namespace geocloth {
 namespace {
 
-constexpr double kLeastChartArea = 6;  // [pixels] a smaller chart is enlarged to it
-constexpr uint32_t kLeastSteps = 3;    // per seam, so that the welded mesh has no double edge
-constexpr uint32_t kLeastLoopSteps = 4;
+constexpr double kLeastChartArea = 6;    // [pixels] a smaller chart is enlarged to it
+constexpr uint32_t kLeastLoopSteps = 4;  // a closed chain without sharp turns
+constexpr double kLeastCut = 5;          // [pixels] shorter cut extensions are not worth their pixels
+constexpr double kEnlargement = 1.15;
 constexpr int kRounds = 24;
 
 /// Everything about the charts that does not change while the numbers of steps are searched for.
@@ -70,9 +72,29 @@ double choose_spacing(const std::vector<double>& area, const std::vector<Outline
   return 1 / per_metre;
 }
 
+/// Gives every seam of a chart at least as many steps as its run there is pixels long.
+void raise_steps(Plan& plan, size_t c) {
+  for (const OutlinePath& path : plan.outlines[c].path) {
+    uint32_t& steps = plan.steps[path.seam];
+    const double wanted = planar_length(path, plan.developed.uv) * plan.scale[c];
+    steps = std::max(steps, static_cast<uint32_t>(std::lround(wanted)));
+    if (plan.outlines[c].path.size() == 1) steps = std::max(steps, kLeastLoopSteps);
+  }
+}
+
+/// The side of a pixel before anything is cut, when only the area is known.
+double rough_spacing(const CutSurface& cut, const FlattenOptions& options) {
+  if (options.spacing > 0) return options.spacing;
+  double total = 0;
+  for (const double a : chart_areas(cut)) total += a;
+  return std::sqrt(total) / options.resolution;
+}
+
 Plan make_plan(const CutSurface& cut, const FlattenOptions& options, const Progress& progress) {
   Plan plan;
-  plan.developed = develop(cut, {}, progress);
+  DevelopOptions develop_options;
+  develop_options.least_cut = kLeastCut * rough_spacing(cut, options);
+  plan.developed = develop(cut, develop_options, progress);
   plan.outlines = trace_outlines(plan.developed.cut);
   const std::vector<double> area = chart_areas(plan.developed.cut);
   plan.spacing = choose_spacing(area, plan.outlines, options);
@@ -80,15 +102,8 @@ Plan make_plan(const CutSurface& cut, const FlattenOptions& options, const Progr
     const double pixels = a / (plan.spacing * plan.spacing);
     plan.scale.push_back(std::max(1.0, std::sqrt(kLeastChartArea / pixels)) / plan.spacing);
   }
-  for (size_t c = 0; c < plan.outlines.size(); ++c) {
-    const bool loop = plan.outlines[c].path.size() == 1;
-    for (const OutlinePath& path : plan.outlines[c].path) {
-      if (path.seam >= plan.steps.size()) plan.steps.resize(path.seam + 1, 0);
-      const double wanted = planar_length(path, plan.developed.uv) * plan.scale[c];
-      plan.steps[path.seam] = std::max(
-          {plan.steps[path.seam], static_cast<uint32_t>(std::lround(wanted)), loop ? kLeastLoopSteps : kLeastSteps});
-    }
-  }
+  plan.steps = least_seam_steps(plan.developed.cut, plan.outlines);
+  for (size_t c = 0; c < plan.outlines.size(); ++c) raise_steps(plan, c);
   return plan;
 }
 
@@ -162,10 +177,11 @@ int64_t chain_area(const std::vector<std::vector<Pixel>>& runs) {
   return sum;
 }
 
-/// The chains of all charts, or the seams that need more steps.
+/// The chains of all charts, or the seams that found no way, with their charts.
 struct Chains {
   std::vector<std::vector<std::vector<Pixel>>> chart;
-  std::vector<uint32_t> short_seams;
+  std::vector<uint32_t> stuck_seams;
+  std::vector<size_t> stuck_charts;
 };
 
 Chains place_chains(const Plan& plan, const std::vector<SampledOutline>& sampled, const std::vector<Point2>& uv) {
@@ -176,12 +192,25 @@ Chains place_chains(const Plan& plan, const std::vector<SampledOutline>& sampled
     if (result.failed.empty() && chain_area(result.run) <= 0) {
       for (uint32_t r = 0; r < plan.outlines[c].path.size(); ++r) result.failed.push_back(r);
     }
-    for (const uint32_t r : result.failed) chains.short_seams.push_back(plan.outlines[c].path[r].seam);
+    for (const uint32_t r : result.failed) chains.stuck_seams.push_back(plan.outlines[c].path[r].seam);
+    if (!result.failed.empty()) chains.stuck_charts.push_back(c);
     chains.chart.push_back(std::move(result.run));
   }
-  std::sort(chains.short_seams.begin(), chains.short_seams.end());
-  chains.short_seams.erase(std::unique(chains.short_seams.begin(), chains.short_seams.end()), chains.short_seams.end());
+  std::sort(chains.stuck_seams.begin(), chains.stuck_seams.end());
+  chains.stuck_seams.erase(std::unique(chains.stuck_seams.begin(), chains.stuck_seams.end()), chains.stuck_seams.end());
   return chains;
+}
+
+/// A seam is stuck because its runs need more steps, or because there is too little room for them: by turns.
+void make_room(Plan& plan, const Chains& chains, int round) {
+  if (round % 2 == 0) {
+    for (const uint32_t seam : chains.stuck_seams) ++plan.steps[seam];
+  } else {
+    for (const size_t c : chains.stuck_charts) {
+      plan.scale[c] *= kEnlargement;
+      raise_steps(plan, c);
+    }
+  }
 }
 
 FlatChart make_chart(const Plan& plan, size_t c, const SampledOutline& sampled,
@@ -226,12 +255,12 @@ FlatSurface lay_out_panels(const CutSurface& cut, const FlattenOptions& options,
     sampled = insert_seam_samples(mesh, plan.outlines, plan.steps);
     uv = refined_coordinates(plan, mesh, sampled);
     chains = place_chains(plan, sampled, uv);
-    if (chains.short_seams.empty()) break;
+    if (chains.stuck_charts.empty()) break;
     if (round == kRounds) {
-      throw Error(ErrorCode::verification, "no pixels could be found for " + std::to_string(chains.short_seams.size()) +
+      throw Error(ErrorCode::verification, "no pixels could be found for " + std::to_string(chains.stuck_seams.size()) +
                                                " seams; raise the resolution or try --layout square");
     }
-    for (const uint32_t seam : chains.short_seams) ++plan.steps[seam];
+    make_room(plan, chains, round);
   }
 
   FlatSurface flat;

@@ -59,14 +59,14 @@ std::vector<uint32_t> first_copies(const ClothAsset& asset) {
   return first;
 }
 
-std::vector<Triangle> cell_triangles(const ClothAsset& asset, uint32_t pixel) {
+CellTriangles cell_triangles(const ClothAsset& asset, uint32_t pixel) {
   const uint8_t bits = asset.cell[pixel];
   const uint32_t a = pixel, b = a + 1, c = a + asset.width, d = c + 1;
   const bool left = (bits & kCellDiagonalLeft) != 0;
-  std::vector<Triangle> triangles;
-  if ((bits & kCellFirst) != 0) triangles.push_back(left ? Triangle{a, c, b} : Triangle{a, c, d});
-  if ((bits & kCellSecond) != 0) triangles.push_back(left ? Triangle{b, c, d} : Triangle{a, d, b});
-  return triangles;
+  CellTriangles cell;
+  if ((bits & kCellFirst) != 0) cell.triangle[cell.count++] = left ? Triangle{a, c, b} : Triangle{a, c, d};
+  if ((bits & kCellSecond) != 0) cell.triangle[cell.count++] = left ? Triangle{b, c, d} : Triangle{a, d, b};
+  return cell;
 }
 
 std::vector<Triangle> pixel_triangles(const ClothAsset& asset) {

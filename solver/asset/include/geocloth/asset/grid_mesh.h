@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -20,8 +21,14 @@ struct GridMesh {
 /// For every pixel the first pixel of its row in the split-vertex table, or the pixel itself.
 [[nodiscard]] std::vector<uint32_t> first_copies(const ClothAsset& asset);
 
-/// The triangles, none to two, of the cell whose upper left corner is `pixel`, as pixel indices.
-[[nodiscard]] std::vector<Triangle> cell_triangles(const ClothAsset& asset, uint32_t pixel);
+/// The triangles, none to two, of the cell whose upper left corner is a pixel, as pixel indices.
+struct CellTriangles {
+  std::array<Triangle, 2> triangle{};
+  uint32_t count = 0;
+  [[nodiscard]] const Triangle* begin() const { return triangle.data(); }
+  [[nodiscard]] const Triangle* end() const { return triangle.data() + count; }
+};
+[[nodiscard]] CellTriangles cell_triangles(const ClothAsset& asset, uint32_t pixel);
 
 /// The grid's triangles as pixel indices (charts apart), in the order of the cells.
 [[nodiscard]] std::vector<Triangle> pixel_triangles(const ClothAsset& asset);

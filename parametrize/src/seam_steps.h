@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "geocloth/parametrize/cut.h"
+
+namespace geocloth {
+
+/// The least whole number of steps that every seam needs for the welded grid to be a proper mesh: a closed seam three
+/// (a loop of fewer edges collapses); one with a cut end two (its two sides need room to part); of several seams
+/// between the same two nodes each two (only one could be a single edge, and to keep it simple none is); others one.
+[[nodiscard]] std::vector<uint32_t> least_seam_steps(const CutSurface& cut, std::span<const Outline> outlines);
+
+}  // namespace geocloth
