@@ -27,6 +27,7 @@ namespace fs = std::filesystem;
 
 struct Slot {
   std::atomic<char*> name{nullptr};
+  std::atomic<char*> removed{nullptr};  ///< the name, once the handler has unlinked it: it may not free memory
   Slot* next = nullptr;
 };
 static_assert(std::atomic<char*>::is_always_lock_free, "a signal handler may only use lock-free atomics");
@@ -64,7 +65,8 @@ Slot* register_file(const fs::path& path) {
 }
 
 void unregister_file(Slot* slot) {
-  delete[] slot->name.exchange(nullptr);  // null when a signal handler has taken it: then the process is ending
+  delete[] slot->name.exchange(nullptr);
+  delete[] slot->removed.exchange(nullptr);
   FreeSlots& free = free_slots();
   const std::scoped_lock lock(free.mutex);
   free.slots.push_back(slot);
@@ -252,7 +254,10 @@ void write_file(const fs::path& path, std::string_view text) {
 
 void remove_unfinished_files() noexcept {
   for (Slot* slot = first_slot.load(); slot != nullptr; slot = slot->next) {
-    if (const char* name = slot->name.exchange(nullptr); name != nullptr) ::unlink(name);
+    if (char* name = slot->name.exchange(nullptr); name != nullptr) {
+      ::unlink(name);
+      slot->removed = name;
+    }
   }
 }
 
