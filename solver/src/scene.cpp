@@ -1,1 +1,368 @@
 // SPDX-License-Identifier: Apache-2.0
+// The scene file: JSON to Scene, every key of version 1 recognised, every value checked by the same functions that
+// guard the solver. What the format has and this version cannot do is refused by its key, never ignored.
+
+#include "geocloth/solver/scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <utility>
+
+#include "check_input.h"
+#include "json_reader.h"
+
+namespace geocloth {
+namespace {
+
+constexpr size_t kLargestSceneFile = size_t{64} << 20U;  // [bytes]
+
+/// Runs the solver's own checks; what they refuse is the file's fault here.
+template <class Check>
+void checked(const Check& check_it) {
+  try {
+    check_it();
+  } catch (const Error& error) {
+    throw Error(error.code() == ErrorCode::invalid_argument ? ErrorCode::invalid_data : error.code(), error.what());
+  }
+}
+
+float in_range(const JsonReader& json, float low, float high) {
+  const float value = json.real();
+  if (value < low || value > high) {
+    json.fail("must be from " + nlohmann::json(low).dump() + " to " + nlohmann::json(high).dump());
+  }
+  return value;
+}
+
+Motion read_motion(const JsonReader& json) {
+  Motion motion;
+  for (const JsonReader& entry : json.elements()) {
+    entry.expect_object({"time", "translate", "rotate_deg"});
+    Keyframe key;
+    key.time = entry.at("time").number();
+    if (!motion.empty() && !(key.time > motion.back().time)) entry.at("time").fail("must be later than the key before");
+    entry.read("translate", key.translate);
+    if (entry.has("rotate_deg")) key.rotate = quat_from_euler_deg(entry.at("rotate_deg").vector());
+    checked([&] { check_position(key.translate, entry.where() + ".translate"); });
+    motion.push_back(key);
+  }
+  return motion;
+}
+
+Motion read_motion_of(const JsonReader& json) {
+  return json.has("motion") ? read_motion(json.at("motion")) : Motion{};
+}
+
+struct MaterialField {
+  std::string_view key;
+  float Material::*field;
+};
+constexpr MaterialField kMaterialFields[] = {{"areal_density", &Material::areal_density},
+                                             {"stretch_warp", &Material::stretch_warp},
+                                             {"stretch_weft", &Material::stretch_weft},
+                                             {"shear", &Material::shear},
+                                             {"bend_warp", &Material::bend_warp},
+                                             {"bend_weft", &Material::bend_weft},
+                                             {"damping", &Material::damping},
+                                             {"thickness", &Material::thickness},
+                                             {"friction", &Material::friction},
+                                             {"max_speed", &Material::max_speed},
+                                             {"max_stretch", &Material::max_stretch},
+                                             {"stiffness", &Material::stiffness},
+                                             {"bend_stiffness", &Material::bend_stiffness},
+                                             {"verlet_damping", &Material::verlet_damping}};
+
+Material preset_named(const JsonReader& json) {
+  const std::string name = json.text();
+  if (const MaterialPreset* preset = find_material_preset(name)) return preset->material;
+  std::vector<std::string_view> names;
+  for (const MaterialPreset& preset : material_presets()) names.push_back(preset.name);
+  json.fail("there is no material preset of that name; the nearest is \"" + std::string(nearest_word(name, names)) +
+            "\"");
+}
+
+/// A preset's name, or an object with the fields that differ from the defaults (or from its "preset").
+Material read_material(const JsonReader& json) {
+  if (json.is_string()) return preset_named(json);
+  std::vector<std::string_view> keys{"preset"};
+  for (const MaterialField& field : kMaterialFields) keys.push_back(field.key);
+  json.expect_object(keys);
+  Material material = json.has("preset") ? preset_named(json.at("preset")) : Material{};
+  for (const MaterialField& field : kMaterialFields) json.read(field.key, material.*field.field);
+  for (const auto* key : {"stiffness", "bend_stiffness", "verlet_damping"}) {
+    if (json.has(key)) in_range(json.at(key), 0, 1);
+  }
+  checked([&] { check(material, json.where()); });
+  return material;
+}
+
+Transform read_transform(const JsonReader& json) {
+  json.expect_object({"translate", "rotate_deg", "scale"});
+  Transform transform;
+  json.read("translate", transform.translate);
+  if (json.has("rotate_deg")) transform.rotate = quat_from_euler_deg(json.at("rotate_deg").vector());
+  json.read("scale", transform.scale);
+  checked([&] { check(transform, json.where()); });
+  return transform;
+}
+
+Where read_where(const JsonReader& json) {
+  const std::vector<std::string_view> keys{"top", "boundary", "box", "sphere", "vertices", "vertex_group"};
+  json.expect_object(keys);
+  const auto given = std::count_if(keys.begin(), keys.end(), [&](auto key) { return json.has(key); });
+  if (given != 1) json.fail("must have exactly one of top, boundary, box, sphere, vertices, vertex_group");
+
+  if (json.has("top")) return WhereTop{in_range(json.at("top"), 0, 1)};
+  if (json.has("boundary")) {
+    const JsonReader boundary = json.at("boundary");
+    if (!boundary.is_string()) return WhereBoundary{boundary.count(0, kMaxImageSide)};
+    if (boundary.text() != "highest") boundary.fail("must be a loop's number, longest first, or \"highest\"");
+    return WhereBoundary{};
+  }
+  if (json.has("box")) {
+    const std::vector<JsonReader> corners = json.at("box").elements();
+    if (corners.size() != 2) json.at("box").fail("must be two corners [[x,y,z],[x,y,z]]");
+    const WhereBox box{corners[0].vector(), corners[1].vector()};
+    if (box.min.x > box.max.x || box.min.y > box.max.y || box.min.z > box.max.z) {
+      json.at("box").fail("the first corner must not exceed the second in any component");
+    }
+    return box;
+  }
+  if (json.has("sphere")) {
+    const JsonReader sphere = json.at("sphere");
+    sphere.expect_object({"center", "radius"});
+    const WhereSphere where{sphere.at("center").vector(), sphere.at("radius").real()};
+    if (!(where.radius > 0)) sphere.at("radius").fail("must be above 0");
+    return where;
+  }
+  if (json.has("vertices")) {
+    WhereVertices where;
+    for (const JsonReader& id : json.at("vertices").elements()) {
+      where.source_vertex.push_back(id.count(0, kNoPixel - 1));
+    }
+    return where;
+  }
+  return WhereVertexGroup{json.at("vertex_group").text()};
+}
+
+ScenePin read_pin(const JsonReader& json) {
+  json.expect_object({"where", "follow", "motion"});
+  ScenePin pin;
+  pin.where = read_where(json.at("where"));
+  json.read("follow", pin.follow);
+  pin.motion = read_motion_of(json);
+  return pin;
+}
+
+/// Keys of the format whose work this version does not do: their neutral value passes, any other is refused by name.
+void refuse_unsupported(const JsonReader& cloth) {
+  if (cloth.has("self_collision") && cloth.at("self_collision").boolean()) {
+    cloth.at("self_collision")
+        .fail("self-collision is not supported by this version; set it to false", ErrorCode::unsupported);
+  }
+  if (cloth.has("cuts") && !cloth.at("cuts").elements().empty()) {
+    cloth.at("cuts").fail("cutting is not supported by this version; remove the cuts", ErrorCode::unsupported);
+  }
+  if (cloth.has("inertia_scale") && cloth.at("inertia_scale").vector() != Vec3{1, 1, 1}) {
+    cloth.at("inertia_scale")
+        .fail("other scales than [1, 1, 1] are not supported by this version", ErrorCode::unsupported);
+  }
+}
+
+SceneCloth read_cloth(const JsonReader& json, const std::filesystem::path& folder) {
+  json.expect_object({"asset", "material", "transform", "inertia_scale", "motion", "pins", "cuts", "self_collision"});
+  refuse_unsupported(json);
+  SceneCloth cloth;
+  const std::string asset = json.at("asset").text();
+  if (asset.empty()) json.at("asset").fail("must name an asset file");
+  cloth.asset = folder / std::filesystem::path(asset);
+  if (json.has("material")) cloth.material = read_material(json.at("material"));
+  if (json.has("transform")) cloth.transform = read_transform(json.at("transform"));
+  cloth.motion = read_motion_of(json);
+  if (json.has("pins")) {
+    for (const JsonReader& pin : json.at("pins").elements()) cloth.pins.push_back(read_pin(pin));
+  }
+  return cloth;
+}
+
+Quat read_rotation(const JsonReader& json) {
+  return json.has("rotate_deg") ? quat_from_euler_deg(json.at("rotate_deg").vector()) : Quat{};
+}
+
+ColliderShape read_plane(const JsonReader& json) {
+  const Vec3 normal = json.at("normal").vector();
+  if (!(length(normal) > 0) || !std::isfinite(length(normal))) json.at("normal").fail("must have a direction");
+  return Plane{json.at("point").vector(), normalized(normal)};
+}
+ColliderShape read_sphere(const JsonReader& json) {
+  return Sphere{json.at("center").vector(), json.at("radius").real()};
+}
+ColliderShape read_capsule(const JsonReader& json) {
+  Capsule capsule{json.at("a").vector(), json.at("b").vector(), json.at("radius").real(), 0};
+  capsule.radius_b = json.has("radius_b") ? json.at("radius_b").real() : capsule.radius_a;
+  return capsule;
+}
+ColliderShape read_box(const JsonReader& json) {
+  return Box{json.at("center").vector(), json.at("half_extents").vector(), read_rotation(json)};
+}
+ColliderShape read_ellipsoid(const JsonReader& json) {
+  return Ellipsoid{json.at("center").vector(), json.at("radii").vector(), read_rotation(json)};
+}
+
+struct ShapeReader {
+  std::string_view name;
+  std::vector<std::string_view> keys;
+  ColliderShape (*read)(const JsonReader&);
+};
+const std::vector<ShapeReader>& shape_readers() {
+  static const std::vector<ShapeReader> readers{{"plane", {"point", "normal"}, read_plane},
+                                                {"sphere", {"center", "radius"}, read_sphere},
+                                                {"capsule", {"a", "b", "radius", "radius_b"}, read_capsule},
+                                                {"box", {"center", "half_extents", "rotate_deg"}, read_box},
+                                                {"ellipsoid", {"center", "radii", "rotate_deg"}, read_ellipsoid}};
+  return readers;
+}
+
+SceneCollider read_collider(const JsonReader& json) {
+  if (!json.is_object()) json.expect_object({});
+  const std::string shape = json.at("shape").text();
+  if (shape == "convex" || shape == "mesh") {
+    json.at("shape").fail("colliders of shape \"" + shape + "\" are not supported by this version",
+                          ErrorCode::unsupported);
+  }
+  std::vector<std::string_view> names;
+  for (const ShapeReader& reader : shape_readers()) {
+    names.push_back(reader.name);
+    if (reader.name != shape) continue;
+    std::vector<std::string_view> keys{"name", "shape", "friction", "motion"};
+    keys.insert(keys.end(), reader.keys.begin(), reader.keys.end());
+    json.expect_object(keys);
+    SceneCollider collider;
+    json.read("name", collider.collider.name);
+    json.read("friction", collider.collider.friction);
+    collider.collider.shape = reader.read(json);
+    collider.motion = read_motion_of(json);
+    checked([&] { check(collider.collider, json.where()); });
+    return collider;
+  }
+  json.at("shape").fail("there is no such shape; the nearest is \"" + std::string(nearest_word(shape, names)) + "\"");
+}
+
+Wind read_wind(const JsonReader& json) {
+  json.expect_object({"velocity", "turbulence", "frequency", "drag", "lift"});
+  Wind wind;
+  json.read("velocity", wind.velocity);
+  json.read("turbulence", wind.turbulence);
+  json.read("frequency", wind.frequency);
+  json.read("drag", wind.drag);
+  json.read("lift", wind.lift);
+  checked([&] { check(wind, json.where()); });
+  return wind;
+}
+
+/// Collider names are what pins refer to: each once, and not one of the two words with a meaning of their own.
+void check_names(const Scene& scene, const JsonReader& json) {
+  std::vector<std::string_view> known{"cloth", "world"};
+  for (size_t i = 0; i < scene.colliders.size(); ++i) {
+    const std::string& name = scene.colliders[i].collider.name;
+    if (name.empty()) continue;
+    if (std::find(known.begin(), known.end(), name) != known.end()) {
+      json.at("colliders").elements()[i].at("name").fail("the name \"" + name + "\" is taken");
+    }
+    known.push_back(name);
+  }
+  for (size_t c = 0; c < scene.cloths.size(); ++c) {
+    for (size_t p = 0; p < scene.cloths[c].pins.size(); ++p) {
+      const std::string& follow = scene.cloths[c].pins[p].follow;
+      if (std::find(known.begin(), known.end(), follow) != known.end()) continue;
+      json.at("cloths").elements()[c].at("pins").elements()[p].at("follow").fail(
+          "there is no collider \"" + follow + "\"; the nearest name is \"" + std::string(nearest_word(follow, known)) +
+          "\"");
+    }
+  }
+}
+
+/// Centre about which a collider's motion turns it.
+struct ShapeCenter {
+  Vec3 operator()(const Plane& s) const { return s.point; }
+  Vec3 operator()(const Sphere& s) const { return s.center; }
+  Vec3 operator()(const Capsule& s) const { return 0.5F * (s.a + s.b); }
+  Vec3 operator()(const Box& s) const { return s.center; }
+  Vec3 operator()(const Ellipsoid& s) const { return s.center; }
+};
+
+}  // namespace
+
+Scene parse_scene(std::string_view text, const std::filesystem::path& path) {
+  const nlohmann::json document = JsonReader::parse(text, path.string());
+  const JsonReader json(document, path.string());
+  json.expect_object(
+      {"version", "frame_rate", "frames", "substeps", "relaxation_steps", "gravity", "cloths", "colliders", "wind"});
+  if (const double version = json.at("version").number(); version != 1) {
+    json.at("version").fail("only version 1 is known", ErrorCode::unsupported);
+  }
+  Scene scene;
+  scene.path = path;
+  if (json.has("frame_rate")) scene.frame_rate = static_cast<double>(in_range(json.at("frame_rate"), 0.1F, 10000.F));
+  if (json.has("frames")) scene.frames = json.at("frames").count(1, 10'000'000);
+  if (json.has("substeps")) scene.substeps = json.at("substeps").count(1, 256);
+  if (json.has("relaxation_steps")) scene.relaxation_steps = json.at("relaxation_steps").count(1, 256);
+  json.read("gravity", scene.gravity);
+  checked([&] {
+    SolverSettings settings;
+    settings.gravity = scene.gravity;
+    check(settings);
+  });
+  for (const JsonReader& cloth : json.at("cloths").elements()) {
+    scene.cloths.push_back(read_cloth(cloth, path.parent_path()));
+  }
+  if (scene.cloths.empty()) json.at("cloths").fail("must name at least one cloth");
+  if (json.has("colliders")) {
+    for (const JsonReader& collider : json.at("colliders").elements()) {
+      scene.colliders.push_back(read_collider(collider));
+    }
+  }
+  if (json.has("wind")) scene.wind = read_wind(json.at("wind"));
+  check_names(scene, json);
+  return scene;
+}
+
+Scene read_scene(const std::filesystem::path& path) {
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) {
+    throw Error(ErrorCode::io, path.string() + ": is a directory; a scene is a JSON file");
+  }
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw Error(ErrorCode::io, path.string() + ": cannot be opened; does the scene file exist?");
+  const auto size = std::filesystem::file_size(path, error);
+  if (!error && size > kLargestSceneFile) {
+    throw Error(ErrorCode::limit, path.string() + ": is larger than 64 MiB, which no scene is");
+  }
+  const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  if (file.bad()) throw Error(ErrorCode::io, path.string() + ": cannot be read");
+  return parse_scene(text, path);
+}
+
+Scene default_scene(const std::filesystem::path& asset) {
+  Scene scene;
+  scene.path = asset;
+  SceneCloth cloth;
+  cloth.asset = asset;
+  cloth.pins.push_back({WhereBoundary{}, "cloth", {}});
+  scene.cloths.push_back(std::move(cloth));
+  return scene;
+}
+
+Collider collider_at(const SceneCollider& collider, double time) {
+  Collider result = collider.collider;
+  if (collider.motion.empty()) return result;
+  const Transform motion = pose_at(collider.motion, time);
+  const Vec3 center = std::visit(ShapeCenter{}, collider.collider.shape);
+  const Transform about_center{motion.translate + (center - rotate(motion.rotate, center)), motion.rotate, 1};
+  result.pose = compose(about_center, collider.collider.pose);
+  return result;
+}
+
+}  // namespace geocloth

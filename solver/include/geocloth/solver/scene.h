@@ -38,21 +38,21 @@ using Where = std::variant<WhereTop, WhereBoundary, WhereBox, WhereSphere, Where
 struct ScenePin {
   Where where;
   std::string follow = "cloth";  ///< "cloth" (the cloth's motion), "world" (stays), or a collider's name
-  Motion motion;                 ///< on top of what it follows
+  Motion motion;                 ///< on top of what it follows; turns about the middle of the pin's points
 };
 
 struct SceneCloth {
   std::filesystem::path asset;  ///< resolved against the scene file's folder
   Material material;
   Transform transform;
-  Motion motion;  ///< the parent's motion, applied before `transform`'s result: pins with follow "cloth" take part
+  Motion motion;  ///< of the parent: the cloth starts at motion(0) * transform; pins with follow "cloth" take part
   Vec3 inertia_scale{1, 1, 1};
   std::vector<ScenePin> pins;
 };
 
 struct SceneCollider {
   Collider collider;
-  Motion motion;
+  Motion motion;  ///< turns about the shape's own centre (a plane's point, the middle of a capsule)
 };
 
 /// A scene file, version 1, checked.
@@ -64,7 +64,7 @@ struct Scene {
   Vec3 gravity{0, -9.81F, 0};
   std::vector<SceneCloth> cloths;
   std::vector<SceneCollider> colliders;
-  Wind wind;
+  std::optional<Wind> wind;  ///< not set: no air at all; set: the air also brakes cloth when it stands still
 };
 
 /// Parses a scene. Unknown keys are errors that name the nearest known key; wrong types and ranges name the JSON path.
