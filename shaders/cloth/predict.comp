@@ -23,7 +23,7 @@ void main() {
   vec3 carry = imageLoad(carry_image, texel(p)).xyz;
   vec3 acceleration = vec3(0.0f);
   if (params.air != 0u) {
-    precise vec3 velocity = (position.xyz - previous) * params.inverse_dt;
+    precise vec3 velocity = ((position.xyz - previous) + carry) * params.inverse_dt;
     vec3 normal = imageLoad(normal_image, texel(p)).xyz;
     acceleration = air_acceleration(params, air_at(position.xyz), velocity, normal);
   }
