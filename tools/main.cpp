@@ -64,17 +64,35 @@ int run_command(const std::string& name, const CommandRun& run) {
   return kFailed;
 }
 
+/// Empty when the first word is a command or an option.
+std::string describe_unknown_command(int argc, char** argv) {
+  const std::string word = argc > 1 ? argv[1] : "";
+  if (word.starts_with('-')) return {};
+  std::string known;
+  for (const Command& command : kCommands) {
+    if (word == command.name) return {};
+    known += fmt::format("{}{}", known.empty() ? "" : ", ", command.name);
+  }
+  const std::string what = word.empty() ? "no command" : "unknown command " + word;
+  return fmt::format("{}; known are {}; see geocloth --help", what, known);
+}
+
 int run_program(int argc, char** argv) {
+  if (const std::string unknown = describe_unknown_command(argc, argv); !unknown.empty()) {
+    print_error("", unknown);
+    return kWrongUsage;
+  }
   CLI::App program{"geocloth: garment meshes as geometry images, simulated as cloth", "geocloth"};
   program.set_version_flag("--version", "geocloth " GEOCLOTH_VERSION, "print the version and leave");
   program.set_help_flag("-h,--help", "print this help and leave; geocloth COMMAND --help for a command's options");
   program.get_formatter()->column_width(34);
+  program.get_formatter()->label("SUBCOMMAND", "COMMAND");
   program.require_subcommand(1);
 
   std::vector<CLI::App*> apps;
   std::vector<CommandRun> runs;
   for (const Command& command : kCommands) {
-    CLI::App* app = program.add_subcommand(command.name, command.summary);
+    CLI::App* app = program.add_subcommand(command.name, command.summary)->group("Commands");
     app->set_help_flag("-h,--help", "print this help and leave");
     runs.push_back(command.add(*app));
     apps.push_back(app);

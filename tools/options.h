@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
+#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -46,14 +48,14 @@ CLI::Option* add_choice(CLI::App& app, const std::string& name, Value& value,
     words += (words.empty() ? "" : "|") + word;
     if (default_text.empty() && meaning == value) default_text = word;
   }
-  const auto take = [&value, choices, words](const CLI::results_t& given) {
+  const auto take = [&value, name, choices, words](const CLI::results_t& given) {
     for (const auto& [word, meaning] : choices) {
       if (word == given.back()) {
         value = meaning;
         return true;
       }
     }
-    throw CLI::ValidationError(fmt::format("{} is not one of {}", given.back(), words));
+    throw CLI::ValidationError(fmt::format("{}: {} is not one of {}", name, given.back(), words));
   };
   return app.add_option(name, take, fmt::format("{} [default {}]", text, default_text))->option_text(words);
 }
@@ -63,6 +65,16 @@ template <class Text>
 CLI::Option* add_text(CLI::App& app, const std::string& name, const std::string& placeholder, Text& value,
                       const std::string& text, const std::string& default_text) {
   return app.add_option(name, value, fmt::format("{} [{}]", text, default_text))->option_text(placeholder);
+}
+
+/// Check of a file name's ending, upper or lower case.
+inline CLI::Validator ends_with(const std::vector<std::string>& endings) {
+  const auto check = [endings](const std::string& given) {
+    const std::string ending = CLI::detail::to_lower(std::filesystem::path(given).extension().string());
+    const bool known = std::find(endings.begin(), endings.end(), ending) != endings.end();
+    return known ? std::string() : fmt::format("{} does not end in {}", given, fmt::join(endings, ", "));
+  };
+  return CLI::Validator(check, "");
 }
 
 /// --quiet, the same in every command that shows progress.

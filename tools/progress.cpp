@@ -41,7 +41,7 @@ void ProgressDisplay::show(std::string_view stage, double fraction) {
   if (!new_stage && percent == percent_) return;
   const auto now = std::chrono::steady_clock::now();
   const auto pause = terminal_ ? std::chrono::milliseconds(50) : std::chrono::milliseconds(1000);
-  if (!new_stage && percent < 100 && now - shown_at_ < pause) return;
+  if (!new_stage && now - shown_at_ < pause) return;
 
   stage_ = stage;
   percent_ = percent;

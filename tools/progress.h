@@ -17,7 +17,7 @@ class ProgressDisplay {
   /// Takes the bar away, so that a message after it stands on a line of its own.
   ~ProgressDisplay();
 
-  /// @param fraction  0..1 of that stage; 1 is always shown
+  /// @param fraction  0..1 of that stage
   void show(std::string_view stage, double fraction);
 
  private:

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The project's own meshes: garments that a tailor could sew, defects that are what their names say, and files in the
+// repository that the program still makes byte for byte.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "geocloth/asset/topology.h"
+#include "meshes/mesh_file.h"
+#include "support/run_program.h"
+
+namespace geocloth::meshes {
+namespace {
+
+std::vector<Triangle> triangles_of(const ObjMesh& mesh) {
+  std::vector<Triangle> triangles;
+  for (const Face& face : mesh.face) {
+    for (std::size_t k = 2; k < face.size(); ++k) triangles.push_back({face[0], face[k - 1], face[k]});
+  }
+  return triangles;
+}
+
+Topology topology_of(const std::vector<ObjMesh>& meshes, const std::string& name) {
+  for (const ObjMesh& mesh : meshes) {
+    if (mesh.name == name) return measure_topology(triangles_of(mesh), static_cast<uint32_t>(mesh.position.size()));
+  }
+  ADD_FAILURE() << "no mesh " << name;
+  return {};
+}
+
+TEST(OwnMeshes, CommittedFilesAreWhatTheProgramMakes) {
+  const std::string folder = GEOCLOTH_SOURCE_DIR "/meshes/";
+  for (const ObjMesh& mesh : make_garments()) {
+    EXPECT_TRUE(to_obj(mesh) == test::read_text(folder + "garments/" + mesh.name + ".obj")) << mesh.name;
+  }
+  for (const ObjMesh& mesh : make_defects()) {
+    EXPECT_TRUE(to_obj(mesh) == test::read_text(folder + "defects/" + mesh.name + ".obj")) << mesh.name;
+  }
+}
+
+TEST(OwnMeshes, GarmentsAreCleanAndHaveTheirOpenings) {
+  const std::vector<ObjMesh> garments = make_garments();
+  const std::vector<std::pair<std::string, uint32_t>> openings{
+      {"t_shirt", 4}, {"poncho", 2}, {"cape", 1}, {"skirt", 2}, {"sleeve", 2}};
+  for (const auto& [name, loops] : openings) {
+    const Topology found = topology_of(garments, name);
+    EXPECT_EQ(found.components, 1U) << name;
+    EXPECT_EQ(found.boundary_loops, loops) << name;
+    EXPECT_EQ(found.euler_characteristic, 2 - static_cast<int64_t>(loops)) << name;
+    EXPECT_EQ(found.non_manifold_edges + found.bow_tie_vertices + found.inconsistent_edges, 0U) << name;
+  }
+}
+
+TEST(OwnMeshes, GarmentsHaveTextureCoordinatesInTheUnitSquare) {
+  for (const ObjMesh& mesh : make_garments()) {
+    ASSERT_EQ(mesh.face_uv.size(), mesh.face.size());
+    for (const Point2& uv : mesh.uv) EXPECT_THAT(uv, testing::Each(testing::AllOf(testing::Ge(0), testing::Le(1))));
+  }
+}
+
+TEST(OwnMeshes, EveryDefectIsWhatItsNameSays) {
+  const std::vector<ObjMesh> defects = make_defects();
+  EXPECT_EQ(topology_of(defects, "non_manifold_edge").non_manifold_edges, 4U);
+  EXPECT_EQ(topology_of(defects, "bow_tie").bow_tie_vertices, 1U);
+  EXPECT_EQ(topology_of(defects, "t_junction").bow_tie_vertices, 0U);
+  EXPECT_EQ(topology_of(defects, "t_junction").euler_characteristic, 0);  // a slit that is closed in space
+  EXPECT_GT(topology_of(defects, "duplicate_face").non_manifold_edges, 0U);
+  EXPECT_FALSE(topology_of(defects, "moebius").orientable);
+  EXPECT_EQ(topology_of(defects, "unwelded").components, 32U);
+  EXPECT_EQ(topology_of(defects, "pocket").non_manifold_edges, 8U);
+  EXPECT_EQ(topology_of(defects, "closed_sphere").euler_characteristic, 2);
+  EXPECT_EQ(topology_of(defects, "closed_sphere").boundary_loops, 0U);
+  EXPECT_EQ(topology_of(defects, "torus").euler_characteristic, 0);
+  EXPECT_EQ(topology_of(defects, "torus").boundary_loops, 0U);
+  EXPECT_EQ(topology_of(defects, "opposite_orientations").inconsistent_edges, 4U);
+  EXPECT_TRUE(topology_of(defects, "opposite_orientations").orientable);
+  EXPECT_EQ(topology_of(defects, "single_triangle").faces, 1U);
+}
+
+}  // namespace
+}  // namespace geocloth::meshes

@@ -1,0 +1,368 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The program as its users drive it: files in, files out, one clear line and no file when something is wrong.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "support/run_program.h"
+
+namespace geocloth::test {
+namespace {
+
+using nlohmann::json;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+using testing::StartsWith;
+
+const std::string kMeshes = GEOCLOTH_SOURCE_DIR "/meshes/";
+
+constexpr const char* kTriangles = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
+
+void expect_one_line(const ProgramResult& result, const std::string& about) {
+  EXPECT_EQ(result.status, 1) << result.err;
+  EXPECT_THAT(result.out, IsEmpty());
+  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  EXPECT_THAT(result.err, StartsWith("geocloth "));
+  EXPECT_THAT(result.err, HasSubstr(about));
+}
+
+/// An asset that several tests read; made once.
+const std::string& sleeve_asset() {
+  static const TemporaryFolder folder;
+  static const std::string path = [] {
+    const std::string asset = folder / "sleeve.glb";
+    const ProgramResult result =
+        run_program({"convert", kMeshes + "garments/sleeve.obj", "-o", asset, "--resolution", "24", "--quiet"});
+    EXPECT_EQ(result.status, 0) << result.err;
+    return asset;
+  }();
+  return path;
+}
+
+// ------------------------------------------------------------------------------------------------- convert
+
+class BadMesh : public testing::TestWithParam<std::pair<const char*, std::string>> {};
+
+TEST_P(BadMesh, IsOneLineAndNoFile) {
+  const TemporaryFolder folder;
+  const auto& [name, content] = GetParam();
+  const std::string mesh = folder.write(name, content);
+  const ProgramResult result = run_program({"convert", mesh, "-o", folder / "out.glb", "--report", folder / "out.json",
+                                            "--pictures", folder / "pictures", "--quiet"});
+  expect_one_line(result, name);
+  EXPECT_THAT(folder.entries(), ElementsAre(name));
+}
+
+std::string head_of(const std::string& path, double share) {
+  const std::string text = read_text(path);
+  return text.substr(0, static_cast<std::size_t>(share * static_cast<double>(text.size())));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Convert, BadMesh,
+    testing::Values(std::pair{"empty.obj", std::string()}, std::pair{"empty.glb", std::string()},
+                    std::pair{"empty.stl", std::string()}, std::pair{"empty.ply", std::string()},
+                    std::pair{"prose.obj", std::string("It was a dark and stormy night.\nv is a letter.\n")},
+                    std::pair{"prose.glb", std::string("It was a dark and stormy night.\n")},
+                    std::pair{"prose.fbx", std::string("It was a dark and stormy night.\n")},
+                    std::pair{"prose.dae", std::string("It was a dark and stormy night.\n")},
+                    std::pair{"prose.gltf", std::string("{\"asset\": 12}")},
+                    std::pair{"unknown.xyz", std::string(kTriangles)},
+                    std::pair{"points.obj", std::string("v 0 0 0\nv 1 0 0\nv 0 1 0\n")},
+                    std::pair{"nan.obj", std::string("v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n")},
+                    std::pair{"inf.obj", std::string("v 0 0 0\nv inf 0 0\nv 0 1 0\nf 1 2 3\n")},
+                    std::pair{"huge.obj", std::string("v 0 0 0\nv 1e300 0 0\nv 0 1e300 0\nf 1 2 3\n")},
+                    std::pair{"range.obj", std::string("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 99\n")},
+                    std::pair{"flat.obj", std::string("v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n")},
+                    std::pair{"many.ply", std::string("ply\nformat ascii 1.0\nelement vertex 4000000000\n"
+                                                      "property float x\nproperty float y\nproperty float z\n"
+                                                      "element face 4000000000\n"
+                                                      "property list uchar int vertex_indices\nend_header\n")}),
+    [](const auto& info) {
+      std::string name = info.param.first;
+      std::replace(name.begin(), name.end(), '.', '_');
+      return name;
+    });
+
+TEST(Convert, MissingFileAndFolderAreNamed) {
+  const TemporaryFolder folder;
+  expect_one_line(run_program({"convert", folder / "none.obj", "-o", folder / "out.glb", "-q"}), "none.obj");
+  std::filesystem::create_directory(folder / "folder.obj");
+  expect_one_line(run_program({"convert", folder / "folder.obj", "-o", folder / "out.glb", "-q"}), "folder.obj");
+  EXPECT_THAT(folder.entries(), ElementsAre("folder.obj"));
+}
+
+TEST(Convert, TruncatedAssetAsMeshIsRefused) {
+  const TemporaryFolder folder;
+  for (const double share : {0.001, 0.01, 0.3, 0.6, 0.99}) {
+    const std::string mesh = folder.write("cut.glb", head_of(sleeve_asset(), share));
+    expect_one_line(run_program({"convert", mesh, "-o", folder / "out.glb", "-q"}), "cut.glb");
+  }
+  EXPECT_THAT(folder.entries(), ElementsAre("cut.glb"));
+}
+
+TEST(Convert, OutputFolderThatIsMissingIsKnownBeforeTheWorkStarts) {
+  const TemporaryFolder folder;
+  const ProgramResult result = run_program({"convert", kMeshes + "garments/t_shirt.obj", "-o", folder / "no/out.glb"});
+  expect_one_line(result, "out.glb");
+}
+
+TEST(Convert, NothingIsLeftWhenTheReportCannotBeWritten) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "report.json");
+  expect_one_line(run_program({"convert", kMeshes + "garments/sleeve.obj", "-o", folder / "out.glb", "--report",
+                               folder / "report.json", "-q"}),
+                  "report.json");
+  EXPECT_THAT(folder.entries(), ElementsAre("report.json"));
+}
+
+TEST(Convert, WritesAssetReportAndPictures) {
+  const TemporaryFolder folder;
+  const ProgramResult result =
+      run_program({"convert", kMeshes + "garments/t_shirt.obj", "-o", folder / "shirt.glb", "--resolution", "48",
+                   "--report", folder / "report.json", "--pictures", folder / "pictures"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("4 boundary loops"));
+  EXPECT_THAT(result.err, HasSubstr("geocloth convert: "));  // progress
+  const json report = json::parse(read_text(folder / "report.json"));
+  for (const char* key : {"source", "repairs", "cleaned", "carried", "represented", "image", "welded", "quality",
+                          "seconds", "peak_memory_bytes"}) {
+    EXPECT_TRUE(report.contains(key)) << key;
+  }
+  EXPECT_EQ(report["welded"]["boundary_loops"], 4);
+  EXPECT_EQ(report["welded"]["euler_characteristic"], -2);
+  EXPECT_EQ(report["quality"]["flipped"], 0);
+  EXPECT_TRUE(std::filesystem::exists(folder / "pictures/geometry_image.png"));
+}
+
+TEST(Convert, QuietSaysNothingOnStandardError) {
+  const TemporaryFolder folder;
+  const ProgramResult result = run_program(
+      {"convert", kMeshes + "garments/sleeve.obj", "-o", folder / "out.glb", "--resolution", "16", "--quiet"});
+  EXPECT_EQ(result.status, 0);
+  EXPECT_THAT(result.err, IsEmpty());
+}
+
+TEST(Convert, SameInputGivesTheSameBytes) {
+  const TemporaryFolder folder;
+  for (const char* name : {"a.glb", "b.glb"}) {
+    ASSERT_EQ(run_program({"convert", kMeshes + "garments/skirt.obj", "-o", folder / name, "--resolution", "32", "-q"})
+                  .status,
+              0);
+  }
+  EXPECT_EQ(read_text(folder / "a.glb"), read_text(folder / "b.glb"));
+}
+
+TEST(Convert, UnitScalesTheGarment) {
+  const TemporaryFolder folder;
+  const auto height = [&](const std::vector<std::string>& options) {
+    std::vector<std::string> words{
+        "convert", kMeshes + "garments/sleeve.obj", "-o", folder / "out.glb", "--resolution", "16", "-q"};
+    words.insert(words.end(), options.begin(), options.end());
+    EXPECT_EQ(run_program(words).status, 0);
+    const json bounds = json::parse(run_program({"inspect", folder / "out.glb", "--json"}).out)["bounds"];
+    return bounds["max"][1].get<double>() - bounds["min"][1].get<double>();
+  };
+  const double metres = height({});
+  EXPECT_NEAR(metres, 0.59, 0.02);
+  EXPECT_NEAR(height({"--unit", "in"}) / metres, 0.0254, 1e-5);
+  EXPECT_NEAR(height({"--scale", "2.5"}) / metres, 2.5, 1e-4);
+}
+
+// ------------------------------------------------------------------------------------------------- inspect
+
+TEST(Inspect, SaysWhatIsInAnAsset) {
+  const json found = json::parse(run_program({"inspect", sleeve_asset(), "--json"}).out);
+  EXPECT_EQ(found["image"]["layout"], "square");
+  EXPECT_EQ(found["welded"]["boundary_loops"], 2);
+  EXPECT_EQ(found["welded"]["components"], 1);
+  EXPECT_EQ(found["source"]["triangles"], 1464);
+  EXPECT_THAT(run_program({"inspect", sleeve_asset()}).out, HasSubstr("2 boundary loops"));
+}
+
+TEST(Inspect, WritesTheGridMeshWeldedAndApart) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(
+      run_program({"inspect", sleeve_asset(), "--mesh", folder / "mesh.obj", "--charts", folder / "charts.obj"}).status,
+      0);
+  const std::string mesh = read_text(folder / "mesh.obj"), charts = read_text(folder / "charts.obj");
+  EXPECT_THAT(mesh, HasSubstr("\nf "));
+  EXPECT_THAT(mesh, Not(HasSubstr("\nvt ")));
+  EXPECT_THAT(charts, HasSubstr("\nvt "));
+  EXPECT_GT(charts.size(), mesh.size());
+}
+
+TEST(Inspect, RefusesWhatIsNoAsset) {
+  const TemporaryFolder folder;
+  expect_one_line(run_program({"inspect", folder.write("bad.glb", "glTF")}), "bad.glb");
+  expect_one_line(run_program({"inspect", folder / "none.glb"}), "none.glb");
+  expect_one_line(run_program({"inspect", kMeshes + "garments/sleeve.obj"}), "sleeve.obj");
+}
+
+// ------------------------------------------------------------------------------------------------- simulate
+
+std::string scene_text(const std::string& more_of_scene = "", const std::string& more_of_cloth = "") {
+  return R"({"version": 1, "frames": 3, "substeps": 4, "cloths": [{"asset": ")" + sleeve_asset() + "\"" +
+         more_of_cloth + R"(}], "colliders": [{"name": "ball", "shape": "sphere", "center": [0, 0.7, 0],)" +
+         R"( "radius": 0.2}])" + more_of_scene + "}";
+}
+
+TEST(Simulate, AnAssetWithoutASceneHangsByItsHighestBoundary) {
+  const TemporaryFolder folder;
+  const ProgramResult result = run_program({"simulate", sleeve_asset(), "-o", folder / "out.glb", "--frames", "5",
+                                            "--backend", "cpu", "--report", folder / "report.json", "--quiet"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.err, IsEmpty());
+  EXPECT_THAT(folder.entries(), ElementsAre("out.glb", "report.json"));
+}
+
+TEST(Simulate, ReportHasEveryKey) {
+  const TemporaryFolder folder;
+  const std::string scene = folder.write("scene.json", scene_text());
+  ASSERT_EQ(run_program({"simulate", scene, "--backend", "cpu", "--report", folder / "report.json", "-q"}).status, 0);
+  const json report = json::parse(read_text(folder / "report.json"));
+  for (const char* key : {"backend", "device", "path", "threads", "frames", "substeps", "particles", "springs",
+                          "ms_per_frame", "passes_ms", "springs_per_second", "stretch", "copy_gap", "penetration",
+                          "energy", "non_finite", "state_hash"}) {
+    EXPECT_TRUE(report.contains(key)) << key;
+  }
+  EXPECT_EQ(report["backend"], "cpu");
+  EXPECT_EQ(report["frames"], 3);
+  EXPECT_EQ(report["substeps"], 4);
+  EXPECT_EQ(report["energy"].size(), 3U);
+  EXPECT_EQ(report["non_finite"], 0);
+  EXPECT_LE(report["copy_gap"].get<double>(), 1e-6);
+  EXPECT_GT(report["springs_per_second"].get<double>(), 0);
+}
+
+TEST(Simulate, TheStateDoesNotDependOnThreads) {
+  const TemporaryFolder folder;
+  const std::string scene = folder.write("scene.json", scene_text());
+  std::vector<std::string> hashes;
+  for (const char* threads : {"1", "3"}) {
+    ASSERT_EQ(run_program({"simulate", scene, "--backend", "cpu", "--threads", threads, "--report",
+                           folder / "report.json", "-q"})
+                  .status,
+              0);
+    hashes.push_back(json::parse(read_text(folder / "report.json"))["state_hash"]);
+  }
+  EXPECT_EQ(hashes[0], hashes[1]);
+}
+
+TEST(Simulate, SeveralOutputsAndTheLastState) {
+  const TemporaryFolder folder;
+  const std::string scene = folder.write("scene.json", scene_text());
+  const ProgramResult result =
+      run_program({"simulate", "-o", folder / "a.glb", "-o", folder / "b.obj", "-o", folder / "c.pc2", scene,
+                   "--last-state", folder / "last.obj", "--frames", "2", "--backend", "cpu", "-q"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(folder.entries(), ElementsAre("a.glb", "b_0001.obj", "b_0002.obj", "c.pc2", "last.obj", "scene.json"));
+}
+
+TEST(Simulate, NothingIsLeftWhenTheSecondOutputFails) {
+  const TemporaryFolder folder;
+  const std::string scene = folder.write("scene.json", scene_text());
+  const ProgramResult result = run_program({"simulate", scene, "-o", folder / "a.obj", "-o", folder / "no/b.pc2",
+                                            "--report", folder / "report.json", "--backend", "cpu", "-q"});
+  expect_one_line(result, "b.pc2");
+  EXPECT_THAT(folder.entries(), ElementsAre("scene.json"));
+}
+
+TEST(Simulate, CheckOnlyReads) {
+  const TemporaryFolder folder;
+  const std::string scene = folder.write("scene.json", scene_text());
+  const ProgramResult result = run_program({"simulate", scene, "--check"});
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("1 cloth"));
+  EXPECT_THAT(folder.entries(), ElementsAre("scene.json"));
+}
+
+class BadScene : public testing::TestWithParam<std::pair<std::string, std::string>> {};
+
+TEST_P(BadScene, IsOneLineThatNamesTheElement) {
+  const TemporaryFolder folder;
+  const auto& [text, about] = GetParam();
+  const std::string scene = folder.write("scene.json", text);
+  for (const bool check : {true, false}) {
+    const ProgramResult result = check ? run_program({"simulate", scene, "--check"})
+                                       : run_program({"simulate", scene, "-o", folder / "out.obj", "-q"});
+    expect_one_line(result, "scene.json");
+    EXPECT_THAT(result.err, HasSubstr(about));
+  }
+  EXPECT_THAT(folder.entries(), ElementsAre("scene.json"));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Simulate, BadScene,
+    testing::Values(std::pair{std::string(), std::string("scene.json")}, std::pair{std::string("[]"), std::string()},
+                    std::pair{std::string("{\"version\": 1"), std::string()},
+                    std::pair{std::string("{\"version\": 2, \"cloths\": []}"), std::string("version")},
+                    std::pair{scene_text(", \"gravty\": [0, 0, 0]"), std::string("gravity")},
+                    std::pair{scene_text(", \"gravity\": \"down\""), std::string("gravity")},
+                    std::pair{scene_text(", \"substeps\": 0"), std::string("substeps")},
+                    std::pair{scene_text(", \"frame_rate\": -60"), std::string("frame_rate")},
+                    std::pair{scene_text("", ", \"material\": \"adamantium\""), std::string("adamantium")},
+                    std::pair{scene_text("", ", \"pins\": [{\"where\": {\"boundary\": 7}}]"), std::string("pins")},
+                    std::pair{scene_text("", ", \"pins\": [{\"where\": {\"top\": 0.1}, \"follow\": \"bal\"}]"),
+                              std::string("ball")},
+                    std::pair{std::string("{\"version\": 1, \"cloths\": [{\"asset\": \"none.glb\"}]}"),
+                              std::string("none.glb")}));
+
+TEST(Simulate, TruncatedAssetIsRefused) {
+  const TemporaryFolder folder;
+  for (const double share : {0.0, 0.01, 0.5, 0.99}) {
+    const std::string asset = folder.write("cut.glb", head_of(sleeve_asset(), share));
+    expect_one_line(run_program({"simulate", asset, "-o", folder / "out.obj", "--backend", "cpu", "-q"}), "cut.glb");
+  }
+  EXPECT_THAT(folder.entries(), ElementsAre("cut.glb"));
+}
+
+TEST(Simulate, UnknownDeviceIsNamed) {
+  const TemporaryFolder folder;
+  expect_one_line(run_program({"simulate", sleeve_asset(), "-o", folder / "out.obj", "--backend", "vulkan", "--device",
+                               "no such device", "-q"}),
+                  "no such device");
+  EXPECT_THAT(folder.entries(), IsEmpty());
+}
+
+// ------------------------------------------------------------------------------------------------- interrupt
+
+TEST(Interrupt, SimulateLeavesNoPartialFile) {
+  const TemporaryFolder folder;
+  const std::string scene = folder.write("scene.json", scene_text());
+  const ProgramResult result =
+      run_program({"simulate", scene, "-o", folder / "a.glb", "-o", folder / "b.obj", "-o", folder / "c.pc2",
+                   "--report", folder / "report.json", "--frames", "100000", "--backend", "cpu", "-q"},
+                  std::chrono::milliseconds(700));
+  EXPECT_EQ(result.status, 130) << result.err;
+  EXPECT_THAT(folder.entries(), ElementsAre("scene.json"));
+}
+
+TEST(Interrupt, ConvertLeavesNoPartialFile) {
+  const TemporaryFolder folder;
+  const ProgramResult result = run_program({"convert", kMeshes + "garments/t_shirt.obj", "-o", folder / "out.glb",
+                                            "--resolution", "1024", "--report", folder / "report.json"},
+                                           std::chrono::milliseconds(400));
+  EXPECT_EQ(result.status, 130) << result.err;
+  EXPECT_THAT(folder.entries(), IsEmpty());
+}
+
+// ------------------------------------------------------------------------------------------------- devices
+
+TEST(Devices, ListTheCpuFirst) {
+  const ProgramResult result = run_program({"devices", "--json"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const json devices = json::parse(result.out)["devices"];
+  ASSERT_FALSE(devices.empty());
+  EXPECT_EQ(devices[0]["backend"], "cpu");
+  EXPECT_EQ(std::count_if(devices.begin(), devices.end(), [](const json& d) { return d["chosen_automatically"]; }), 1);
+}
+
+}  // namespace
+}  // namespace geocloth::test

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the README shows is what is compiled and shipped.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "support/run_program.h"
+
+namespace geocloth::test {
+namespace {
+
+const std::string kSource = GEOCLOTH_SOURCE_DIR "/";
+
+/// A file without its licence line.
+std::string body_of(const std::string& path) {
+  const std::string text = read_text(kSource + path);
+  return text.substr(text.find('\n') + 1);
+}
+
+TEST(Readme, LibraryExamplesAreThePrograms) {
+  const std::string readme = read_text(kSource + "README.md");
+  EXPECT_THAT(readme, testing::HasSubstr("```cpp\n" + body_of("tests/install/solver/main.cpp") + "```"));
+  EXPECT_THAT(readme, testing::HasSubstr("```cmake\n" + body_of("tests/install/solver/CMakeLists.txt") + "```"));
+}
+
+TEST(Readme, EveryFileItPointsToExists) {
+  const std::string readme = read_text(kSource + "README.md");
+  std::size_t links = 0;
+  for (std::size_t at = readme.find("]("); at != std::string::npos; at = readme.find("](", at + 1)) {
+    const std::string target = readme.substr(at + 2, readme.find(')', at) - at - 2);
+    if (target.starts_with("http") || target.starts_with('#')) continue;
+    EXPECT_TRUE(std::filesystem::exists(kSource + target)) << target;
+    ++links;
+  }
+  EXPECT_GT(links, 0U);
+}
+
+TEST(Readme, SceneFilesOfTheRepositoryAreGood) {
+  const TemporaryFolder folder;
+  for (const char* name : {"t_shirt", "poncho", "cape"}) {
+    const std::string mesh = kSource + "meshes/garments/" + name + ".obj";
+    ASSERT_EQ(
+        run_program({"convert", mesh, "-o", folder / (std::string(name) + ".glb"), "--resolution", "32", "-q"}).status,
+        0);
+    const std::string scene =
+        folder.write(std::string(name) + ".json", read_text(kSource + "meshes/scenes/" + name + ".json"));
+    const ProgramResult result = run_program({"simulate", scene, "--check"});
+    EXPECT_EQ(result.status, 0) << result.err;
+  }
+}
+
+}  // namespace
+}  // namespace geocloth::test

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// geocloth convert: a mesh file becomes an asset. The outputs are opened before the work starts, so that a folder that
+// cannot be written is known at once, and get their final names together at the end.
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "command.h"
+#include "file_error.h"
+#include "geocloth/asset/asset_file.h"
+#include "geocloth/asset/output_file.h"
+#include "geocloth/parametrize/convert.h"
+#include "options.h"
+#include "progress.h"
+#include "render/asset_pictures.h"
+
+namespace geocloth {
+namespace {
+
+constexpr Layout kDefaultLayout = Layout::square;
+
+struct Options {
+  std::filesystem::path mesh, asset, report, pictures, stages;
+  Layout layout = kDefaultLayout;
+  uint32_t resolution = FlattenOptions{}.resolution;
+  double spacing = 0;
+  double unit = 1, scale = 1;
+  CLI::Option *unit_option = nullptr, *scale_option = nullptr;
+  bool quiet = false;
+};
+
+ConvertOptions convert_options(const Options& options) {
+  ConvertOptions result;
+  if (options.unit_option->count() > 0) result.import.scale = options.unit;
+  if (options.scale_option->count() > 0) result.import.scale = options.scale;
+  result.flatten.layout = options.layout;
+  result.flatten.resolution = options.resolution;
+  result.flatten.spacing = options.spacing;
+  result.stages = options.stages;
+  return result;
+}
+
+void print_summary(const Options& options, const ConvertResult& result) {
+  const ClothAsset& asset = result.asset;
+  const ConvertReport& report = result.report;
+  fmt::print("{}: {} x {} pixels, {} valid, spacing {:.4g} m, {} {}, {} split points\n", options.asset.string(),
+             asset.width, asset.height, count_valid_pixels(asset), asset.spacing, asset.chart_count,
+             asset.chart_count == 1 ? "chart" : "charts", asset.splits.rows());
+  fmt::print("  surface: {} components, {} boundary loops, Euler characteristic {}\n", report.represented.components,
+             report.represented.boundary_loops, report.represented.euler_characteristic);
+  for (const Repair& repair : report.repairs) {
+    if (repair.count > 0) fmt::print("  repaired: {} {}\n", repair.count, repair.kind);
+  }
+  for (const CarriedPart& carried : report.carried) {
+    fmt::print("  carried: part {} ({} faces): {}\n", carried.part, carried.faces, carried.why);
+  }
+  fmt::print("  accuracy: rms {:.2e} and largest {:.2e} of the diagonal; stretch L2 {:.3f}\n", report.quality.rms_error,
+             report.quality.max_error, report.quality.l2_stretch);
+}
+
+void run(const Options& options) {
+  OutputFile asset_file(options.asset);
+  std::optional<OutputFile> report_file;
+  if (!options.report.empty()) report_file.emplace(options.report);
+
+  std::optional<ProgressDisplay> progress(std::in_place, "convert", options.quiet);
+  const ConvertResult result = name_file_in_errors(options.mesh, [&] {
+    return convert(options.mesh, convert_options(options),
+                   [&](std::string_view stage, double fraction) { progress->show(stage, fraction); });
+  });
+  asset_file.write(encode_asset(result.asset));
+  asset_file.close();
+  if (report_file) {
+    report_file->write(to_json(result) + "\n");
+    report_file->close();
+  }
+  if (!options.pictures.empty()) {
+    progress->show("pictures", 0);
+    write_pictures(result.asset, &result.flat, options.pictures);
+  }
+  progress.reset();
+
+  if (report_file) report_file->commit();
+  asset_file.commit();
+  for (const std::string& warning : result.report.warnings) {
+    fmt::print(stderr, "geocloth convert: {}: warning: {}\n", options.mesh.string(), warning);
+  }
+  print_summary(options, result);
+}
+
+}  // namespace
+
+CommandRun add_convert(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  add_text(app, "mesh", "MESH", options->mesh, "OBJ, glTF, GLB, PLY, STL, FBX or DAE file", "required")->required();
+  add_text(app, "-o,--output", "ASSET.glb", options->asset, "the asset to write", "required")
+      ->required()
+      ->check(ends_with({".glb"}));
+  add_choice<Layout>(app, "--layout", options->layout,
+                     {{"panels", Layout::panels}, {"square", Layout::square}, {"uv", Layout::uv}},
+                     "how the surface lies in the image");
+  CLI::Option* resolution = add_number<uint32_t>(app, "--resolution", "N", options->resolution, 8, 4096, "pixels",
+                                                 "about N x N valid pixels in all");
+  add_number<double>(app, "--spacing", "M", options->spacing, 1e-6, 1e6, "m",
+                     "length of a spring, instead of --resolution", "by --resolution")
+      ->excludes(resolution);
+  options->unit_option =
+      add_choice<double>(app, "--unit", options->unit, {{"m", 1.0}, {"cm", 0.01}, {"mm", 0.001}, {"in", 0.0254}},
+                         "unit of the mesh's coordinates", "what the file says, else m");
+  options->scale_option = add_number<double>(app, "--scale", "S", options->scale, 1e-9, 1e9, "m per unit of the file",
+                                             "the same as a number", "by --unit");
+  options->scale_option->excludes(options->unit_option);
+  add_text(app, "--report", "R.json", options->report, "write topology, repairs, quality and times as JSON",
+           "default none");
+  add_text(app, "--pictures", "DIR", options->pictures,
+           "write PNGs: geometry image, chart map with the split points, distortion", "default none");
+  add_text(app, "--stages", "DIR", options->stages, "write every intermediate as a file", "default none");
+  add_quiet(app, options->quiet);
+  return [options] { run(*options); };
+}
+
+}  // namespace geocloth

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// geocloth inspect: what is in an asset, for people or as JSON, and its surface as a mesh.
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "command.h"
+#include "geocloth/asset/asset_file.h"
+#include "geocloth/asset/grid_mesh.h"
+#include "geocloth/asset/output_file.h"
+#include "geocloth/asset/topology.h"
+#include "options.h"
+#include "render/asset_pictures.h"
+
+namespace geocloth {
+namespace {
+
+struct Options {
+  std::filesystem::path asset, mesh, charts, pictures;
+  bool json = false;
+};
+
+constexpr std::array<const char*, kSpringCount> kSpringNames{"right",     "down",   "down_right",
+                                                             "down_left", "right2", "down2"};
+
+struct Summary {
+  uint32_t valid_pixels = 0, split_pixels = 0, copies_max = 0;
+  std::array<uint64_t, kSpringCount> springs{};
+  double area = 0;  ///< [m^2]
+  Vec3 low, high;   ///< [m]
+  Topology welded;
+};
+
+Topology welded_topology(const ClothAsset& asset) {
+  const GridMesh mesh = welded_grid_mesh(asset, asset.rest_position);
+  return measure_topology(mesh.triangle, static_cast<uint32_t>(mesh.position.size()));
+}
+
+Summary summarize(const ClothAsset& asset) {
+  Summary summary;
+  bool first = true;
+  for (uint32_t pixel = 0; pixel < asset.pixel_count(); ++pixel) {
+    if (!asset.valid(pixel)) continue;
+    const Vec3& p = asset.rest_position[pixel];
+    if (first) summary.low = summary.high = p;
+    first = false;
+    summary.low = {std::min(summary.low.x, p.x), std::min(summary.low.y, p.y), std::min(summary.low.z, p.z)};
+    summary.high = {std::max(summary.high.x, p.x), std::max(summary.high.y, p.y), std::max(summary.high.z, p.z)};
+    summary.area += static_cast<double>(asset.area[pixel]);
+    ++summary.valid_pixels;
+    for (uint32_t bit = 0; bit < kSpringCount; ++bit) {
+      summary.springs[bit] += (asset.spring_mask[pixel] >> bit) & 1U;
+    }
+  }
+  summary.split_pixels = static_cast<uint32_t>(asset.splits.pixel.size());
+  for (uint32_t row = 0; row < asset.splits.rows(); ++row) {
+    summary.copies_max = std::max(summary.copies_max, asset.splits.offset[row + 1] - asset.splits.offset[row]);
+  }
+  summary.welded = welded_topology(asset);
+  return summary;
+}
+
+void print_for_people(const Options& options, const ClothAsset& asset, const Summary& summary) {
+  const SourceMesh& source = asset.source;
+  fmt::print("{}: \"{}\", layout {}\n", options.asset.string(), asset.name, to_string(asset.layout));
+  fmt::print("  image     {} x {} pixels, {} valid, {} {}, spacing {:.4g} m, area {:.4g} m^2\n", asset.width,
+             asset.height, summary.valid_pixels, asset.chart_count, asset.chart_count == 1 ? "chart" : "charts",
+             asset.spacing, summary.area);
+  fmt::print("  extent    {:.4g} x {:.4g} x {:.4g} m\n", summary.high.x - summary.low.x, summary.high.y - summary.low.y,
+             summary.high.z - summary.low.z);
+  fmt::print("  split     {} points with {} copies, at most {} of one point, {} bending elements across seams\n",
+             asset.splits.rows(), summary.split_pixels, summary.copies_max, asset.seam_bends.size());
+  fmt::print("  springs  ");
+  for (uint32_t bit = 0; bit < kSpringCount; ++bit) fmt::print(" {} {}", kSpringNames[bit], summary.springs[bit]);
+  fmt::print("\n  welded    {} components, {} boundary loops, Euler characteristic {}, {}\n", summary.welded.components,
+             summary.welded.boundary_loops, summary.welded.euler_characteristic,
+             summary.welded.orientable ? "orientable" : "not orientable");
+  fmt::print("  source    {} vertices, {} triangles, {} parts, {} materials, {} images, {} vertex groups\n",
+             source.source_vertex_count, source.triangle.size(), source.part.size(), source.material.size(),
+             source.image.size(), asset.vertex_groups.size());
+}
+
+nlohmann::ordered_json to_json(const ClothAsset& asset, const Summary& summary) {
+  nlohmann::ordered_json springs;
+  for (uint32_t bit = 0; bit < kSpringCount; ++bit) springs[kSpringNames[bit]] = summary.springs[bit];
+  const auto point = [](const Vec3& p) { return nlohmann::ordered_json{p.x, p.y, p.z}; };
+  nlohmann::ordered_json groups = nlohmann::ordered_json::array();
+  for (const ClothAsset::VertexGroup& group : asset.vertex_groups) {
+    groups.push_back({{"name", group.name}, {"vertices", group.source_vertex.size()}});
+  }
+  return {{"name", asset.name},
+          {"image",
+           {{"layout", to_string(asset.layout)},
+            {"width", asset.width},
+            {"height", asset.height},
+            {"valid_pixels", summary.valid_pixels},
+            {"charts", asset.chart_count},
+            {"spacing", asset.spacing},
+            {"split_points", asset.splits.rows()},
+            {"copies_max", summary.copies_max}}},
+          {"area", summary.area},
+          {"bounds", {{"min", point(summary.low)}, {"max", point(summary.high)}}},
+          {"springs", springs},
+          {"seam_bends", asset.seam_bends.size()},
+          {"welded",
+           {{"components", summary.welded.components},
+            {"boundary_loops", summary.welded.boundary_loops},
+            {"euler_characteristic", summary.welded.euler_characteristic},
+            {"orientable", summary.welded.orientable}}},
+          {"source",
+           {{"vertices", asset.source.source_vertex_count},
+            {"triangles", asset.source.triangle.size()},
+            {"parts", asset.source.part.size()},
+            {"materials", asset.source.material.size()},
+            {"images", asset.source.image.size()}}},
+          {"vertex_groups", groups}};
+}
+
+void run(const Options& options) {
+  std::optional<OutputFile> mesh_file, charts_file;
+  if (!options.mesh.empty()) mesh_file.emplace(options.mesh);
+  if (!options.charts.empty()) charts_file.emplace(options.charts);
+
+  const ClothAsset asset = read_asset(options.asset);
+  if (mesh_file) {
+    mesh_file->write(to_obj(welded_grid_mesh(asset, asset.rest_position), false));
+    mesh_file->close();
+  }
+  if (charts_file) {
+    charts_file->write(to_obj(unwelded_grid_mesh(asset, asset.rest_position), true));
+    charts_file->close();
+  }
+  if (!options.pictures.empty()) write_pictures(asset, nullptr, options.pictures);
+  if (mesh_file) mesh_file->commit();
+  if (charts_file) charts_file->commit();
+
+  const Summary summary = summarize(asset);
+  if (options.json) {
+    fmt::print("{}\n", to_json(asset, summary).dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+  } else {
+    print_for_people(options, asset, summary);
+  }
+}
+
+}  // namespace
+
+CommandRun add_inspect(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  add_text(app, "asset", "ASSET.glb", options->asset, "an asset that convert wrote", "required")->required();
+  app.add_flag("--json", options->json, "print JSON for programs [default off]");
+  add_text(app, "--mesh", "OUT.obj", options->mesh, "write the grid mesh with the copies of split points merged",
+           "default none")
+      ->check(ends_with({".obj"}));
+  add_text(app, "--charts", "OUT.obj", options->charts,
+           "write the charts apart, texture coordinates = place in the atlas", "default none")
+      ->check(ends_with({".obj"}));
+  add_text(app, "--pictures", "DIR", options->pictures,
+           "write PNGs: geometry image, chart map with the split points, distortion", "default none");
+  return [options] { run(*options); };
+}
+
+}  // namespace geocloth

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// geocloth simulate: plays a scene frame by frame into any number of outputs and a report. All outputs are completed
+// under temporary names first and get their final names together.
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "command.h"
+#include "export/cache_writer.h"
+#include "file_error.h"
+#include "geocloth/asset/grid_mesh.h"
+#include "geocloth/asset/output_file.h"
+#include "geocloth/solver/scene.h"
+#include "options.h"
+#include "progress.h"
+#include "render/picture_writers.h"
+#include "simulation_report.h"
+
+namespace geocloth {
+namespace {
+
+constexpr uint32_t kMaxFrames = 1000000;
+constexpr uint32_t kMaxThreads = 256;
+
+struct Options {
+  std::filesystem::path input, report, last_state;
+  std::vector<std::string> outputs;
+  uint32_t frames = 0;
+  CLI::Option* frames_option = nullptr;
+  Backend backend = Backend::automatic;
+  std::string device;
+  uint32_t threads = std::clamp(std::thread::hardware_concurrency(), 1U, kMaxThreads);
+  bool check = false, quiet = false;
+};
+
+Scene load_scene(const Options& options) {
+  const bool is_asset = CLI::detail::to_lower(options.input.extension().string()) == ".glb";
+  Scene scene = is_asset ? default_scene(options.input) : read_scene(options.input);
+  if (options.frames_option->count() > 0) scene.frames = options.frames;
+  return scene;
+}
+
+SolverSettings solver_settings(const Options& options) {
+  SolverSettings settings;
+  // A scene can be checked on a machine without the device that it is to run on.
+  settings.backend = options.check ? Backend::cpu : options.backend;
+  settings.device = options.device;
+  settings.threads = options.threads;
+  settings.timings = settings.check_copies = !options.report.empty();
+  return settings;
+}
+
+/// Reads every cloth back. @throws Error(verification) when a coordinate is not finite
+void read_frames(Simulation& simulation, std::vector<ClothFrame>& frames) {
+  Solver& solver = simulation.solver();
+  frames.resize(solver.cloth_count());
+  for (uint32_t i = 0; i < solver.cloth_count(); ++i) {
+    const ClothAsset& asset = *simulation.cloths()[i].asset;
+    solver.read_positions(i, frames[i].position);
+    solver.read_normals(i, frames[i].normal);
+    if (const uint64_t count = count_non_finite(asset, frames[i].position); count > 0) {
+      throw Error(ErrorCode::verification,
+                  fmt::format("frame {}, cloth {} ({}): {} of its points are not finite numbers any more: the motion "
+                              "blew up; use more substeps, a softer material or slower keyframes",
+                              simulation.frame(), i, simulation.scene().cloths[i].asset.string(), count));
+    }
+    evaluate_binding(asset, frames[i].position, frames[i].normal, frames[i].source_position,
+                     simulation.cloths()[i].transform.scale);
+  }
+}
+
+/// The welded grid meshes of all cloths in one.
+GridMesh last_state_mesh(const Simulation& simulation, const std::vector<ClothFrame>& frames) {
+  GridMesh all;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const GridMesh mesh = welded_grid_mesh(*simulation.cloths()[i].asset, frames[i].position);
+    const auto first = static_cast<uint32_t>(all.position.size());
+    all.position.insert(all.position.end(), mesh.position.begin(), mesh.position.end());
+    all.pixel.insert(all.pixel.end(), mesh.pixel.begin(), mesh.pixel.end());
+    all.uv.insert(all.uv.end(), mesh.uv.begin(), mesh.uv.end());
+    for (const Triangle& t : mesh.triangle) all.triangle.push_back({t[0] + first, t[1] + first, t[2] + first});
+  }
+  return all;
+}
+
+void print_check(const Options& options, Simulation& simulation) {
+  const Scene& scene = simulation.scene();
+  const SolverStatistics statistics = simulation.solver().statistics();
+  fmt::print("{}: good: {} {} with {} particles, {} colliders, {} frames at {} a second, {} substeps\n",
+             options.input.string(), scene.cloths.size(), scene.cloths.size() == 1 ? "cloth" : "cloths",
+             statistics.particles, scene.colliders.size(), scene.frames, scene.frame_rate, scene.substeps);
+}
+
+std::unique_ptr<FrameWriter> make_writer(const std::filesystem::path& path, Simulation& simulation) {
+  const std::string ending = CLI::detail::to_lower(path.extension().string());
+  if (ending == ".png") return make_picture_series_writer(path, simulation, RenderOptions{});
+  if (ending == ".mp4") return make_video_writer(path, simulation, RenderOptions{});
+  return make_cache_writer(path, simulation);
+}
+
+void play(const Options& options, Simulation& simulation) {
+  std::vector<std::unique_ptr<FrameWriter>> writers;
+  for (const std::string& output : options.outputs) writers.push_back(make_writer(output, simulation));
+  std::vector<std::unique_ptr<OutputFile>> files;
+  const auto open = [&](const std::filesystem::path& path) {
+    return path.empty() ? nullptr : files.emplace_back(std::make_unique<OutputFile>(path)).get();
+  };
+  OutputFile* const report_file = open(options.report);
+  OutputFile* const last_state_file = open(options.last_state);
+
+  const bool read_every_frame =
+      report_file != nullptr ||
+      std::any_of(writers.begin(), writers.end(), [](const auto& w) { return w->needs_cloth_frames(); });
+  const uint32_t frames = simulation.scene().frames;
+  std::optional<ProgressDisplay> progress(std::in_place, "simulate", options.quiet);
+  std::vector<ClothFrame> state;
+  SimulationRecorder recorder;
+  for (uint32_t frame = 0;; ++frame) {
+    if (read_every_frame || frame == frames) read_frames(simulation, state);
+    for (const auto& writer : writers) writer->add_frame(simulation, state);
+    progress->show("frame", frames == 0 ? 1.0 : static_cast<double>(frame) / frames);
+    if (frame == frames) break;
+    const auto start = std::chrono::steady_clock::now();
+    simulation.step();
+    simulation.solver().wait();
+    recorder.add_frame_time(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    if (report_file != nullptr) recorder.add_energy(simulation);
+  }
+
+  if (report_file != nullptr) report_file->write(recorder.report(simulation, state));
+  if (last_state_file != nullptr) last_state_file->write(to_obj(last_state_mesh(simulation, state), false));
+  for (const auto& file : files) file->close();
+  for (const auto& writer : writers) writer->finish();
+  for (const auto& writer : writers) writer->commit();
+  for (const auto& file : files) file->commit();
+  progress.reset();
+  for (const std::string& output : options.outputs) fmt::print("{}\n", output);
+  fmt::print("{}\n", recorder.summary(simulation));
+}
+
+void run(const Options& options) {
+  name_file_in_errors(options.input, [&] {
+    Simulation simulation(load_scene(options), solver_settings(options));
+    if (options.check) {
+      print_check(options, simulation);
+    } else {
+      play(options, simulation);
+    }
+  });
+}
+
+}  // namespace
+
+CommandRun add_simulate(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  add_text(app, "scene", "SCENE", options->input,
+           "a scene file (.json), or an asset (.glb), which is hung by its highest boundary", "required")
+      ->required()
+      ->check(ends_with({".json", ".glb"}));
+  CLI::Option* output =
+      add_text(app, "-o,--output", "OUT", options->outputs,
+               "what to write, by its ending: .glb (animated), .pc2, .mdd, .obj (numbered), .png (numbered), .mp4, "
+               ".exr (numbered); may be given several times",
+               "default none")
+          ->check(ends_with({".glb", ".pc2", ".mdd", ".obj", ".png", ".mp4", ".exr"}))
+          ->allow_extra_args(false);
+  options->frames_option = add_number<uint32_t>(app, "--frames", "N", options->frames, 0, kMaxFrames, "frames",
+                                                "how long to run", "what the scene says");
+  add_choice<Backend>(app, "--backend", options->backend,
+                      {{"auto", Backend::automatic}, {"cpu", Backend::cpu}, {"vulkan", Backend::vulkan}},
+                      "what runs the solver; auto: a real GPU if there is one, else cpu");
+  add_text(app, "--device", "NAME", options->device, "part of a device's name as `geocloth devices` lists it",
+           "default the first of the backend");
+  add_number<uint32_t>(app, "--threads", "N", options->threads, 1, kMaxThreads, "threads",
+                       "for the cpu backend; the result does not depend on it", "all of the machine's");
+  CLI::Option* report = add_text(
+      app, "--report", "R.json", options->report,
+      "write times, stretch, energy and checks as JSON; checks every substep, which costs time", "default none");
+  CLI::Option* last_state = add_text(app, "--last-state", "OUT.obj", options->last_state,
+                                     "write the welded grid mesh after the last frame", "default none")
+                                ->check(ends_with({".obj"}));
+  CLI::Option* check =
+      app.add_flag("--check", options->check, "only read the scene and its assets and say what is wrong [default off]");
+  add_quiet(app, options->quiet);
+  app.final_callback([options, output, report, last_state, check] {
+    for (std::size_t i = 0; i < options->outputs.size(); ++i) {
+      for (std::size_t k = 0; k < i; ++k) {
+        if (options->outputs[i] == options->outputs[k]) {
+          throw CLI::ValidationError("--output: " + options->outputs[i] + " is given twice");
+        }
+      }
+    }
+    if (output->count() + report->count() + last_state->count() + check->count() == 0) {
+      throw CLI::RequiredError("one of --output, --report, --last-state or --check");
+    }
+  });
+  return [options] { run(*options); };
+}
+
+}  // namespace geocloth

@@ -1,0 +1,44 @@
+#!/bin/sh
+# SPDX-License-Identifier: GPL-3.0-or-later
+# From a fresh clone on Debian 12 to moving cloth: installs what is missing, builds, makes the project's own garments,
+# converts them, plays them over colliders in wind, and leaves assets, animations, pictures and films in a folder.
+# usage: tools/demo.sh [FOLDER]        default out/demo
+set -eu
+cd "$(dirname "$0")/.."
+out=${1:-out/demo}
+
+tools/install_packages.sh demo
+cmake --preset release -D GEOCLOTH_TESTS=OFF
+cmake --build --preset release --target geocloth_program geocloth_make_meshes
+geocloth=build/release/geocloth
+
+mkdir -p "$out"
+build/release/meshes/make_meshes "$out/meshes"
+cp meshes/scenes/*.json "$out"
+
+for garment in t_shirt cape poncho; do
+  echo "== $garment"
+  "$geocloth" convert "$out/meshes/garments/$garment.obj" -o "$out/$garment.glb" --resolution 96 \
+    --report "$out/$garment.convert.json" --pictures "$out/$garment.pictures"
+  frames="$out/$garment.frames"
+  rm -rf "$frames"
+  mkdir "$frames"
+  "$geocloth" simulate "$out/$garment.json" -o "$out/$garment.animated.glb" -o "$out/$garment.mp4" \
+    -o "$frames/frame.png" --report "$out/$garment.simulate.json"
+  # Twelve pictures, evenly spread over the film.
+  count=$(find "$frames" -name '*.png' | wc -l)
+  ffmpeg -y -loglevel error -framerate 60 -i "$frames/frame_%04d.png" -frames:v 1 -update 1 \
+    -vf "select='not(mod(n\,$((count / 12))))',scale=480:-1,tile=4x3" "$out/$garment.contact_sheet.png"
+done
+
+cat <<TEXT
+
+Done. For each of t_shirt, cape and poncho, in $out:
+  NAME.glb                the asset: garment and geometry image (opens in Blender, three.js and every glTF viewer)
+  NAME.animated.glb       the motion
+  NAME.mp4                the film
+  NAME.contact_sheet.png  twelve moments of it
+  NAME.frames/            every picture
+  NAME.pictures/          geometry image, charts with the split points, distortion
+  NAME.convert.json, NAME.simulate.json   the reports
+TEXT

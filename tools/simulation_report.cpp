@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The report of a simulation. A frame's time is the wall time of its step with the device's work; the time of the
+// checks that a report asks for (pass "check") is taken off, because a run without a report does not spend it.
+#include "simulation_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace geocloth {
+namespace {
+
+constexpr const char* kCheckPass = "check";
+constexpr double kMillisecond = 1e-3;  // [s]
+
+/// The smallest value that at least this share of the values does not exceed.
+double percentile(std::vector<double> values, double share) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(values.size())));
+  return values[std::max<std::size_t>(rank, 1) - 1];
+}
+
+/// Over all cloths: the worst of max and p99, the mean weighted by the number of springs.
+StretchStatistics stretch_of_all(const Simulation& simulation, std::span<const ClothFrame> frames) {
+  StretchStatistics all;
+  double springs = 0;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const ClothDesc& cloth = simulation.cloths()[i];
+    const StretchStatistics one = measure_stretch(*cloth.asset, cloth.transform.scale, frames[i].position);
+    double count = 0;
+    for (const uint8_t mask : cloth.asset->spring_mask) {
+      count += static_cast<double>((mask & kSpringRight) != 0) + static_cast<double>((mask & kSpringDown) != 0);
+    }
+    all.max = std::max(all.max, one.max);
+    all.p99 = std::max(all.p99, one.p99);
+    all.mean += one.mean * count;
+    springs += count;
+  }
+  if (springs > 0) all.mean /= springs;
+  return all;
+}
+
+/// The hash of the state; for several cloths the FNV-1a of their hashes.
+std::string state_hash(const Simulation& simulation, std::span<const ClothFrame> frames) {
+  uint64_t hash = hash_state(*simulation.cloths()[0].asset, frames[0].position);
+  for (std::size_t i = 1; i < frames.size(); ++i) {
+    constexpr uint64_t kPrime = 0x100000001b3U;
+    hash = (hash * kPrime) ^ hash_state(*simulation.cloths()[i].asset, frames[i].position);
+  }
+  return fmt::format("{:016x}", hash);
+}
+
+}  // namespace
+
+uint64_t count_non_finite(const ClothAsset& asset, std::span<const Vec3> positions) {
+  uint64_t count = 0;
+  for (uint32_t pixel = 0; pixel < asset.pixel_count(); ++pixel) {
+    count += static_cast<uint64_t>(asset.valid(pixel) && !is_finite(positions[pixel]));
+  }
+  return count;
+}
+
+void SimulationRecorder::add_energy(Simulation& simulation) {
+  Energy sum;
+  std::vector<Vec3> positions, velocities;
+  for (uint32_t i = 0; i < simulation.solver().cloth_count(); ++i) {
+    simulation.solver().read_positions(i, positions);
+    simulation.solver().read_velocities(i, velocities);
+    const Energy one = measure_energy(simulation.cloths()[i], simulation.scene().gravity, positions, velocities);
+    sum.kinetic += one.kinetic;
+    sum.potential += one.potential;
+    sum.elastic += one.elastic;
+  }
+  energy_.push_back(sum);
+}
+
+std::string SimulationRecorder::report(Simulation& simulation, std::span<const ClothFrame> cloths) const {
+  const SolverStatistics statistics = simulation.solver().statistics();
+  const Scene& scene = simulation.scene();
+  const double frames = std::max<double>(1, static_cast<double>(frame_seconds_.size()));
+
+  nlohmann::ordered_json passes = nlohmann::ordered_json::object();
+  double check_seconds = 0;
+  for (const PassTiming& pass : statistics.passes) {
+    passes[pass.pass] = pass.seconds / frames / kMillisecond;
+    if (pass.pass == kCheckPass) check_seconds = pass.seconds;
+  }
+  std::vector<double> milliseconds;
+  for (const double seconds : frame_seconds_) {
+    milliseconds.push_back(std::max(0.0, seconds - check_seconds / frames) / kMillisecond);
+  }
+  const double total_seconds = std::accumulate(milliseconds.begin(), milliseconds.end(), 0.0) * kMillisecond;
+  const double projections = static_cast<double>(statistics.springs) * scene.substeps * scene.relaxation_steps *
+                             static_cast<double>(frame_seconds_.size());
+  const StretchStatistics stretch = stretch_of_all(simulation, cloths);
+  nlohmann::ordered_json energy = nlohmann::ordered_json::array();
+  for (const Energy& e : energy_) {
+    energy.push_back({{"kinetic", e.kinetic}, {"potential", e.potential}, {"elastic", e.elastic}});
+  }
+  uint64_t non_finite = 0;
+  for (std::size_t i = 0; i < cloths.size(); ++i) {
+    non_finite += count_non_finite(*simulation.cloths()[i].asset, cloths[i].position);
+  }
+
+  const nlohmann::ordered_json report{
+      {"backend", statistics.backend},
+      {"device", statistics.device},
+      {"path", statistics.path},
+      {"threads", statistics.threads},
+      {"frames", frame_seconds_.size()},
+      {"substeps", scene.substeps},
+      {"particles", statistics.particles},
+      {"springs", statistics.springs},
+      {"ms_per_frame", {{"median", percentile(milliseconds, 0.5)}, {"p95", percentile(milliseconds, 0.95)}}},
+      {"passes_ms", passes},
+      {"springs_per_second", total_seconds > 0 ? projections / total_seconds : 0},
+      {"stretch", {{"max", stretch.max}, {"p99", stretch.p99}, {"mean", stretch.mean}}},
+      {"copy_gap", statistics.copy_gap},
+      {"penetration", statistics.penetration},
+      {"energy", energy},
+      {"non_finite", non_finite},
+      {"state_hash", state_hash(simulation, cloths)}};
+  return report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+std::string SimulationRecorder::summary(Simulation& simulation) const {
+  const SolverStatistics statistics = simulation.solver().statistics();
+  return fmt::format("{} frames on {} ({}, {}): {} particles, {} springs, {:.2f} ms a frame (median)",
+                     frame_seconds_.size(), statistics.backend, statistics.device, statistics.path,
+                     statistics.particles, statistics.springs, percentile(frame_seconds_, 0.5) / kMillisecond);
+}
+
+}  // namespace geocloth

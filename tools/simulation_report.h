@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "export/frame_writer.h"
+#include "geocloth/solver/scene.h"
+
+namespace geocloth {
+
+/// Number of valid pixels whose position is not finite.
+[[nodiscard]] uint64_t count_non_finite(const ClothAsset& asset, std::span<const Vec3> positions);
+
+/// Collects what `simulate` reports while it runs.
+class SimulationRecorder {
+ public:
+  /// @param seconds  wall time of one step, the device's work included
+  void add_frame_time(double seconds) { frame_seconds_.push_back(seconds); }
+  /// Reads positions and velocities back and adds the energy of all cloths at this frame.
+  void add_energy(Simulation& simulation);
+
+  /// The report as JSON text with the keys that users rely on.
+  /// @param cloths  the state after the last frame
+  [[nodiscard]] std::string report(Simulation& simulation, std::span<const ClothFrame> cloths) const;
+  /// One line for people.
+  [[nodiscard]] std::string summary(Simulation& simulation) const;
+
+ private:
+  std::vector<double> frame_seconds_;
+  std::vector<Energy> energy_;
+};
+
+}  // namespace geocloth

@@ -1,0 +1,60 @@
+#!/bin/sh
+# SPDX-License-Identifier: GPL-3.0-or-later
+# All checks, from a fresh clone on Debian 12: installs what is missing, builds with warnings as errors, runs every test,
+# runs what reads foreign files again under the address and undefined-behaviour sanitizers, checks format and lint.
+# The last line is `N passed, N failed`; the exit status says the same.
+set -u
+cd "$(dirname "$0")/.."
+
+tools/install_packages.sh test || exit 1
+export GEOCLOTH_REQUIRE_DEVICE=1 CTEST_OUTPUT_ON_FAILURE=1
+jobs=$(nproc)
+passed=0
+failed=0
+
+# check NAME COMMAND...: one check that is not a test program's.
+check() {
+  echo "== $1"
+  name=$1
+  shift
+  if "$@"; then passed=$((passed + 1)); else failed=$((failed + 1)); echo "FAILED: $name"; fi
+}
+
+# count_tests FOLDER ARGUMENTS...: runs ctest and adds up its cases.
+count_tests() {
+  folder=$1
+  shift
+  rm -f "$folder/junit.xml"
+  ctest --test-dir "$folder" -j "$jobs" --output-junit junit.xml "$@"
+  # <testsuite ... tests="12" failures="1" disabled="0" skipped="2" ...>
+  suite=$(tr '\n' ' ' <"$folder/junit.xml" 2>/dev/null | sed -n 's/.*<testsuite \([^>]*\)>.*/\1/p')
+  if [ -z "$suite" ]; then
+    echo "FAILED: no tests ran in $folder"
+    failed=$((failed + 1))
+    return
+  fi
+  number() { printf '%s' "$suite" | sed -n "s/.*[[:space:]]$1=\"\([0-9]*\)\".*/\1/p"; }
+  tests=$(number tests) failures=$(number failures) skipped=$(number skipped) disabled=$(number disabled)
+  passed=$((passed + tests - failures - skipped - disabled))
+  failed=$((failed + failures))
+}
+
+build() { cmake --preset "$1" && cmake --build --preset "$@"; }
+
+own_sources() { git ls-files '*.cpp' '*.h'; }
+format_holds() { own_sources | xargs -r clang-format --dry-run --Werror; }
+# The compile commands of GCC name options that clang does not know.
+lint_holds() {
+  git ls-files 'solver/*.cpp' 'parametrize/*.cpp' 'tools/*.cpp' 'meshes/*.cpp' |
+    xargs -r -n 1 -P "$jobs" clang-tidy --quiet -p build/release --extra-arg=-Wno-unknown-warning-option 2>/dev/null
+}
+
+check "build release" build release
+check "clang-format" format_holds
+count_tests build/release
+check "build sanitize" build sanitize --target geocloth_sanitized_tests
+count_tests build/sanitize -L sanitize
+check "clang-tidy" lint_holds
+
+echo "$passed passed, $failed failed"
+[ "$failed" = 0 ]
