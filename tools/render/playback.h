@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <vector>
+
+#include "render/renderer.h"
+
+namespace geocloth {
+
+/// The state of one cloth in host memory.
+struct PlayedCloth {
+  std::vector<Vec3> position, normal;  ///< one per pixel of its RenderCloth's asset
+};
+
+/// Something that can be drawn frame by frame: an asset at rest (one frame) or a cache of a motion.
+struct Playback {
+  RenderScene scene;
+  double frame_rate = 60;
+  size_t frame_count = 1;
+  std::function<std::vector<PlayedCloth>(size_t frame)> state;
+};
+
+/// An asset as it came out of the conversion.
+[[nodiscard]] Playback play_asset(std::shared_ptr<const ClothAsset> asset);
+
+/// A cache of vertex positions of source meshes: every vertex becomes a pixel of its own, so that the same shader draws
+/// it. Normals are smooth over vertices that shared position and normal in the source mesh.
+/// @param frames  [frame][cloth][render vertex] [m], at least one frame
+[[nodiscard]] Playback play_vertices(const std::vector<SourceMesh>& cloths,
+                                     std::vector<std::vector<std::vector<Vec3>>> frames, double frame_rate);
+
+}  // namespace geocloth
