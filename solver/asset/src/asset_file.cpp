@@ -1,27 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 // The asset as a glTF 2.0 binary file; the page GEOCLOTH_geometry_image.md specifies it. The source mesh is plain glTF,
 // and the cloth data lie in buffer views that only the extension names. Floats are copied bit for bit. The reader
-// believes nothing: sizes are compared with the buffer views before anything is allocated, all views together may not
-// be larger than the binary chunk (so one view cannot be read a thousand times), and validate() has the last word.
+// believes nothing (glb_reader.h), and validate() has the last word.
 #include "geocloth/asset/asset_file.h"
 
-#include <cmath>
-#include <cstring>
-#include <limits>
+#include <array>
 #include <string>
 #include <utility>
 
 #include "geocloth/asset/error.h"
 #include "geocloth/asset/output_file.h"
 #include "glb.h"
+#include "glb_reader.h"
 
 namespace geocloth {
 namespace {
 
 using glb::Json;
+using glb::Reader;
 
 constexpr uint64_t kFormatVersion = 1;
-constexpr uint32_t kFloat = 5126, kUnsignedShort = 5123, kUnsignedInt = 5125;
 
 // ---- writing ----
 
@@ -109,122 +107,6 @@ Json add_cloth(glb::Builder& builder, const ClothAsset& asset) {
 
 // ---- reading ----
 
-/// Typed access to untrusted JSON and buffer views; every failure is an Error that names the file and the member.
-class Reader {
- public:
-  Reader(const glb::Container& container, std::string name)
-      : json_(container.json), binary_(container.binary), name_(std::move(name)), budget_(container.binary.size()) {}
-
-  [[noreturn]] void refuse(const std::string& what) const {
-    throw Error(ErrorCode::invalid_data, name_ + ": " + what + "; convert the garment again");
-  }
-
-  [[nodiscard]] const Json& root() const { return json_; }
-
-  [[nodiscard]] static const Json* find(const Json& object, const char* key) {
-    if (!object.is_object()) return nullptr;
-    const auto it = object.find(key);
-    return it == object.end() ? nullptr : &*it;
-  }
-  [[nodiscard]] const Json& member(const Json& object, const char* key) const {
-    const Json* value = find(object, key);
-    if (value == nullptr) refuse(std::string("\"") + key + "\" is missing");
-    return *value;
-  }
-  [[nodiscard]] const Json& array(const Json& object, const char* key) const {
-    const Json& value = member(object, key);
-    if (!value.is_array()) refuse(std::string("\"") + key + "\" is not an array");
-    return value;
-  }
-  /// An element of an array of the glTF root.
-  [[nodiscard]] const Json& element(const char* key, uint64_t index) const {
-    const Json& list = array(json_, key);
-    if (index >= list.size()) refuse(std::string("\"") + key + "\" has no element " + std::to_string(index));
-    return list[static_cast<std::size_t>(index)];
-  }
-  [[nodiscard]] uint64_t number(const Json& object, const char* key, uint64_t max = 0xFFFFFFFFU) const {
-    const Json& value = member(object, key);
-    if (!value.is_number_unsigned() || value.get<uint64_t>() > max) {
-      refuse(std::string("\"") + key + "\" is not a whole number from 0 to " + std::to_string(max));
-    }
-    return value.get<uint64_t>();
-  }
-  [[nodiscard]] uint32_t number32(const Json& object, const char* key) const {
-    return static_cast<uint32_t>(number(object, key));
-  }
-  [[nodiscard]] float real(const Json& value, const char* what) const {
-    if (!value.is_number() || !(std::abs(value.get<double>()) <= double{std::numeric_limits<float>::max()})) {
-      refuse(std::string("\"") + what + "\" is not a number");
-    }
-    return static_cast<float>(value.get<double>());
-  }
-  [[nodiscard]] std::string text(const Json& value, const char* what) const {
-    if (!value.is_string()) refuse(std::string("\"") + what + "\" is not a string");
-    return value.get<std::string>();
-  }
-  [[nodiscard]] std::string text_or_empty(const Json& object, const char* key) const {
-    const Json* value = find(object, key);
-    return value == nullptr ? std::string{} : text(*value, key);
-  }
-
-  /// The bytes of the buffer view that object[key] names. Each byte of the file can be taken once.
-  [[nodiscard]] std::span<const std::byte> view(const Json& object, const char* key) {
-    const Json& description = element("bufferViews", number(object, key));
-    const uint64_t offset = find(description, "byteOffset") ? number(description, "byteOffset") : 0;
-    const uint64_t size = number(description, "byteLength");
-    if (number(description, "buffer") != 0 || offset > binary_.size() || size > binary_.size() - offset) {
-      refuse(std::string("the buffer view of \"") + key + "\" does not lie in the file");
-    }
-    if (find(description, "byteStride") != nullptr) refuse(std::string("\"") + key + "\" is not tightly packed");
-    if (size > budget_) refuse("buffer views overlap");
-    budget_ -= size;
-    return binary_.subspan(static_cast<std::size_t>(offset), static_cast<std::size_t>(size));
-  }
-
-  /// The buffer view that object[key] names as values. @param count  as many as there must be
-  template <class T>
-  std::vector<T> values(const Json& object, const char* key, uint64_t count) {
-    return values_of<T>(view(object, key), key, count);
-  }
-  /// As many values as the view holds.
-  template <class T>
-  std::vector<T> values(const Json& object, const char* key) {
-    const auto bytes = view(object, key);
-    return values_of<T>(bytes, key, bytes.size() / sizeof(T));
-  }
-
- private:
-  template <class T>
-  std::vector<T> values_of(std::span<const std::byte> bytes, const char* key, uint64_t count) {
-    static_assert(std::is_trivially_copyable_v<T>);
-    if (bytes.size() % sizeof(T) != 0 || bytes.size() / sizeof(T) != count) {
-      refuse(std::string("\"") + key + "\" has " + std::to_string(bytes.size()) + " bytes instead of " +
-             std::to_string(count) + " x " + std::to_string(sizeof(T)));
-    }
-    std::vector<T> result(bytes.size() / sizeof(T));
-    if (!bytes.empty()) std::memcpy(result.data(), bytes.data(), bytes.size());
-    return result;
-  }
-
-  const Json& json_;
-  std::span<const std::byte> binary_;
-  std::string name_;
-  uint64_t budget_;  ///< [bytes] of the binary chunk that no view has taken
-};
-
-/// The values of a float attribute that all primitives share.
-template <class T>
-std::vector<T> read_attribute(Reader& reader, const Json& attributes, const char* name) {
-  const Json& accessor = reader.element("accessors", reader.number(attributes, name));
-  const char* type = sizeof(T) == sizeof(Vec3) ? "VEC3" : "VEC2";
-  const bool whole_view = !Reader::find(accessor, "byteOffset") || reader.number(accessor, "byteOffset") == 0;
-  if (reader.number(accessor, "componentType") != kFloat || reader.member(accessor, "type") != type || !whole_view ||
-      Reader::find(accessor, "sparse") != nullptr) {
-    reader.refuse(std::string("the accessor of ") + name + " is not a plain " + type + " of floats");
-  }
-  return reader.values<T>(accessor, "bufferView", reader.number(accessor, "count"));
-}
-
 /// Not by comparing the JSON objects: that recurses as deep as a hostile file is nested.
 std::array<uint64_t, 3> attribute_accessors(const Reader& reader, const Json& primitive) {
   const Json& attributes = reader.member(primitive, "attributes");
@@ -232,87 +114,19 @@ std::array<uint64_t, 3> attribute_accessors(const Reader& reader, const Json& pr
   return {reader.number(attributes, "POSITION"), reader.number(attributes, "NORMAL"), uv};
 }
 
-std::vector<Triangle> group_corners(const std::vector<uint32_t>& corners) {
-  std::vector<Triangle> triangles(corners.size() / 3);
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    triangles[i] = {corners[3 * i], corners[3 * i + 1], corners[3 * i + 2]};
-  }
-  return triangles;
-}
-
-/// Triangles and parts: every primitive takes the next run of one buffer view of indices.
+/// Triangles and parts: a primitive each, all over the same vertices.
 void read_primitives(Reader& reader, const Json& primitives, const Json& part_names, SourceMesh& source) {
-  const Json& first = reader.element("accessors", reader.number(primitives.front(), "indices"));
-  const uint64_t component = reader.number(first, "componentType"), view = reader.number(first, "bufferView");
-  if (component != kUnsignedShort && component != kUnsignedInt) reader.refuse("indices have an unknown type");
-  const uint64_t corner_size = component == kUnsignedShort ? 2 : 4;
   if (part_names.size() != primitives.size()) reader.refuse("\"parts\" does not name every primitive");
-
-  uint64_t corner = 0;
   for (std::size_t i = 0; i < primitives.size(); ++i) {
     const Json& primitive = primitives[i];
-    const Json& accessor = reader.element("accessors", reader.number(primitive, "indices"));
-    const uint64_t count = reader.number(accessor, "count");
-    const uint64_t offset = Reader::find(accessor, "byteOffset") ? reader.number(accessor, "byteOffset") : 0;
-    if (reader.number(accessor, "bufferView") != view || reader.number(accessor, "componentType") != component ||
-        offset != corner * corner_size || count % 3 != 0 || Reader::find(accessor, "sparse") != nullptr) {
-      reader.refuse("the primitives do not share one run of indices");
-    }
     if (attribute_accessors(reader, primitive) != attribute_accessors(reader, primitives.front())) {
       reader.refuse("the primitives do not share their vertices");
     }
-    SourcePart& part = source.part.emplace_back();
-    part.name = reader.text(part_names[i], "parts");
-    part.material = reader.number32(primitive, "material");
-    part.first_triangle = static_cast<uint32_t>(corner / 3);
-    part.triangle_count = static_cast<uint32_t>(count / 3);
-    corner += count;
-    if (corner > 0xFFFFFFFFU) reader.refuse("there are too many indices");
+    const std::vector<Triangle> triangles = reader.triangles(primitive, "indices");
+    source.part.push_back({reader.text(part_names[i], "parts"), reader.number32(primitive, "material"),
+                           static_cast<uint32_t>(source.triangle.size()), static_cast<uint32_t>(triangles.size())});
+    source.triangle.insert(source.triangle.end(), triangles.begin(), triangles.end());
   }
-  if (component == kUnsignedInt) {
-    source.triangle = group_corners(reader.values<uint32_t>(first, "bufferView", corner));
-  } else {
-    const auto narrow = reader.values<uint16_t>(first, "bufferView", corner);
-    source.triangle = group_corners({narrow.begin(), narrow.end()});
-  }
-}
-
-void read_images(Reader& reader, SourceMesh& source) {
-  if (Reader::find(reader.root(), "images") == nullptr) return;
-  for (const Json& json : reader.array(reader.root(), "images")) {
-    SourceImage& image = source.image.emplace_back();
-    image.name = reader.text_or_empty(json, "name");
-    image.mime_type = reader.text(reader.member(json, "mimeType"), "mimeType");
-    image.bytes = reader.values<uint8_t>(json, "bufferView");
-  }
-}
-
-/// The image that a material's member key shows.
-std::optional<uint32_t> read_texture(const Reader& reader, const Json& material, const char* key) {
-  const Json* info = Reader::find(material, key);
-  if (info == nullptr) return std::nullopt;
-  return reader.number32(reader.element("textures", reader.number(*info, "index")), "source");
-}
-
-SourceMaterial read_material(const Reader& reader, const Json& json) {
-  SourceMaterial material;
-  material.name = reader.text_or_empty(json, "name");
-  const Json& pbr = reader.member(json, "pbrMetallicRoughness");
-  const Json& color = reader.array(pbr, "baseColorFactor");
-  if (color.size() != material.base_color.size()) reader.refuse("\"baseColorFactor\" does not have four numbers");
-  for (std::size_t i = 0; i < color.size(); ++i) material.base_color[i] = reader.real(color[i], "baseColorFactor");
-  material.metallic = reader.real(reader.member(pbr, "metallicFactor"), "metallicFactor");
-  material.roughness = reader.real(reader.member(pbr, "roughnessFactor"), "roughnessFactor");
-  material.base_color_image = read_texture(reader, pbr, "baseColorTexture");
-  material.metallic_roughness_image = read_texture(reader, pbr, "metallicRoughnessTexture");
-  material.normal_image = read_texture(reader, json, "normalTexture");
-  const std::string mode = reader.text_or_empty(json, "alphaMode");
-  material.alpha_mask = mode == "MASK";
-  material.alpha_blend = mode == "BLEND";
-  if (const Json* cutoff = Reader::find(json, "alphaCutoff")) {
-    material.alpha_cutoff = reader.real(*cutoff, "alphaCutoff");
-  }
-  return material;
 }
 
 SourceMesh read_source_mesh(Reader& reader, const Json& cloth) {
@@ -320,14 +134,15 @@ SourceMesh read_source_mesh(Reader& reader, const Json& cloth) {
   const Json& primitives = reader.array(reader.element("meshes", reader.number(cloth, "mesh")), "primitives");
   if (primitives.empty()) reader.refuse("the mesh has no primitives");
   const Json& attributes = reader.member(primitives.front(), "attributes");
-  source.position = read_attribute<Vec3>(reader, attributes, "POSITION");
-  source.normal = read_attribute<Vec3>(reader, attributes, "NORMAL");
-  if (Reader::find(attributes, "TEXCOORD_0")) source.uv = read_attribute<Vec2>(reader, attributes, "TEXCOORD_0");
+  source.position = reader.floats<Vec3>(attributes, "POSITION");
+  source.normal = reader.floats<Vec3>(attributes, "NORMAL");
+  if (Reader::find(attributes, "TEXCOORD_0")) source.uv = reader.floats<Vec2>(attributes, "TEXCOORD_0");
   read_primitives(reader, primitives, reader.array(cloth, "parts"), source);
-  read_images(reader, source);
-  for (const Json& json : reader.array(reader.root(), "materials")) {
-    source.material.push_back(read_material(reader, json));
+  if (Reader::find(reader.root(), "images")) {
+    const std::size_t count = reader.array(reader.root(), "images").size();
+    for (std::size_t i = 0; i < count; ++i) source.image.push_back(reader.image(i));
   }
+  source.material = reader.materials();
   const Json& vertices = reader.member(cloth, "sourceVertices");
   source.source_vertex_count = reader.number32(vertices, "count");
   source.source_vertex = reader.values<uint32_t>(vertices, "indices", source.position.size());
