@@ -27,93 +27,36 @@ constexpr double kSmallestAreaShare = 1e-3;
 /// Share of the wanted modulus that structural springs keep at least after others' contributions are taken off.
 constexpr double kSmallestModulusShare = 0.05;
 
-/// Structural moduli [N/m] such that the lattice as a whole has the material's. Two diagonals with the shear modulus G
-/// add G (e_u + e_v)^2 / 2 to the energy: pulled along v and free across, K_v + G K_u / (K_u + G) resists.
-struct Moduli {
-  double warp, weft, shear;
+/// Share of a direction's modulus that shear springs may take over at most.
+constexpr double kLargestShearShare = 0.5;
+
+/// The springs of one cell, so that the lattice has the material's moduli. With the sides a (weft) and b (warp),
+/// strains e_u, e_v and the shear gamma, two diagonals with k = G L^2 / (2 a b) have the energy per area
+///   G ((e_u a/b + e_v b/a)^2 + gamma^2) / 2,
+/// that is the shear modulus G, and moduli C_u = G a^2/b^2, C_v = G b^2/a^2 with the coupling G on top of the
+/// structural springs'. Pulled along one direction and free across, K_v + C_v - G^2 / (K_u + C_u) must be the
+/// material's modulus.
+struct CellModuli {
+  double warp = 0, weft = 0;  ///< [N/m] of the structural springs
+  double diagonal = 0;        ///< [N/m^3] stiffness of a diagonal / its length squared
 };
-Moduli lattice_moduli(const Material& m) {
-  double warp = m.stretch_warp, weft = m.stretch_weft;
-  const double g = m.shear;
-  for (int i = 0; i < 200; ++i) {
-    const double next_warp = m.stretch_warp - g * weft / (weft + g);
-    const double next_weft = m.stretch_weft - g * warp / (warp + g);
-    warp = std::max(0.5 * (warp + next_warp), kSmallestModulusShare * m.stretch_warp);
-    weft = std::max(0.5 * (weft + next_weft), kSmallestModulusShare * m.stretch_weft);
+CellModuli cell_moduli(const Material& m, double a, double b) {
+  const double ratio = std::clamp(a / b, 1e-3, 1e3);
+  const double r2 = ratio * ratio;
+  const double wanted_warp = m.stretch_warp, wanted_weft = m.stretch_weft;
+  const double g =
+      std::min(static_cast<double>(m.shear), kLargestShearShare * std::min(wanted_weft / r2, wanted_warp * r2));
+  CellModuli c{wanted_warp, wanted_weft, g / (2 * a * b)};
+  for (int i = 0; i < 20; ++i) {
+    c.warp = wanted_warp - g / r2 + g * g / (c.weft + g * r2);
+    c.weft = wanted_weft - g * r2 + g * g / (c.warp + g / r2);
   }
-  return {warp, weft, g};
+  return c;
 }
 
 double triangle_area(const Vec3& a, const Vec3& b, const Vec3& c) {
   return 0.5 * static_cast<double>(length(cross(b - a, c - a)));
 }
-
-/// The rest shape, scaled, with the areas that belong to springs.
-class RestShape {
- public:
-  RestShape(const ClothAsset& asset, float scale) : asset_(asset), scale_(scale), cell_area_(asset.pixel_count()) {
-    for (uint32_t y = 0; y + 1 < asset.height; ++y)
-      for (uint32_t x = 0; x + 1 < asset.width; ++x) cell_area_[pixel(x, y)] = areas_of_cell(x, y);
-  }
-
-  [[nodiscard]] double rest_length(uint32_t a, uint32_t b) const {
-    return static_cast<double>(scale_) * static_cast<double>(length(asset_.rest_position[b] - asset_.rest_position[a]));
-  }
-
-  /// [m] perpendicular to a structural or shear spring: area of the triangles that it belongs to / its length. Every
-  /// triangle has one side of each structural direction, so each direction's widths x lengths cover the surface once.
-  [[nodiscard]] double width(uint32_t component, uint32_t x, uint32_t y, double rest) const {
-    double area = 0;
-    switch (component) {
-      case 0:  // right: in the cell below it is the upper side, in the cell above the lower one
-        area = cell(x, y)[diagonal_left(x, y) ? 0 : 1] + cell(x, y - 1)[diagonal_left(x, y - 1) ? 1 : 0];
-        break;
-      case 1:  // down: left side of the cell to its right, right side of the cell to its left
-        area = cell(x, y)[0] + cell(x - 1, y)[1];
-        break;
-      case 2:
-        area = cell(x, y)[0] + cell(x, y)[1];
-        break;
-      default:
-        area = cell(x - 1, y)[0] + cell(x - 1, y)[1];
-    }
-    if (area > 0) return area / rest;
-    return 0.25 * pixel_area(pixel(x, y)) / rest;  // a spring without a triangle: a thin tongue of cloth
-  }
-
-  [[nodiscard]] double pixel_area(uint32_t p) const {
-    return static_cast<double>(asset_.area[p]) * static_cast<double>(scale_) * static_cast<double>(scale_);
-  }
-
- private:
-  using CellArea = std::array<double, 2>;  ///< first and second triangle
-
-  [[nodiscard]] uint32_t pixel(uint32_t x, uint32_t y) const { return y * asset_.width + x; }
-  [[nodiscard]] bool inside(uint32_t x, uint32_t y) const { return x < asset_.width && y < asset_.height; }
-  /// x - 1 and y - 1 wrap to huge numbers at 0, which are outside.
-  [[nodiscard]] CellArea cell(uint32_t x, uint32_t y) const {
-    return inside(x, y) ? cell_area_[pixel(x, y)] : CellArea{};
-  }
-  [[nodiscard]] bool diagonal_left(uint32_t x, uint32_t y) const {
-    return inside(x, y) && (asset_.cell[pixel(x, y)] & kCellDiagonalLeft) != 0;
-  }
-
-  [[nodiscard]] CellArea areas_of_cell(uint32_t x, uint32_t y) const {
-    const uint8_t bits = asset_.cell[pixel(x, y)];
-    const auto& p = asset_.rest_position;
-    const Vec3 &p0 = p[pixel(x, y)], &p1 = p[pixel(x + 1, y)], &p2 = p[pixel(x, y + 1)], &p3 = p[pixel(x + 1, y + 1)];
-    const bool left = (bits & kCellDiagonalLeft) != 0;
-    const double s = static_cast<double>(scale_) * static_cast<double>(scale_);
-    CellArea area{};
-    if (bits & kCellFirst) area[0] = s * (left ? triangle_area(p0, p2, p1) : triangle_area(p0, p2, p3));
-    if (bits & kCellSecond) area[1] = s * (left ? triangle_area(p1, p2, p3) : triangle_area(p0, p3, p1));
-    return area;
-  }
-
-  const ClothAsset& asset_;
-  float scale_;
-  std::vector<CellArea> cell_area_;
-};
 
 /// [N/m] of a spring over two pixels with the half length h that stands for a plate of the rigidity B and the width w:
 /// B angle^2 / 2 x w / h = k (h angle^2 / 4)^2 / 2 at angle = kBendAngle.
@@ -125,15 +68,115 @@ double bending_modulus(double rigidity, double half_length) {
   return 64 * rigidity / (kBendAngle * kBendAngle * half_length * half_length);
 }
 
+/// One cell of the rest shape.
+struct RestCell {
+  std::array<double, 2> area{};  ///< [m^2] first and second triangle
+  CellModuli moduli;
+  [[nodiscard]] double triangles() const { return (area[0] > 0 ? 0.5 : 0) + (area[1] > 0 ? 0.5 : 0); }  ///< of two
+};
+
+/// The rest shape, scaled, and what each cell gives to the springs around it. Every triangle has one side of each
+/// structural direction, so each direction's springs cover the surface once.
+class RestShape {
+ public:
+  RestShape(const ClothAsset& asset, float scale, const Material& material)
+      : asset_(asset), scale_(scale), material_(material), cells_(asset.pixel_count()) {
+    for (uint32_t y = 0; y + 1 < asset.height; ++y)
+      for (uint32_t x = 0; x + 1 < asset.width; ++x)
+        if (asset.cell[pixel(x, y)] & (kCellFirst | kCellSecond)) cells_[pixel(x, y)] = make_cell(x, y);
+  }
+
+  [[nodiscard]] double rest_length(uint32_t a, uint32_t b) const {
+    return static_cast<double>(scale_) * static_cast<double>(length(asset_.rest_position[b] - asset_.rest_position[a]));
+  }
+
+  /// [m] perpendicular to a structural spring: area of the triangles that it is a side of / its length.
+  [[nodiscard]] double width(uint32_t component, uint32_t x, uint32_t y, double rest) const {
+    double area = 0;
+    for_triangles(component, x, y, [&](const RestCell& c, size_t triangle) { area += c.area[triangle]; });
+    return (area > 0 ? area : lone_area(x, y)) / rest;
+  }
+
+  /// [N/m] of a structural spring: K w / L, with K and w from its triangles.
+  [[nodiscard]] double structural_stiffness(uint32_t component, uint32_t x, uint32_t y, double rest) const {
+    const bool warp = component == 1;
+    double sum = 0;
+    for_triangles(component, x, y, [&](const RestCell& c, size_t triangle) {
+      const double from_bending = material_.bend_stiffness >= 0 ? 0 : bending_modulus(rigidity(warp), rest);
+      const double wanted = warp ? c.moduli.warp : c.moduli.weft;
+      sum += c.area[triangle] * std::max(wanted - from_bending, kSmallestModulusShare * wanted);
+    });
+    if (!(sum > 0)) sum = lone_area(x, y) * static_cast<double>(warp ? material_.stretch_warp : material_.stretch_weft);
+    return sum / (rest * rest);
+  }
+
+  /// [N/m] of a diagonal from (x, y), component 2 (down-right) or 3 (down-left).
+  [[nodiscard]] double diagonal_stiffness(uint32_t component, uint32_t x, uint32_t y, double rest) const {
+    const RestCell c = cell(component == 2 ? x : x - 1, y);
+    if (c.triangles() > 0) return c.triangles() * c.moduli.diagonal * rest * rest;
+    return static_cast<double>(material_.shear) * lone_area(x, y) / (rest * rest);
+  }
+
+  [[nodiscard]] double pixel_area(uint32_t p) const {
+    return static_cast<double>(asset_.area[p]) * static_cast<double>(scale_) * static_cast<double>(scale_);
+  }
+  [[nodiscard]] double rigidity(bool warp) const { return warp ? material_.bend_warp : material_.bend_weft; }
+
+ private:
+  [[nodiscard]] uint32_t pixel(uint32_t x, uint32_t y) const { return y * asset_.width + x; }
+  [[nodiscard]] bool inside(uint32_t x, uint32_t y) const { return x < asset_.width && y < asset_.height; }
+  /// x - 1 and y - 1 wrap to huge numbers at 0, which are outside.
+  [[nodiscard]] RestCell cell(uint32_t x, uint32_t y) const { return inside(x, y) ? cells_[pixel(x, y)] : RestCell{}; }
+  [[nodiscard]] bool diagonal_left(uint32_t x, uint32_t y) const {
+    return inside(x, y) && (asset_.cell[pixel(x, y)] & kCellDiagonalLeft) != 0;
+  }
+  /// A spring without a triangle is a thin tongue of cloth.
+  [[nodiscard]] double lone_area(uint32_t x, uint32_t y) const { return 0.25 * pixel_area(pixel(x, y)); }
+
+  /// Calls visit(cell, triangle) for the triangles that have the structural spring from (x, y) as a side.
+  template <class Visit>
+  void for_triangles(uint32_t component, uint32_t x, uint32_t y, const Visit& visit) const {
+    if (component == 0) {  // upper side of the cell below, lower side of the cell above
+      visit(cell(x, y), size_t{diagonal_left(x, y) ? 0U : 1U});
+      visit(cell(x, y - 1), size_t{diagonal_left(x, y - 1) ? 1U : 0U});
+    } else {  // left side of the cell to the right, right side of the cell to the left
+      visit(cell(x, y), size_t{0});
+      visit(cell(x - 1, y), size_t{1});
+    }
+  }
+
+  [[nodiscard]] RestCell make_cell(uint32_t x, uint32_t y) const {
+    const uint8_t bits = asset_.cell[pixel(x, y)];
+    const auto& p = asset_.rest_position;
+    const Vec3 &p0 = p[pixel(x, y)], &p1 = p[pixel(x + 1, y)], &p2 = p[pixel(x, y + 1)], &p3 = p[pixel(x + 1, y + 1)];
+    const bool left = (bits & kCellDiagonalLeft) != 0;
+    const double s = static_cast<double>(scale_);
+    RestCell c;
+    if (bits & kCellFirst) c.area[0] = s * s * (left ? triangle_area(p0, p2, p1) : triangle_area(p0, p2, p3));
+    if (bits & kCellSecond) c.area[1] = s * s * (left ? triangle_area(p1, p2, p3) : triangle_area(p0, p3, p1));
+    // A cell with one triangle has only that triangle's sides.
+    const double upper = length(p1 - p0), lower = length(p3 - p2), west = length(p2 - p0), east = length(p3 - p1);
+    const bool first = c.area[0] > 0, second = c.area[1] > 0;
+    const double a = first && second ? 0.5 * (upper + lower) : first == left ? upper : lower;
+    const double b = first && second ? 0.5 * (west + east) : first ? west : east;
+    if (a > 0 && b > 0) c.moduli = cell_moduli(material_, s * a, s * b);
+    return c;
+  }
+
+  const ClothAsset& asset_;
+  float scale_;
+  const Material& material_;
+  std::vector<RestCell> cells_;
+};
+
 /// Springs of one cloth, in the components' order.
 class SpringBuilder {
  public:
   SpringBuilder(const ClothDesc& cloth, ClothData& data)
       : asset_(*cloth.asset),
         material_(cloth.material),
-        moduli_(lattice_moduli(cloth.material)),
         scale_(cloth.transform.scale),
-        rest_(asset_, scale_),
+        rest_(asset_, scale_, material_),
         data_(data) {}
 
   void build() {
@@ -148,7 +191,6 @@ class SpringBuilder {
  private:
   [[nodiscard]] uint32_t pixel(uint32_t x, uint32_t y) const { return y * asset_.width + x; }
   [[nodiscard]] static bool is_warp(uint32_t component) { return component == 1 || component == 5; }
-  [[nodiscard]] double rigidity(bool warp) const { return warp ? material_.bend_warp : material_.bend_weft; }
 
   void add_spring(uint32_t c, uint32_t x, uint32_t y) {
     const uint32_t a = pixel(x, y);
@@ -168,12 +210,7 @@ class SpringBuilder {
   }
 
   [[nodiscard]] double membrane_stiffness(uint32_t c, uint32_t x, uint32_t y, double rest) const {
-    const double width = rest_.width(c, x, y, rest);
-    // Shear by gamma lengthens the diagonal of a square by gamma L / 2: two diagonals with 2 G w / L make up G.
-    if (c >= 2) return 2 * moduli_.shear * width / rest;
-    const double wanted = is_warp(c) ? moduli_.warp : moduli_.weft;
-    const double from_bending = material_.bend_stiffness >= 0 ? 0 : bending_modulus(rigidity(is_warp(c)), rest);
-    return std::max(wanted - from_bending, kSmallestModulusShare * wanted) * width / rest;
+    return c < 2 ? rest_.structural_stiffness(c, x, y, rest) : rest_.diagonal_stiffness(c, x, y, rest);
   }
 
   [[nodiscard]] double bending_stiffness_at(uint32_t c, uint32_t x, uint32_t y, double rest) const {
@@ -182,7 +219,7 @@ class SpringBuilder {
     const uint32_t y1 = y + static_cast<uint32_t>(kSpringOffset[structural][1]);
     const double half = 0.5 * rest;
     const double width = 0.5 * (rest_.width(structural, x, y, half) + rest_.width(structural, x1, y1, half));
-    return bending_stiffness(rigidity(is_warp(c)), width, half);
+    return bending_stiffness(rest_.rigidity(is_warp(c)), width, half);
   }
 
   [[nodiscard]] static float to_compliance(double stiffness) {
@@ -199,7 +236,7 @@ class SpringBuilder {
       if (!(rest > 0) || bend.a == bend.b) continue;
       const double half = 0.5 * rest;
       const double width = 0.5 * (rest_.pixel_area(bend.a) + rest_.pixel_area(bend.b)) / half;
-      const double stiffness = bending_stiffness(0.5 * (rigidity(true) + rigidity(false)), width, half);
+      const double stiffness = bending_stiffness(0.5 * (rest_.rigidity(true) + rest_.rigidity(false)), width, half);
       const bool by_share = material_.bend_stiffness >= 0;
       if (!by_share && !(stiffness > 0)) continue;
       const uint32_t color = free_color(colors_at[bend.a], colors_at[bend.b]);
@@ -229,7 +266,6 @@ class SpringBuilder {
 
   const ClothAsset& asset_;
   const Material& material_;
-  Moduli moduli_;
   float scale_;
   RestShape rest_;
   ClothData& data_;

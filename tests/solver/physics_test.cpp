@@ -1,0 +1,346 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The solver against closed forms: what a user would compute by hand must come out, whatever the resolution, the number
+// of substeps and the way the cloth is cut into charts.
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "solver_fixture.h"
+
+namespace geocloth {
+namespace {
+
+using test::make_sheet;
+using test::SheetOptions;
+
+constexpr double kGravity = 9.81;
+
+TEST(FreeFall, FollowsHalfGTSquaredAtAnyNumberOfSubsteps) {
+  for (const uint32_t substeps : {1U, 16U, 60U, 256U}) {
+    SolverSettings settings = test::cpu_settings();
+    settings.substeps = substeps;
+    Solver solver(std::vector{test::describe(make_sheet({.nx = 8, .ny = 8, .center = {0, 2, 0}}), test::undamped())},
+                  settings);
+    const std::vector<Vec3> start = test::positions_of(solver);
+    test::run(solver, 60);
+    const double dt = settings.frame_time / substeps;
+    const double expected = -0.5 * kGravity * (1.0 + dt);  // n (n + 1) / 2 steps of g dt^2
+    const std::vector<Vec3> end = test::positions_of(solver);
+    for (size_t p = 0; p < end.size(); ++p) EXPECT_NEAR(end[p].y - start[p].y, expected, 2e-4) << substeps;
+  }
+}
+
+TEST(FreeFall, FarFromTheWorldsOriginIsAsPrecise) {
+  SolverSettings settings = test::cpu_settings();
+  settings.substeps = 60;
+  Solver solver(
+      std::vector{test::describe(make_sheet({.nx = 8, .ny = 8, .center = {1000, 4000, -2000}}), test::undamped())},
+      settings);
+  const std::vector<Vec3> start = test::positions_of(solver);
+  test::run(solver, 60);
+  EXPECT_NEAR(test::positions_of(solver)[0].y - start[0].y, -0.5 * kGravity * (1 + settings.frame_time / 60), 1e-3);
+}
+
+TEST(Damping, TakesTheSameShareOfSpeedAtAnyNumberOfSubsteps) {
+  for (const uint32_t substeps : {4U, 64U}) {
+    SolverSettings settings = test::cpu_settings();
+    settings.substeps = substeps;
+    settings.gravity = {};
+    Material material;
+    material.damping = 2;
+    Solver solver(std::vector{test::describe(make_sheet({.nx = 4, .ny = 4}), material)}, settings);
+    const std::vector<Vec3> start = test::positions_of(solver);
+    solver.write_state(0, start, std::vector<Vec3>(start.size(), Vec3{1, 0, 0}));
+    test::run(solver, 30);
+    EXPECT_NEAR(test::velocities_of(solver)[0].x, std::exp(-1.0), 2e-3) << substeps;
+  }
+}
+
+/// A strip that hangs from its top edge, at rest after enough time; returns its elongation [m].
+double hanging_elongation(uint32_t columns, uint32_t rows, const Material& material, uint32_t charts_y,
+                          double* top_strain = nullptr) {
+  const SheetOptions options{.nx = columns, .ny = rows, .width = 0.25F, .charts_y = charts_y};
+  const ClothAsset asset = make_sheet(options);
+  SolverSettings settings = test::cpu_settings();
+  settings.substeps = 32;
+  settings.relaxation_steps = 8;
+  Solver solver(std::vector{test::describe(asset, material)}, settings);
+  solver.set_pins(0, test::pins_at_rest(asset, "top"));
+  test::run(solver, 120);
+  const std::vector<Vec3> x = test::positions_of(solver);
+  const uint32_t column = options.nx / 2;
+  if (top_strain != nullptr) {
+    const double rest = 1.0 / (rows - 1);
+    *top_strain = (x[test::sheet_pixel(options, column, 0)].y - x[test::sheet_pixel(options, column, 1)].y) / rest - 1;
+  }
+  return x[test::sheet_pixel(options, column, 0)].y - x[test::sheet_pixel(options, column, rows - 1)].y - 1.0;
+}
+
+TEST(HangingStrip, StretchesByItsWeightOverItsModulus) {
+  Material material;
+  material.areal_density = 0.2F;
+  material.stretch_warp = material.stretch_weft = 1000;
+  material.shear = 100;
+  material.damping = 4;
+  const double expected = 0.2 * kGravity / (2 * 1000);  // rho g L^2 / (2 K)
+  // Square cells and cells four times as high as wide: the modulus must not depend on how the cloth was sampled.
+  for (const auto& [columns, rows] : {std::pair{4U, 15U}, std::pair{8U, 29U}, std::pair{22U, 22U}}) {
+    double top_strain = 0;
+    EXPECT_NEAR(hanging_elongation(columns, rows, material, 1, &top_strain), expected, 0.06 * expected) << rows;
+    const double at_first_spring = 0.2 * kGravity / 1000 * (1 - 0.5 / (rows - 1));
+    EXPECT_NEAR(top_strain, at_first_spring, 0.1 * at_first_spring) << rows;
+  }
+}
+
+TEST(HangingStrip, IsAsLongCutAcrossAsUncut) {
+  Material material;
+  material.damping = 4;
+  const double uncut = hanging_elongation(8, 29, material, 1);
+  EXPECT_NEAR(hanging_elongation(8, 29, material, 2), uncut, 0.03 * uncut);
+  EXPECT_NEAR(hanging_elongation(8, 29, material, 4), uncut, 0.06 * uncut);
+}
+
+struct Momentum {
+  double x = 0, y = 0, z = 0;  ///< linear
+  double angular_z = 0;
+};
+Momentum momentum_of(Solver& solver, const ClothDesc& cloth) {
+  const std::vector<Vec3> x = test::positions_of(solver), v = test::velocities_of(solver);
+  const std::vector<double> mass = test::masses_of(cloth);
+  Momentum sum;
+  for (size_t p = 0; p < x.size(); ++p) {
+    sum.x += mass[p] * v[p].x;
+    sum.y += mass[p] * v[p].y;
+    sum.z += mass[p] * v[p].z;
+    sum.angular_z += mass[p] * (static_cast<double>(x[p].x) * v[p].y - static_cast<double>(x[p].y) * v[p].x);
+  }
+  return sum;
+}
+
+class Cutting : public ::testing::TestWithParam<std::pair<uint32_t, uint32_t>> {};
+
+TEST_P(Cutting, KeepsMomentumOfCloth_ThatFliesFreely) {
+  const auto [charts_x, charts_y] = GetParam();
+  const ClothDesc cloth = test::describe(
+      make_sheet({.nx = 17, .ny = 17, .charts_x = charts_x, .charts_y = charts_y, .jitter = 0.2F}), test::undamped());
+  SolverSettings settings = test::cpu_settings();
+  settings.gravity = {};
+  Solver solver(std::vector{cloth}, settings);
+  const std::vector<Vec3> x = test::positions_of(solver);
+  std::vector<Vec3> v(x.size());
+  for (size_t p = 0; p < x.size(); ++p) {
+    if (cloth.asset->valid(static_cast<uint32_t>(p))) v[p] = {1 - 2 * x[p].y + x[p].x, 2 * x[p].x, 3 * x[p].y * x[p].x};
+  }
+  solver.write_state(0, x, v);
+  const Momentum before = momentum_of(solver, cloth);
+  test::run(solver, 60);
+  const Momentum after = momentum_of(solver, cloth);
+  EXPECT_NEAR(after.x, before.x, 1e-4);
+  EXPECT_NEAR(after.y, before.y, 1e-4);
+  EXPECT_NEAR(after.z, before.z, 1e-4);
+  EXPECT_NEAR(after.angular_z, before.angular_z, 0.02 * std::abs(before.angular_z));
+  EXPECT_EQ(solver.statistics().copy_gap, 0.0);
+}
+
+TEST_P(Cutting, DoesNotChangeHowAPinnedClothSwings) {
+  const auto [charts_x, charts_y] = GetParam();
+  const auto swing = [](uint32_t cx, uint32_t cy) {
+    const SheetOptions options{.nx = 17, .ny = 17, .charts_x = cx, .charts_y = cy, .horizontal = true};
+    const ClothAsset asset = make_sheet(options);
+    SolverSettings settings = test::cpu_settings();
+    settings.substeps = 32;
+    Solver solver(std::vector{test::describe(asset)}, settings);
+    solver.set_pins(0, test::pins_at_rest(asset, "top"));
+    test::run(solver, 30);
+    const std::vector<Vec3> x = test::positions_of(solver);
+    std::vector<Vec3> points;
+    for (uint32_t j = 0; j < options.ny; ++j)
+      for (uint32_t i = 0; i < options.nx; ++i) points.push_back(x[test::sheet_pixel(options, i, j)]);
+    return points;
+  };
+  const std::vector<Vec3> uncut = swing(1, 1), cut = swing(charts_x, charts_y);
+  double largest = 0;
+  for (size_t k = 0; k < uncut.size(); ++k) largest = std::max(largest, static_cast<double>(length(cut[k] - uncut[k])));
+  RecordProperty("largest_difference_mm", std::to_string(1000 * largest));
+  EXPECT_LT(largest, 0.02);
+}
+
+INSTANTIATE_TEST_SUITE_P(Charts, Cutting,
+                         ::testing::Values(std::pair{1U, 1U}, std::pair{2U, 1U}, std::pair{1U, 2U}, std::pair{4U, 2U}),
+                         [](const auto& cut) {
+                           return std::to_string(cut.param.first) + "x" + std::to_string(cut.param.second);
+                         });
+
+TEST(Energy, AnUndampedSwingNeverGainsAny) {
+  for (const uint32_t substeps : {16U, 30U, 120U, 240U}) {
+    const ClothAsset asset = make_sheet({.nx = 17, .ny = 17, .horizontal = true});
+    const ClothDesc cloth = test::describe(asset, test::undamped());
+    SolverSettings settings = test::cpu_settings();
+    settings.substeps = substeps;
+    Solver solver(std::vector{cloth}, settings);
+    solver.set_pins(0, test::pins_at_rest(asset, "top"));
+    const double weight = 0.2 * kGravity;  // [N] of the square metre
+    for (uint32_t f = 0; f < 60; ++f) {
+      solver.step();
+      const Energy energy =
+          measure_energy(cloth, settings.gravity, test::positions_of(solver), test::velocities_of(solver));
+      const double total = energy.kinetic + energy.potential + energy.elastic;
+      EXPECT_LT(total, 0.01 * weight) << "frame " << f << ", substeps " << substeps;
+    }
+  }
+}
+
+TEST(Wind, FlatClothFallsAtItsTerminalSpeed) {
+  SolverSettings settings = test::cpu_settings();
+  Solver solver(std::vector{test::describe(make_sheet({.nx = 9, .ny = 9, .horizontal = true}), test::undamped())},
+                settings);
+  solver.set_wind({{0, 0, 0}, 0, 1, 1.0F, 0});
+  test::run(solver, 180);
+  const double terminal = std::sqrt(2 * 0.2 * kGravity / 1.204);  // rho/2 Cd v^2 = areal density g
+  for (const Vec3& v : test::velocities_of(solver)) EXPECT_NEAR(v.y, -terminal, 0.01 * terminal);
+}
+
+TEST(Wind, CarriesLooseClothAlongAndGustsDiffer) {
+  Solver solver(std::vector{test::describe(make_sheet({.nx = 9, .ny = 9}))}, test::cpu_settings());
+  solver.set_wind({{0, 0, 5}, 0.5F, 1, 1.0F, 0.2F});
+  test::run(solver, 30);
+  const std::vector<Vec3> v = test::velocities_of(solver);
+  double lowest = 1e9, highest = -1e9;
+  for (const Vec3& u : v) {
+    EXPECT_GT(u.z, 0.5F);
+    lowest = std::min(lowest, static_cast<double>(u.z));
+    highest = std::max(highest, static_cast<double>(u.z));
+  }
+  EXPECT_GT(highest - lowest, 1e-4);
+}
+
+TEST(Wind, IsTheSameForAllCopies) {
+  Solver solver(std::vector{test::describe(make_sheet({.nx = 17, .ny = 17, .charts_x = 4, .charts_y = 4}))},
+                test::cpu_settings());
+  solver.set_wind({{3, 1, 5}, 0.5F, 1, 1.0F, 0.5F});
+  test::run(solver, 60);
+  EXPECT_EQ(solver.statistics().copy_gap, 0.0);
+  EXPECT_TRUE(test::all_finite(test::positions_of(solver)));
+}
+
+/// A small sheet on a plane tilted about z by `degrees`, resting on it; returns how far it slid in one second [m].
+double slide(double degrees, float friction) {
+  const double angle = degrees * std::numbers::pi / 180;
+  const Vec3 normal{static_cast<float>(-std::sin(angle)), static_cast<float>(std::cos(angle)), 0};
+  ClothDesc cloth =
+      test::describe(make_sheet({.nx = 9, .ny = 9, .width = 0.2F, .height = 0.2F, .charts_x = 2, .horizontal = true}),
+                     test::undamped());
+  cloth.material.friction = friction;
+  cloth.transform.rotate = quat_from_euler_deg({0, 0, static_cast<float>(degrees)});
+  cloth.transform.translate = cloth.material.thickness * normal;
+  Solver solver(std::vector{cloth}, test::cpu_settings());
+  solver.set_colliders(std::vector<Collider>{{"slope", Plane{{0, 0, 0}, normal}, friction, {}}});
+  const std::vector<Vec3> start = test::positions_of(solver);
+  test::run(solver, 60);
+  return length(test::positions_of(solver)[0] - start[0]);
+}
+
+TEST(Friction, HoldsOnASlopeBelowItsAngleAndSlidesByCoulombAboveIt) {
+  EXPECT_LT(slide(15, 0.3F), 1e-4);  // tan 15 deg = 0.268
+  const double angle = 25 * std::numbers::pi / 180;
+  const double expected = 0.5 * kGravity * (std::sin(angle) - 0.3 * std::cos(angle));
+  EXPECT_NEAR(slide(25, 0.3F), expected, 0.02 * expected);
+  const double smooth = 0.5 * kGravity * std::sin(angle);
+  EXPECT_NEAR(slide(25, 0.F), smooth, 0.02 * smooth);
+}
+
+TEST(Pins, HoldMoveAndLetGo) {
+  const ClothAsset asset = make_sheet({.nx = 13, .ny = 13, .charts_x = 3});
+  Solver solver(std::vector{test::describe(asset)}, test::cpu_settings());
+  const std::vector<Pin> held = test::pins_at_rest(asset, "top");
+  solver.set_pins(0, held);
+  test::run(solver, 30);
+  for (const Pin& pin : held) EXPECT_EQ(test::positions_of(solver)[pin.pixel], pin.target);
+
+  const std::vector<Pin> moved = test::pins_at_rest(asset, "top", {0.05F, 0, 0.02F});
+  solver.set_pins(0, moved);
+  solver.step();
+  for (const Pin& pin : moved) EXPECT_EQ(test::positions_of(solver)[pin.pixel], pin.target);
+
+  solver.set_pins(0, {});
+  test::run(solver, 30);
+  for (const Pin& pin : moved) EXPECT_LT(test::positions_of(solver)[pin.pixel].y, pin.target.y - 0.7F);
+  EXPECT_EQ(solver.statistics().copy_gap, 0.0);
+}
+
+TEST(Pins, ThatCannotBeReachedTogetherGiveNoNaN) {
+  const ClothAsset asset = make_sheet({.nx = 13, .ny = 13});
+  Material material;
+  material.max_stretch = 0.02F;
+  Solver solver(std::vector{test::describe(asset, material)}, test::cpu_settings());
+  std::vector<Pin> pins = test::pins_at_rest(asset, "left", {-50, 0, 0});
+  for (const Pin& pin : test::pins_at_rest(asset, "right", {50, 0, 0})) pins.push_back(pin);
+  solver.set_pins(0, pins);
+  test::run(solver, 30);
+  EXPECT_TRUE(test::all_finite(test::positions_of(solver)));
+
+  for (Pin& pin : pins) pin.target = {0, 0, 0};  // all in one point: springs without a direction
+  solver.set_pins(0, pins);
+  test::run(solver, 30);
+  EXPECT_TRUE(test::all_finite(test::positions_of(solver)));
+}
+
+TEST(MaxStretch, KeepsAHangingClothWithinItsLimitOverSeamsToo) {
+  for (const uint32_t charts : {1U, 3U}) {
+    const SheetOptions options{.nx = 33, .ny = 65, .charts_y = charts};
+    const ClothAsset asset = make_sheet(options);
+    Material material;
+    material.max_stretch = 0.01F;
+    SolverSettings settings = test::cpu_settings();
+    settings.substeps = 8;  // too few to hold it by springs alone
+    Solver solver(std::vector{test::describe(asset, material)}, settings);
+    solver.set_pins(0, test::pins_at_rest(asset, "top"));
+    test::run(solver, 60);
+    const std::vector<Vec3> x = test::positions_of(solver);
+    const float bottom = x[test::sheet_pixel(options, 16, 64)].y;
+    EXPECT_GT(bottom, -0.5F - 0.0101F) << charts;
+    EXPECT_LT(bottom, -0.5F) << charts;
+    EXPECT_EQ(solver.statistics().copy_gap, 0.0);
+  }
+}
+
+TEST(MaxSpeed, IsKept) {
+  Material material = test::undamped();
+  material.max_speed = 1.5F;
+  Solver solver(std::vector{test::describe(make_sheet({.nx = 5, .ny = 5}), material)}, test::cpu_settings());
+  test::run(solver, 60);
+  for (const Vec3& v : test::velocities_of(solver)) EXPECT_LE(length(v), 1.5F * 1.001F);
+}
+
+TEST(Seeds, ZellersParametersAreAccepted) {
+  Material material;
+  material.stiffness = 1;
+  material.bend_stiffness = 0.5F;
+  material.verlet_damping = 0.99F;
+  const ClothAsset asset = make_sheet({.nx = 17, .ny = 17, .charts_x = 2});
+  Solver solver(std::vector{test::describe(asset, material)}, test::cpu_settings());
+  solver.set_pins(0, test::pins_at_rest(asset, "top"));
+  test::run(solver, 60);
+  const StretchStatistics stretch = measure_stretch(asset, 1, test::positions_of(solver));
+  EXPECT_LT(stretch.max, 1.05);
+  EXPECT_EQ(solver.statistics().copy_gap, 0.0);
+}
+
+TEST(Tube, HangsAndKeepsItsSeamClosed) {
+  const ClothAsset asset = test::make_tube({});
+  SolverSettings settings = test::cpu_settings();
+  Solver solver(std::vector{test::describe(asset)}, settings);
+  solver.set_pins(0, test::pins_at_rest(asset, "top"));
+  solver.set_colliders(std::vector<Collider>{{"ball", Sphere{{0, -0.1F, 0}, 0.22F}, 0.3F, {}}});
+  test::run(solver, 60);
+  EXPECT_EQ(solver.statistics().copy_gap, 0.0);
+  EXPECT_LE(solver.statistics().penetration, 0.0);
+  EXPECT_TRUE(test::all_finite(test::positions_of(solver)));
+}
+
+}  // namespace
+}  // namespace geocloth
