@@ -25,6 +25,11 @@ constexpr double kLeastWeight = 1e-4, kGreatestWeight = 1e4;
 // A vertex's weight changes by this factor at most in a round; a flipped triangle counts as that much stretch. (A patch
 // whose outline lies on one side of the square shrinks exponentially with its depth, at first beyond all precision.)
 constexpr double kStep = 16;
+constexpr double kLeastExponent = 0.2;
+constexpr double kSettled = 0.998;  // share of the stretch that a round must lower it to
+// The way down from a wild start is not monotone: so many rounds may be worse than the best.
+constexpr double kWild = 2.5;
+constexpr int kPatience = 5;
 
 /// tan(angle / 2) between two directions, finite for every input.
 double half_tangent(const Point3& p, const Point3& q) {
@@ -47,7 +52,7 @@ struct DiskEmbedding::Impl {
   std::vector<int32_t> unknown;                       // per vertex, -1 when fixed
   int32_t unknowns = 0;
   double total_area = 0;
-  std::vector<double> vertex_stretch;  // per vertex: divisor of the weights
+  std::vector<double> divisor;  // per vertex: of the weights of its edges
   Eigen::SparseMatrix<double> matrix;
   std::unique_ptr<Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>> solver;
 
@@ -99,7 +104,7 @@ struct DiskEmbedding::Impl {
     for (size_t t = 0; t < triangle.size(); ++t) {
       for (size_t i = 0; i < 3; ++i) {
         const uint32_t a = triangle[t][i], b = triangle[t][(i + 1) % 3];
-        visit(a, b, weight[t][i] / (vertex_stretch[a] * vertex_stretch[b]));
+        visit(a, b, weight[t][i] / (divisor[a] * divisor[b]));
       }
     }
   }
@@ -120,8 +125,8 @@ struct DiskEmbedding::Impl {
     }
   }
 
-  /// Multiplies the divisor of every vertex by its stretch in `uv`, in units of the mean.
-  void divide_by_stretch(std::span<const Point2> uv) {
+  /// Multiplies the divisor of every vertex by a power of its stretch in `uv`, in units of the mean.
+  void divide_by_stretch(std::span<const Point2> uv, double exponent) {
     std::vector<double> sum(unknown.size(), 0.0), around(unknown.size(), 0.0);
     for (size_t t = 0; t < triangle.size(); ++t) {
       const double stretch = squared_stretch(t, uv);
@@ -138,7 +143,8 @@ struct DiskEmbedding::Impl {
     }
     const double mean = weighed > 0 ? std::exp(logarithm / weighed) : 1;
     for (size_t v = 0; v < sum.size(); ++v) {
-      if (around[v] > 0) vertex_stretch[v] *= std::clamp(std::sqrt(sum[v] / around[v] / mean), 1 / kStep, kStep);
+      if (around[v] > 0)
+        divisor[v] *= std::clamp(std::pow(sum[v] / around[v] / mean, 0.5 * exponent), 1 / kStep, kStep);
     }
   }
 
@@ -181,7 +187,7 @@ DiskEmbedding::DiskEmbedding(std::span<const Point3> position, std::span<const T
   for (size_t v = 0; v < position.size(); ++v) {
     if (fixed[v] == 0) s.unknown[v] = s.unknowns++;
   }
-  s.vertex_stretch.assign(position.size(), 1.0);
+  s.divisor.assign(position.size(), 1.0);
   s.weigh(position, weights);
   if (s.unknowns > 0) s.factorise();
 }
@@ -192,6 +198,14 @@ DiskEmbedding::~DiskEmbedding() = default;
 
 void DiskEmbedding::solve(std::vector<Point2>& uv) const {
   impl_->solve(uv);
+}
+
+void DiskEmbedding::weigh_by(std::span<const Point2> uv) {
+  std::vector<Point3> flat;
+  for (const Point2& p : uv) flat.push_back({p[0], p[1], 0});
+  std::fill(impl_->divisor.begin(), impl_->divisor.end(), 1.0);
+  impl_->weigh(flat, Weights::mean_value);
+  if (impl_->unknowns > 0) impl_->factorise();
 }
 
 double DiskEmbedding::l2_stretch(std::span<const Point2> uv) const {
@@ -216,22 +230,29 @@ double DiskEmbedding::relax_stretch(std::vector<Point2>& uv, int rounds) {
   double best = l2_stretch(uv);
   if (s.unknowns == 0) return best;
   std::vector<Point2> trial = uv;
-  for (int round = 0; round < rounds; ++round) {
-    const std::vector<double> before = s.vertex_stretch;
-    s.divide_by_stretch(trial);
+  std::vector<double> best_divisor = s.divisor;
+  double exponent = 1;
+  int worse = 0;  // rounds since the best
+  for (int round = 0; round < rounds && exponent >= kLeastExponent; ++round) {
+    s.divide_by_stretch(trial, exponent);
     s.factorise();
     s.solve(trial);
     const double reached = l2_stretch(trial);
-    // As long as something is flipped there is nothing to compare with: the weights need more rounds.
-    if (std::isfinite(best) && !(reached < best)) {
-      s.vertex_stretch = before;
-      break;
+    if (reached < best) {
+      const bool settled = reached > best * kSettled;
+      best = reached;
+      best_divisor = s.divisor;
+      uv = trial;
+      worse = 0;
+      if (settled) break;
+    } else if (++worse > (best > kWild ? kPatience : 0)) {
+      s.divisor = best_divisor;
+      trial = uv;
+      exponent *= 0.5;
+      worse = 0;
     }
-    uv = trial;
-    const bool settled = std::isfinite(best) && reached > best * 0.999;
-    best = reached;
-    if (settled) break;
   }
+  s.divisor = best_divisor;
   return best;
 }
 

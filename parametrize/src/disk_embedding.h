@@ -28,6 +28,10 @@ class DiskEmbedding {
   /// Places the vertices that are not fixed; `uv` holds the fixed ones.
   void solve(std::vector<Point2>& uv) const;
 
+  /// Takes the mean-value weights from a flip-free planar map instead of the surface: a solve over the same outline
+  /// then about reproduces it, and over another outline keeps its proportions.
+  void weigh_by(std::span<const Point2> uv);
+
   /// Area-weighted root mean square of the stretch (Sander et al. 2001) after scaling to equal areas; 1 is best,
   /// infinite when a triangle is flipped or empty.
   [[nodiscard]] double l2_stretch(std::span<const Point2> uv) const;

@@ -21,10 +21,12 @@ namespace geocloth {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kGoodStretch = 1.2;  // no cut is worth while below
-constexpr double kNotable = 0.95;     // a cut must lower the stretch to this share of it
-constexpr int kMaxCuts = 12;
-constexpr int kRelaxRounds = 12;
+constexpr double kNotable = 0.95;  // a cut must lower the stretch to this share of it
+constexpr double kStretched = 2;   // squared stretch from which a triangle belongs to a region that may need a cut
+constexpr double kMatters = 0.1;   // a region's share of the greatest region's stretch that earns it a cut at once
+constexpr double kWorst = 1e4;
+constexpr int kMaxRounds = 10;
+constexpr int kRelaxRounds = 30;
 
 /// One component by itself.
 CutSurface extract(const CutSurface& cut, const std::vector<uint32_t>& triangles, std::vector<uint32_t>& local) {
@@ -50,8 +52,10 @@ CutSurface extract(const CutSurface& cut, const std::vector<uint32_t>& triangles
 }
 
 struct Judgement {
-  double stretch = kInfinity;        // L2 of the improved map
-  std::vector<double> per_triangle;  // stretch of the map as it comes, per triangle of the part
+  double stretch = kInfinity;  // L2 of the improved map
+  // Per triangle of the part: squared stretch of the map as it comes and of the improved one (relative to the scale at
+  // which areas agree in total), and what the latter contributes to the whole.
+  std::vector<double> first, improved, weight;
 };
 
 Judgement judge(const CutSurface& part) {
@@ -78,13 +82,26 @@ Judgement judge(const CutSurface& part) {
   DiskEmbedding embedding(mesh.position, mesh.triangle, fixed, DiskEmbedding::Weights::mean_value);
   embedding.solve(uv);
   Judgement result;
-  result.per_triangle.assign(part.triangle.size(), 0);
-  const std::vector<double> refined = embedding.stretch_per_triangle(uv);
-  for (size_t t = 0; t < refined.size(); ++t) {
-    double& stretch = result.per_triangle[mesh.clean_triangle[t]];
-    stretch = std::max(stretch, refined[t]);
-  }
+  const auto per_triangle = [&] {
+    std::vector<double> stretch(part.triangle.size(), 0.0);
+    const std::vector<double> refined = embedding.stretch_per_triangle(uv);
+    for (size_t t = 0; t < refined.size(); ++t) {
+      stretch[mesh.clean_triangle[t]] = std::max(stretch[mesh.clean_triangle[t]], refined[t]);
+    }
+    return stretch;
+  };
+  result.first = per_triangle();
   result.stretch = embedding.relax_stretch(uv, kRelaxRounds);
+  result.improved = per_triangle();
+  std::vector<double> area;
+  for (const auto& [a, b, c] : part.triangle) {
+    area.push_back(triangle_area(part.position[a], part.position[b], part.position[c]));
+  }
+  const double scale = std::numbers::pi / std::accumulate(area.begin(), area.end(), 0.0);
+  for (size_t t = 0; t < area.size(); ++t) {
+    result.improved[t] *= scale;
+    result.weight.push_back(area[t] * std::min(result.improved[t], kWorst));
+  }
   return result;
 }
 
@@ -125,30 +142,57 @@ WayOut ways_out(const CutSurface& part, const std::vector<uint32_t>& opposite) {
   return way;
 }
 
-/// The vertex to cut to: of the triangles that stretch most, the one farthest from the outline; kNone when all vertices
-/// are on the outline.
-uint32_t find_tip(const CutSurface& part, const std::vector<double>& stretch, const WayOut& way) {
-  double most = 0;
-  for (size_t t = 0; t < stretch.size(); ++t) {
-    const auto& [a, b, c] = part.triangle[t];
-    if (std::max({way.distance[a], way.distance[b], way.distance[c]}) > 0) most = std::max(most, stretch[t]);
-  }
-  uint32_t tip = kNone;
-  for (size_t t = 0; t < stretch.size(); ++t) {
-    if (stretch[t] < most) continue;
-    for (const uint32_t v : part.triangle[t]) {
-      if (way.distance[v] > 0 && (tip == kNone || way.distance[v] > way.distance[tip])) tip = v;
+/// The vertices to cut to. Triangles that the improved map still stretches form regions; each region that matters for
+/// the whole gives the vertex that the first map stretches most, farthest from the outline.
+std::vector<uint32_t> find_tips(const CutSurface& part, const std::vector<uint32_t>& opposite, const Judgement& now,
+                                const WayOut& way) {
+  const size_t count = part.triangle.size();
+  struct Region {
+    double weight = 0, most = 0;
+    uint32_t tip = kNone;
+  };
+  std::vector<Region> region;
+  std::vector<char> seen(count, 0);
+  std::vector<uint32_t> stack;
+  for (uint32_t seed = 0; seed < count; ++seed) {
+    if (seen[seed] || now.improved[seed] < kStretched) continue;
+    Region r;
+    seen[seed] = 1;
+    stack.push_back(seed);
+    while (!stack.empty()) {
+      const uint32_t t = stack.back();
+      stack.pop_back();
+      r.weight += now.weight[t];
+      for (const uint32_t v : part.triangle[t]) {
+        if (!(way.distance[v] > 0) || now.first[t] < r.most) continue;
+        if (now.first[t] > r.most || way.distance[v] > way.distance[r.tip]) r.tip = v;
+        r.most = now.first[t];
+      }
+      for (uint32_t h = 3 * t; h < 3 * t + 3; ++h) {
+        if (opposite[h] == kNone || seen[opposite[h] / 3] || now.improved[opposite[h] / 3] < kStretched) continue;
+        seen[opposite[h] / 3] = 1;
+        stack.push_back(opposite[h] / 3);
+      }
     }
+    if (r.tip != kNone) region.push_back(r);
   }
-  return tip;
+  std::stable_sort(region.begin(), region.end(), [](const Region& a, const Region& b) { return a.weight > b.weight; });
+  std::vector<uint32_t> tips;
+  for (const Region& r : region) {
+    if (tips.empty() || r.weight > kMatters * region.front().weight) tips.push_back(r.tip);
+  }
+  return tips;
 }
 
-/// The part with a cut from the tip to the outline; copies are appended, so that old vertices keep their numbers.
-CutSurface cut_to(const CutSurface& part, const std::vector<uint32_t>& opposite, const WayOut& way, uint32_t tip) {
+/// The part with cuts from the tips to the outline; copies are appended, so that old vertices keep their numbers.
+CutSurface cut_to(const CutSurface& part, const std::vector<uint32_t>& opposite, const WayOut& way,
+                  const std::vector<uint32_t>& tips) {
   std::vector<char> cut(opposite.size(), 0);
   for (size_t h = 0; h < opposite.size(); ++h) cut[h] = opposite[h] == kNone ? 1 : 0;
-  for (uint32_t v = tip; way.distance[v] > 0; v = head(part.triangle, way.by[v])) {
-    cut[way.by[v]] = cut[opposite[way.by[v]]] = 1;
+  for (const uint32_t tip : tips) {
+    for (uint32_t v = tip; way.distance[v] > 0; v = head(part.triangle, way.by[v])) {
+      cut[way.by[v]] = cut[opposite[way.by[v]]] = 1;
+    }
   }
   const OpenedVertices opened = open_along(part.triangle, opposite, cut);
   CutSurface result = part;
@@ -172,14 +216,14 @@ CutSurface cut_to(const CutSurface& part, const std::vector<uint32_t>& opposite,
   return result;
 }
 
-CutSurface extend(CutSurface part) {
+CutSurface extend(CutSurface part, double good_stretch) {
   Judgement now = judge(part);
-  for (int cuts = 0; cuts < kMaxCuts && now.stretch > kGoodStretch; ++cuts) {
+  for (int round = 0; round < kMaxRounds && now.stretch > good_stretch; ++round) {
     const std::vector<uint32_t> opposite = opposite_half_edges(part.triangle);
     const WayOut way = ways_out(part, opposite);
-    const uint32_t tip = find_tip(part, now.per_triangle, way);
-    if (tip == kNone) break;
-    CutSurface longer = cut_to(part, opposite, way, tip);
+    std::vector<uint32_t> tips = find_tips(part, opposite, now, way);
+    if (tips.empty()) break;
+    CutSurface longer = cut_to(part, opposite, way, tips);
     Judgement then = judge(longer);
     if (std::isfinite(now.stretch) && !(then.stretch < kNotable * now.stretch)) break;
     part = std::move(longer);
@@ -190,20 +234,19 @@ CutSurface extend(CutSurface part) {
 
 }  // namespace
 
-CutSurface extend_cuts(CutSurface cut, const std::vector<char>& worthwhile, const Progress& progress) {
+CutSurface extend_cuts(CutSurface cut, const std::vector<double>& good_stretch, const Progress& progress) {
   std::vector<std::vector<uint32_t>> triangles(cut.component_count);
   for (uint32_t t = 0; t < cut.triangle.size(); ++t) triangles[cut.component[t]].push_back(t);
   std::vector<uint32_t> local(cut.position.size(), kNone);
   for (uint32_t c = 0; c < cut.component_count; ++c) {
     if (progress) progress("cut extension", static_cast<double>(c) / cut.component_count);
-    if (!worthwhile[c]) continue;
     CutSurface part = extract(cut, triangles[c], local);
     const size_t vertices = part.position.size();
     std::vector<uint32_t> global(vertices);
     for (const uint32_t t : triangles[c]) {
       for (const uint32_t v : cut.triangle[t]) global[local[v]] = v;
     }
-    part = extend(std::move(part));
+    part = extend(std::move(part), good_stretch[c]);
     for (size_t v = vertices; v < part.position.size(); ++v) {
       global.push_back(static_cast<uint32_t>(cut.position.size()));
       cut.position.push_back(part.position[v]);

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <numeric>
 #include <string>
 
@@ -28,9 +29,11 @@ namespace {
 
 constexpr size_t kCornerCandidates = 16;
 constexpr int kRelaxRounds = 40;
-constexpr double kLeastPixelsToExtend = 100;
-constexpr uint32_t kNewtonSteps = 30;
-constexpr double kNewtonTolerance = 1e-4;
+constexpr double kWild = 5;  // a stretch that calls for a second try
+constexpr double kFewPixels = 100;
+constexpr double kGoodStretch = 1.2, kHopelessStretch = 100;  // above which longer cuts are tried
+constexpr uint32_t kNewtonSteps = 60;
+constexpr double kNewtonTolerance = 1e-4, kRoughTolerance = 1e-2;
 
 /// One component with vertices of its own. Planar coordinates are mathematical (y up) and in pixels.
 struct Disk {
@@ -91,6 +94,19 @@ void place_outline(Disk& disk, const Size& size, uint32_t corner_step) {
   }
 }
 
+/// An outline between the circle around the rectangle's centre (share 0) and the rectangle (share 1); convex as well.
+void place_outline_between(Disk& disk, const Size& size, uint32_t corner_step, double share) {
+  place_outline(disk, size, corner_step);
+  const double x = 0.5 * (size[0] - 1), y = 0.5 * (size[1] - 1);
+  for (const OutlineStop& s : disk.stop) {
+    const double turn = (s.step - corner_step) / static_cast<double>(disk.sample.size()) + 0.625;
+    const double angle = 2 * std::numbers::pi * turn;
+    Point2& p = disk.uv[s.vertex];
+    p = {share * p[0] + (1 - share) * x * (1 + std::cos(angle)),
+         share * p[1] + (1 - share) * y * (1 + std::sin(angle))};
+  }
+}
+
 /// Steps on which the rectangle's lower left corner may lie: no corner on a cut end, whose two neighbours are copies of
 /// one point and would close the corner's cell. Turns by a quarter (a half, if not square) are the same and left out.
 std::vector<uint32_t> corner_steps(const Disk& disk, const RefinedMesh& mesh, const Size& size) {
@@ -125,6 +141,50 @@ bool has_flips(const Disk& disk) {
   });
 }
 
+double area_of(const Disk& disk) {
+  double sum = 0;
+  for (const auto& [a, b, c] : disk.triangle) {
+    sum += triangle_area(disk.position[a], disk.position[b], disk.position[c]);
+  }
+  return sum;
+}
+
+/// Lowers the symmetric Dirichlet energy with the outline fixed. The optimiser works at the surface's scale; outline
+/// vertices keep their exact places.
+void improve(Disk& disk, double tolerance) {
+  SymmetricDirichlet energy(disk.position, disk.triangle, disk.fixed);
+  double flat_area = 0;
+  for (const auto& [a, b, c] : disk.triangle) flat_area -= 0.5 * signed_area_twice(disk.uv[a], disk.uv[b], disk.uv[c]);
+  const double scale = std::sqrt(area_of(disk) / flat_area);
+  std::vector<Point2> scaled = disk.uv;
+  for (Point2& p : scaled) p = {p[0] * scale, p[1] * scale};
+  if (!std::isfinite(energy.energy(scaled))) return;
+  energy.minimise(scaled, kNewtonSteps, tolerance);
+  const std::vector<Point2> before = disk.uv;
+  for (size_t v = 0; v < scaled.size(); ++v) {
+    if (disk.fixed[v] == 0) disk.uv[v] = {scaled[v][0] / scale, scaled[v][1] / scale};
+  }
+  if (has_flips(disk)) disk.uv = before;
+}
+
+/// Over a circle first, then over outlines that come closer to the rectangle. A branch of the disk whose outline lies
+/// on one straight side shrinks exponentially with its length when it is embedded there at once; over the circle it
+/// does not, and every next outline starts from the proportions that the one before gave.
+/// @return the L2 stretch
+double embed_by_circle(Disk& disk, const Size& size, uint32_t corner_step, DiskEmbedding::Weights weights) {
+  DiskEmbedding embedding(disk.position, disk.triangle, disk.fixed, weights);
+  for (const double share : {0.0, 0.7, 0.95}) {
+    place_outline_between(disk, size, corner_step, share);
+    embedding.solve(disk.uv);
+    embedding.relax_stretch(disk.uv, kRelaxRounds);
+    improve(disk, kRoughTolerance);
+    embedding.weigh_by(disk.uv);
+  }
+  place_outline(disk, size, corner_step);
+  embedding.solve(disk.uv);
+  return embedding.relax_stretch(disk.uv, kRelaxRounds);
+}
+
 /// Embeds the disk with the corner step of least stretch; false if every one has a flip.
 bool embed(Disk& disk, const RefinedMesh& mesh, const Size& size, DiskEmbedding::Weights weights) {
   DiskEmbedding embedding(disk.position, disk.triangle, disk.fixed, weights);
@@ -144,34 +204,14 @@ bool embed(Disk& disk, const RefinedMesh& mesh, const Size& size, DiskEmbedding:
   }
   place_outline(disk, size, best_step);
   embedding.solve(disk.uv);
-  const std::vector<Point2> first = disk.uv;
-  embedding.relax_stretch(disk.uv, kRelaxRounds);
-  if (!has_flips(disk)) return true;
-  disk.uv = first;
-  return !has_flips(disk);
-}
-
-/// Symmetric Dirichlet energy with the outline fixed. The optimiser works in metres; outline vertices keep their exact
-/// places.
-void improve(Disk& disk, double spacing) {
-  SymmetricDirichlet energy(disk.position, disk.triangle, disk.fixed);
-  std::vector<Point2> metres = disk.uv;
-  for (Point2& p : metres) p = {p[0] * spacing, p[1] * spacing};
-  if (!std::isfinite(energy.energy(metres))) return;
-  energy.minimise(metres, kNewtonSteps, kNewtonTolerance);
-  const std::vector<Point2> before = disk.uv;
-  for (size_t v = 0; v < metres.size(); ++v) {
-    if (disk.fixed[v] == 0) disk.uv[v] = {metres[v][0] / spacing, metres[v][1] / spacing};
-  }
-  if (has_flips(disk)) disk.uv = before;
-}
-
-double area_of(const Disk& disk) {
-  double sum = 0;
-  for (const auto& [a, b, c] : disk.triangle) {
-    sum += triangle_area(disk.position[a], disk.position[b], disk.position[c]);
-  }
-  return sum;
+  const double stretch = embedding.relax_stretch(disk.uv, kRelaxRounds);
+  if (stretch < kWild && !has_flips(disk)) return true;
+  const std::vector<Point2> direct = disk.uv;
+  const bool direct_is_valid = !has_flips(disk);
+  const double carried = embed_by_circle(disk, size, best_step, weights);
+  if (carried < stretch && !has_flips(disk)) return true;
+  disk.uv = direct;
+  return direct_is_valid;
 }
 
 std::vector<double> component_areas(const CutSurface& cut) {
@@ -195,7 +235,7 @@ FlatChart lay_out(Disk& disk, const RefinedMesh& mesh, const Size& wanted, uint3
   chart.width = size[0];
   chart.height = size[1];
   chart.spacing = std::sqrt(area_of(disk) / (static_cast<double>(size[0] - 1) * (size[1] - 1)));
-  improve(disk, chart.spacing);
+  improve(disk, kNewtonTolerance);
   for (const uint32_t v : disk.sample) {
     chart.outline.push_back(
         {static_cast<uint32_t>(disk.uv[v][0]), size[1] - 1 - static_cast<uint32_t>(disk.uv[v][1]), disk.vertex[v]});
@@ -203,20 +243,20 @@ FlatChart lay_out(Disk& disk, const RefinedMesh& mesh, const Size& wanted, uint3
   return chart;
 }
 
-/// Parts of a few pixels gain nothing from longer cuts.
-std::vector<char> worth_extending(const std::vector<double>& area, const FlattenOptions& options) {
+/// Parts of a few pixels gain nothing from longer cuts, unless they could not be laid out at all.
+std::vector<double> good_stretch(const std::vector<double>& area, const FlattenOptions& options) {
   const double total = std::accumulate(area.begin(), area.end(), 0.0);
   const double pixels = options.spacing > 0 ? total / (options.spacing * options.spacing)
                                             : static_cast<double>(options.resolution) * options.resolution;
-  std::vector<char> worth;
-  for (const double a : area) worth.push_back(a / total * pixels >= kLeastPixelsToExtend ? 1 : 0);
-  return worth;
+  std::vector<double> good;
+  for (const double a : area) good.push_back(a / total * pixels < kFewPixels ? kHopelessStretch : kGoodStretch);
+  return good;
 }
 
 }  // namespace
 
 FlatSurface lay_out_squares(const CutSurface& disks_as_cut, const FlattenOptions& options, const Progress& progress) {
-  const CutSurface cut = extend_cuts(disks_as_cut, worth_extending(component_areas(disks_as_cut), options), progress);
+  const CutSurface cut = extend_cuts(disks_as_cut, good_stretch(component_areas(disks_as_cut), options), progress);
   const std::vector<Outline> outlines = trace_outlines(cut);
   const SquarePlan plan = plan_squares(cut, outlines, component_areas(cut), options);
   (void)pack_rectangles(plan.size);  // an atlas that is too large is refused before the long work

@@ -11,7 +11,7 @@
 #include <numeric>
 #include <string>
 
-#include "geocloth/asset/error.h"
+#include "seam_steps.h"
 
 namespace geocloth {
 namespace {
@@ -26,8 +26,6 @@ struct Run {
 
 struct Seam {
   double length = 0;
-  uint32_t ends[2] = {0, 0};        // points
-  bool folded = false;              // an outline runs over it and straight back: it has a cut end
   uint32_t least = 1;               // [steps] for the welded grid to be a proper mesh
   std::vector<uint32_t> component;  // that run over it, ascending
 };
@@ -36,8 +34,10 @@ class SquarePlanner {
  public:
   SquarePlanner(const CutSurface& cut, std::span<const Outline> outlines, std::span<const double> area)
       : area_(area), run_(outlines.size()) {
-    for (uint32_t c = 0; c < outlines.size(); ++c) collect(cut, outlines[c], c);
-    find_least_steps();
+    const std::vector<uint32_t> least = least_seam_steps(cut, outlines);
+    seam_.resize(least.size());
+    for (size_t s = 0; s < least.size(); ++s) seam_[s].least = least[s];
+    for (uint32_t c = 0; c < outlines.size(); ++c) collect(outlines[c], c);
   }
 
   [[nodiscard]] double total_area() const { return std::accumulate(area_.begin(), area_.end(), 0.0); }
@@ -80,17 +80,10 @@ class SquarePlanner {
   }
 
  private:
-  void collect(const CutSurface& cut, const Outline& outline, uint32_t c) {
+  void collect(const Outline& outline, uint32_t c) {
     std::vector<uint32_t> seams;
-    for (size_t i = 0; i < outline.path.size(); ++i) {
-      const OutlinePath& path = outline.path[i];
-      if (path.seam >= seam_.size()) seam_.resize(path.seam + 1);
-      Seam& seam = seam_[path.seam];
-      seam.length = path.length;
-      seam.ends[0] = cut.point[path.vertex.front()];
-      seam.ends[1] = cut.point[path.vertex.back()];
-      const OutlinePath& next = outline.path[(i + 1) % outline.path.size()];
-      if (path.seam == next.seam && path.reversed != next.reversed) seam.folded = true;
+    for (const OutlinePath& path : outline.path) {
+      seam_[path.seam].length = path.length;
       seams.push_back(path.seam);
     }
     std::sort(seams.begin(), seams.end());
@@ -100,26 +93,6 @@ class SquarePlanner {
         seam_[s].component.push_back(c);
       }
       ++run_[c].back().times;
-    }
-  }
-
-  /// A closed seam is a loop of three edges at least; of several seams between the same two nodes only one may be a
-  /// single edge, and to keep it simple none is; a cut end needs room for its two sides to part.
-  void find_least_steps() {
-    std::vector<std::pair<std::pair<uint32_t, uint32_t>, uint32_t>> by_ends;
-    for (uint32_t s = 0; s < seam_.size(); ++s) {
-      const auto ends = std::minmax({seam_[s].ends[0], seam_[s].ends[1]});
-      by_ends.push_back({ends, s});
-      if (seam_[s].folded) seam_[s].least = 2;
-      if (ends.first == ends.second) seam_[s].least = kComfortableSteps;
-    }
-    std::sort(by_ends.begin(), by_ends.end());
-    for (size_t i = 0; i + 1 < by_ends.size(); ++i) {
-      if (by_ends[i].first != by_ends[i + 1].first) continue;
-      for (const size_t k : {i, i + 1}) {
-        Seam& seam = seam_[by_ends[k].second];
-        seam.least = std::max(seam.least, 2U);
-      }
     }
   }
 
