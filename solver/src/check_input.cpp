@@ -4,7 +4,9 @@
 
 #include "check_input.h"
 
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 #include "geocloth/asset/error.h"
@@ -15,11 +17,9 @@ namespace {
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 std::string number(double value) {
-  std::string text = std::to_string(value);
-  if (text.find('.') == std::string::npos) return text;
-  text.erase(text.find_last_not_of('0') + 1);
-  if (text.back() == '.') text.pop_back();
-  return text;
+  std::array<char, 32> text{};
+  const int length = std::snprintf(text.data(), text.size(), "%g", value);
+  return {text.data(), static_cast<size_t>(length)};
 }
 
 [[noreturn]] void refuse(const std::string& where, const std::string& field, double value, const std::string& rule) {
@@ -96,13 +96,17 @@ void check_position(const Vec3& position, const std::string& where) {
   check_vector(position, kLargestLength, where, "a position");
 }
 
+void check_gravity(const Vec3& gravity, const std::string& where) {
+  check_vector(gravity, 1e4F, where, "gravity");
+}
+
 void check(const SolverSettings& s) {
   const std::string where = "settings";
   check_at_least(s.threads, 1, where, "threads", 1024);
   check_above(s.frame_time, 0, where, "frame_time", 10);
   check_at_least(s.substeps, 1, where, "substeps", 256);
   check_at_least(s.relaxation_steps, 1, where, "relaxation_steps", 256);
-  check_vector(s.gravity, 1e4F, where, "gravity");
+  check_gravity(s.gravity, where);
 }
 
 void check(const Material& m, const std::string& where) {

@@ -96,8 +96,8 @@ void JsonReader::expect_object(const std::vector<std::string_view>& known_keys) 
   if (!value_->is_object()) fail("must be an object, not " + std::string(value_->type_name()));
   for (const auto& [key, value] : value_->items()) {
     if (std::find(known_keys.begin(), known_keys.end(), key) != known_keys.end()) continue;
-    fail("unknown key " + in_quotes(key) + "; the nearest known one is \"" + std::string(nearest_word(key, known_keys)) +
-         "\"");
+    fail("unknown key " + in_quotes(key) + "; the nearest known one is \"" +
+         std::string(nearest_word(key, known_keys)) + "\"");
   }
 }
 

@@ -28,8 +28,8 @@ void checked(const Check& check_it) {
   }
 }
 
-float in_range(const JsonReader& json, float low, float high) {
-  const float value = json.real();
+double in_range(const JsonReader& json, double low, double high) {
+  const double value = json.number();
   if (value < low || value > high) {
     json.fail("must be from " + nlohmann::json(low).dump() + " to " + nlohmann::json(high).dump());
   }
@@ -114,7 +114,7 @@ Where read_where(const JsonReader& json) {
   const auto given = std::count_if(keys.begin(), keys.end(), [&](auto key) { return json.has(key); });
   if (given != 1) json.fail("must have exactly one of top, boundary, box, sphere, vertices, vertex_group");
 
-  if (json.has("top")) return WhereTop{in_range(json.at("top"), 0, 1)};
+  if (json.has("top")) return WhereTop{static_cast<float>(in_range(json.at("top"), 0, 1))};
   if (json.has("boundary")) {
     const JsonReader boundary = json.at("boundary");
     if (!boundary.is_string()) return WhereBoundary{boundary.count(0, kMaxImageSide)};
@@ -305,16 +305,12 @@ Scene parse_scene(std::string_view text, const std::filesystem::path& path) {
   }
   Scene scene;
   scene.path = path;
-  if (json.has("frame_rate")) scene.frame_rate = static_cast<double>(in_range(json.at("frame_rate"), 0.1F, 10000.F));
+  if (json.has("frame_rate")) scene.frame_rate = in_range(json.at("frame_rate"), 0.1, 10000);
   if (json.has("frames")) scene.frames = json.at("frames").count(1, 10'000'000);
   if (json.has("substeps")) scene.substeps = json.at("substeps").count(1, 256);
   if (json.has("relaxation_steps")) scene.relaxation_steps = json.at("relaxation_steps").count(1, 256);
   json.read("gravity", scene.gravity);
-  checked([&] {
-    SolverSettings settings;
-    settings.gravity = scene.gravity;
-    check(settings);
-  });
+  checked([&] { check_gravity(scene.gravity, json.where()); });
   for (const JsonReader& cloth : json.at("cloths").elements()) {
     scene.cloths.push_back(read_cloth(cloth, path.parent_path()));
   }

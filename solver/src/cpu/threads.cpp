@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include <tbb/blocked_range.h>
+#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/partitioner.h>
 #include <tbb/task_arena.h>
@@ -14,7 +15,8 @@
 namespace geocloth::cpu {
 
 struct Threads::Arena {
-  explicit Arena(uint32_t count) : arena(static_cast<int>(count)) {}
+  /// More threads than the machine has would only wait for each other.
+  explicit Arena(uint32_t count) : arena(std::min(static_cast<int>(count), tbb::info::default_concurrency())) {}
   tbb::task_arena arena;
 };
 

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A scene file says what it means or why it does not work: which key, where, and what would be right.
+
+#include "geocloth/solver/scene.h"
+
+#include <filesystem>
+#include <functional>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "geocloth/asset/asset_file.h"
+#include "geocloth/asset/error.h"
+#include "solver_fixture.h"
+
+namespace geocloth {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+constexpr const char* kFull = R"({ "version": 1, "frame_rate": 30, "frames": 10, "substeps": 8, "relaxation_steps": 2,
+  "gravity": [0, -1, 0],
+  "cloths": [ { "asset": "shirt.glb",
+    "material": { "areal_density": 0.3, "stretch_warp": 500, "stretch_weft": 400, "shear": 30, "bend_warp": 2e-5,
+                  "bend_weft": 1e-5, "damping": 0.5, "thickness": 0.004, "friction": 0.2, "max_speed": 9,
+                  "max_stretch": 0.05, "stiffness": 0.9, "bend_stiffness": 0.1, "verlet_damping": 0.99 },
+    "transform": { "translate": [0, 1, 0], "rotate_deg": [0, 90, 0], "scale": 2 },
+    "inertia_scale": [1, 1, 1], "motion": [ { "time": 0, "translate": [0, 0, 0], "rotate_deg": [0, 0, 0] } ],
+    "pins": [ { "where": { "top": 0.02 }, "follow": "cloth" }, { "where": { "boundary": 1 }, "follow": "world" },
+              { "where": { "boundary": "highest" }, "follow": "ball", "motion": [ { "time": 1, "translate": [0, 1, 0] } ] },
+              { "where": { "box": [[0, 0, 0], [1, 1, 1]] } }, { "where": { "sphere": { "center": [0, 0, 0], "radius": 1 } } },
+              { "where": { "vertices": [1, 2] } }, { "where": { "vertex_group": "hem" } } ],
+    "cuts": [], "self_collision": false } ],
+  "colliders": [ { "shape": "plane", "point": [0, 0, 0], "normal": [0, 2, 0] },
+    { "name": "ball", "shape": "sphere", "center": [0, 1, 0], "radius": 0.2, "friction": 0.7,
+      "motion": [ { "time": 0, "translate": [0, 0, 0] }, { "time": 2, "translate": [1, 0, 0], "rotate_deg": [0, 180, 0] } ] },
+    { "shape": "capsule", "a": [0, 0, 0], "b": [0, 1, 0], "radius": 0.2, "radius_b": 0.1 },
+    { "shape": "box", "center": [0, 1, 0], "half_extents": [1, 2, 3], "rotate_deg": [0, 0, 45] },
+    { "shape": "ellipsoid", "center": [0, 1, 0], "radii": [1, 2, 3], "rotate_deg": [0, 0, 45] } ],
+  "wind": { "velocity": [1, 0, 0], "turbulence": 0.3, "frequency": 2, "drag": 1.5, "lift": 0.1 } })";
+
+TEST(Scene, EveryKeyIsRead) {
+  const Scene scene = parse_scene(kFull, "folder/scene.json");
+  EXPECT_EQ(scene.frame_rate, 30);
+  EXPECT_EQ(scene.frames, 10U);
+  EXPECT_EQ(scene.substeps, 8U);
+  EXPECT_EQ(scene.relaxation_steps, 2U);
+  EXPECT_EQ(scene.gravity, (Vec3{0, -1, 0}));
+  ASSERT_EQ(scene.cloths.size(), 1U);
+  const SceneCloth& cloth = scene.cloths[0];
+  EXPECT_EQ(cloth.asset, std::filesystem::path("folder/shirt.glb"));
+  EXPECT_EQ(cloth.material.areal_density, 0.3F);
+  EXPECT_EQ(cloth.material.verlet_damping, 0.99F);
+  EXPECT_EQ(cloth.transform.scale, 2);
+  ASSERT_EQ(cloth.pins.size(), 7U);
+  EXPECT_EQ(cloth.pins[2].follow, "ball");
+  EXPECT_EQ(std::get<WhereBoundary>(cloth.pins[1].where).index, 1U);
+  EXPECT_FALSE(std::get<WhereBoundary>(cloth.pins[2].where).index);
+  ASSERT_EQ(scene.colliders.size(), 5U);
+  EXPECT_EQ(std::get<Plane>(scene.colliders[0].collider.shape).normal, (Vec3{0, 1, 0}));
+  EXPECT_EQ(std::get<Capsule>(scene.colliders[2].collider.shape).radius_b, 0.1F);
+  ASSERT_TRUE(scene.wind);
+  EXPECT_EQ(scene.wind->drag, 1.5F);
+}
+
+TEST(Scene, ColliderTurnsAboutItsOwnCentre) {
+  const Scene scene = parse_scene(kFull, "scene.json");
+  EXPECT_NEAR(signed_distance(collider_at(scene.colliders[1], 2), {1, 1, 0}), -0.2, 1e-6);
+  EXPECT_NEAR(signed_distance(collider_at(scene.colliders[1], 1), {0.5F, 1, 0}), -0.2, 1e-6);
+}
+
+TEST(Scene, PresetsAreNamed) {
+  const Scene scene = parse_scene(R"({"version":1,"cloths":[{"asset":"a.glb","material":"denim"}]})", "s.json");
+  EXPECT_EQ(scene.cloths[0].material.areal_density, find_material_preset("denim")->material.areal_density);
+  EXPECT_FALSE(scene.wind);
+  for (const MaterialPreset& preset : material_presets()) EXPECT_FALSE(preset.source.empty());
+}
+
+struct BadScene {
+  const char* name;
+  const char* find;  ///< in the full scene
+  const char* replace;
+  const char* message;  ///< part of what must be said
+};
+
+class BadScenes : public ::testing::TestWithParam<BadScene> {};
+
+TEST_P(BadScenes, NameTheirPathAndTheRemedy) {
+  std::string text = kFull;
+  const size_t at = text.find(GetParam().find);
+  ASSERT_NE(at, std::string::npos);
+  text.replace(at, std::string(GetParam().find).size(), GetParam().replace);
+  try {
+    const Scene scene = parse_scene(text, "scene.json");
+    FAIL() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("scene.json"), HasSubstr(GetParam().message)));
+    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, BadScenes,
+    ::testing::Values(
+        BadScene{"UnknownKey", "\"substeps\"", "\"substep\"",
+                 "unknown key \"substep\"; the nearest known one is \"substeps\""},
+        BadScene{"UnknownMaterialKey", "\"areal_density\"", "\"density\"",
+                 "cloths[0].material: unknown key \"density\""},
+        BadScene{"WrongType", "\"frames\": 10", "\"frames\": \"10\"", "frames: must be a number, not string"},
+        BadScene{"NotWhole", "\"frames\": 10", "\"frames\": 1.5", "frames: must be a whole number"},
+        BadScene{"TooMany", "\"substeps\": 8", "\"substeps\": 257", "substeps: must be a whole number from 1 to 256"},
+        BadScene{"ShortVector", "\"gravity\": [0, -1, 0]", "\"gravity\": [0, -1]", "gravity: must be three numbers"},
+        BadScene{"HugeGravity", "\"gravity\": [0, -1, 0]", "\"gravity\": [0, -1e30, 0]", "gravity"},
+        BadScene{"NoAsset", "\"asset\": \"shirt.glb\",", "", "cloths[0]: the key \"asset\" is missing"},
+        BadScene{"NegativeRadius", "\"radius\": 0.2, \"friction\": 0.7", "\"radius\": -0.2", "radius is -0.2"},
+        BadScene{"NegativeDensity", "\"areal_density\": 0.3", "\"areal_density\": 0", "areal_density is 0"},
+        BadScene{"ShareAboveOne", "\"stiffness\": 0.9", "\"stiffness\": 1.5", "stiffness: must be from 0"},
+        BadScene{"NoDirection", "\"normal\": [0, 2, 0]", "\"normal\": [0, 0, 0]",
+                 "colliders[0].normal: must have a direction"},
+        BadScene{"UnknownShape", "\"shape\": \"box\"", "\"shape\": \"bocks\"", "the nearest is \"box\""},
+        BadScene{"TwoSelectors", "{ \"top\": 0.02 }", "{ \"top\": 0.02, \"boundary\": 0 }", "exactly one of"},
+        BadScene{"NoSuchFollow", "\"follow\": \"ball\"", "\"follow\": \"bell\"", "the nearest name is \"ball\""},
+        BadScene{"NameTwice", "\"shape\": \"capsule\"", "\"name\": \"ball\", \"shape\": \"capsule\"",
+                 "the name \"ball\" is taken"},
+        BadScene{"TimeGoesBack", "\"time\": 2", "\"time\": -2", "must be later than the key before"},
+        BadScene{"Version", "\"version\": 1", "\"version\": 2", "only version 1"},
+        BadScene{"SelfCollision", "\"self_collision\": false", "\"self_collision\": true",
+                 "self_collision: self-collision is not supported"},
+        BadScene{"Cuts", "\"cuts\": []", "\"cuts\": [{}]", "cuts: cutting is not supported"},
+        BadScene{"Inertia", "\"inertia_scale\": [1, 1, 1]", "\"inertia_scale\": [0, 1, 1]", "inertia_scale"},
+        BadScene{"Convex", "\"shape\": \"box\"", "\"shape\": \"convex\"", "\"convex\" are not supported"},
+        BadScene{"NaN", "\"frames\": 10", "\"frames\": NaN", "not valid JSON"},
+        BadScene{"Infinite", "\"frame_rate\": 30", "\"frame_rate\": 1e999", "not valid JSON"},
+        BadScene{"TwiceTheSameKey", "\"frames\": 10", "\"frames\": 10, \"frames\": 11", "appears twice"},
+        BadScene{"Truncated", "\"wind\":", "\"wind\"", "not valid JSON"},
+        BadScene{"UnknownPreset", "\"transform\"", "\"material_\": 1, \"transform\"",
+                 "nearest known one is \"material\""}),
+    [](const auto& scene) { return scene.param.name; });
+
+TEST(Scene, NoPrefixOfAFileCrashesTheReader) {
+  const std::string text = kFull;
+  for (size_t length = 0; length < text.size(); ++length) {
+    EXPECT_THROW(static_cast<void>(parse_scene(text.substr(0, length), "scene.json")), Error) << length;
+  }
+}
+
+TEST(Scene, FilesThatAreNone) {
+  EXPECT_THROW(static_cast<void>(read_scene("/no/such/file.json")), Error);
+  EXPECT_THROW(static_cast<void>(read_scene(std::filesystem::temp_directory_path())), Error);
+}
+
+/// Writes a sheet as an asset and gives a scene that plays it.
+class Playing : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::path(::testing::TempDir()) / "geocloth_scene_test";
+    std::filesystem::create_directories(folder_);
+    write_asset(test::make_sheet(sheet_), folder_ / "sheet.glb");
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  Simulation play(const std::string& cloth, const std::string& rest = "") {
+    const std::string text = R"({"version":1,"substeps":8,"cloths":[{"asset":"sheet.glb")" + cloth + "}]" + rest + "}";
+    return {parse_scene(text, folder_ / "scene.json"), test::cpu_settings()};
+  }
+  [[nodiscard]] Vec3 point(Simulation& simulation, uint32_t i, uint32_t j) const {
+    return test::positions_of(simulation.solver())[test::sheet_pixel(sheet_, i, j)];
+  }
+
+  test::SheetOptions sheet_{.nx = 9, .ny = 9, .charts_x = 2};
+  std::filesystem::path folder_;
+};
+
+TEST_F(Playing, EverySelectorTakesItsPointsWithAllCopies) {
+  const ClothAsset asset = test::make_sheet(sheet_);
+  const auto count = [&](const Where& where) { return select_pixels(asset, {}, where).size(); };
+  EXPECT_EQ(count(WhereTop{0.01F}), 10U);  // 9 points, one of them twice
+  EXPECT_EQ(count(WhereBoundary{0U}), 34U);
+  EXPECT_EQ(count(WhereBoundary{}), 34U);
+  EXPECT_EQ(count(WhereBox{{-0.01F, -1, -1}, {0.01F, 1, 1}}), 18U);
+  EXPECT_EQ(count(WhereSphere{{0, 0, 0}, 0.01F}), 2U);
+  EXPECT_EQ(count(WhereVertices{{0, 8}}), 2U);
+  EXPECT_EQ(count(WhereVertexGroup{"bottom"}), 10U);
+  EXPECT_THROW(count(WhereBox{{5, 5, 5}, {6, 6, 6}}), Error);
+  EXPECT_THROW(count(WhereBoundary{1U}), Error);
+  EXPECT_THROW(count(WhereVertices{{81}}), Error);
+  EXPECT_THROW(count(WhereVertexGroup{"collar"}), Error);
+}
+
+TEST_F(Playing, HighestBoundaryOfATubeIsItsUpperEnd) {
+  const ClothAsset tube = test::make_tube({});
+  for (const uint32_t p : select_pixels(tube, {}, WhereBoundary{})) EXPECT_LT(p, tube.width);
+  Transform upside_down;
+  upside_down.rotate = quat_from_euler_deg({180, 0, 0});
+  for (const uint32_t p : select_pixels(tube, upside_down, WhereBoundary{})) {
+    EXPECT_GE(p, tube.width * (tube.height - 1));
+  }
+}
+
+TEST_F(Playing, PinsFollowWhatTheySay) {
+  Simulation simulation = play(R"(,"transform":{"translate":[0,2,0]},
+    "motion":[{"time":0,"translate":[0,0,0]},{"time":1,"translate":[0,0,1]}],
+    "pins":[{"where":{"vertices":[0]},"follow":"cloth"},{"where":{"vertices":[8]},"follow":"world"},
+            {"where":{"vertices":[72]},"follow":"ball"},
+            {"where":{"vertices":[80]},"follow":"world","motion":[{"time":0},{"time":1,"translate":[0.5,0,0]}]}])",
+                               R"(,"colliders":[{"name":"ball","shape":"sphere","center":[0,-5,0],"radius":0.1,
+    "motion":[{"time":0},{"time":1,"translate":[0,1,0]}]}])");
+  for (int f = 0; f < 30; ++f) simulation.step();
+  EXPECT_LT(length(point(simulation, 0, 0) - Vec3{-0.5F, 2.5F, 0.5F}), 1e-6F);
+  EXPECT_LT(length(point(simulation, 8, 0) - Vec3{0.5F, 2.5F, 0}), 1e-6F);
+  EXPECT_LT(length(point(simulation, 0, 8) - Vec3{-0.5F, 2, 0}), 1e-6F);
+  EXPECT_LT(length(point(simulation, 8, 8) - Vec3{0.75F, 1.5F, 0}), 1e-6F);
+}
+
+TEST_F(Playing, MissingAssetIsNamed) {
+  try {
+    Simulation simulation(parse_scene(R"({"version":1,"cloths":[{"asset":"none.glb"}]})", folder_ / "scene.json"),
+                          test::cpu_settings());
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::io);
+    EXPECT_THAT(error.what(), HasSubstr("none.glb"));
+  }
+}
+
+TEST_F(Playing, DefaultSceneHangsByTheHighestBoundary) {
+  Simulation simulation(default_scene(folder_ / "sheet.glb"), test::cpu_settings());
+  simulation.step();
+  EXPECT_EQ(simulation.scene().frames, 120U);
+  EXPECT_TRUE(test::all_finite(test::positions_of(simulation.solver())));
+}
+
+}  // namespace
+}  // namespace geocloth
