@@ -20,11 +20,11 @@ layout(location = 5) in float in_strain;
 
 layout(location = 0) out vec4 out_color;
 
-// 1 on lines where a coordinate is whole; lines fade out where they would be closer than about three pixels.
+// 1 on lines where a coordinate is whole; where lines would be closer than about three pixels, their mean.
 float grid_lines(vec2 at) {
   vec2 per_pixel = fwidth(at);
   vec2 from_line = abs(fract(at - 0.5) - 0.5) / max(per_pixel, vec2(1e-6));
-  vec2 line = (1.0 - smoothstep(vec2(0.2), vec2(1.2), from_line)) * (1.0 - smoothstep(vec2(0.18), vec2(0.5), per_pixel));
+  vec2 line = mix(1.0 - smoothstep(vec2(0.2), vec2(1.2), from_line), vec2(0.4), smoothstep(vec2(0.18), vec2(0.5), per_pixel));
   return max(line.x, line.y);
 }
 
@@ -47,7 +47,7 @@ void main() {
   if (inner) normal = -normal;
 
   vec3 albedo = surface.rgb;
-  if (inner) albedo = mix(albedo, vec3(dot(albedo, vec3(0.2126, 0.7152, 0.0722))), 0.35) * vec3(0.46, 0.48, 0.54);
+  if (inner) albedo = mix(albedo, vec3(dot(albedo, vec3(0.2126, 0.7152, 0.0722))), 0.30) * vec3(0.62, 0.63, 0.68);
   float shadow = light_share(in_point, facet, 2.0);
   out_color = vec4(shade(albedo, in_point, normal, shadow, 0.12, inner ? 0.05 : 0.16, 0.0), surface.a);
 }

@@ -8,8 +8,8 @@
 layout(set = 0, binding = 1) uniform sampler2DShadow shadow_map;
 
 const vec3 kKeyLight = vec3(1.0, 0.965, 0.91) * 2.0;
-const vec3 kSky = vec3(0.62, 0.70, 0.82) * 0.62;
-const vec3 kGround = vec3(0.50, 0.46, 0.42) * 0.40;
+const vec3 kSky = vec3(0.62, 0.70, 0.82) * 0.72;
+const vec3 kGround = vec3(0.50, 0.46, 0.42) * 0.55;
 
 // Share of the key light that arrives, over a disc of the shadow map so that edges are soft.
 float light_share(vec3 point, vec3 normal, float radius) {

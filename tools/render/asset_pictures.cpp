@@ -159,7 +159,13 @@ Picture draw_normal_map(const ClothAsset& asset) {
 
 Picture draw_chart_map(const ClothAsset& asset) {
   const SeamLines lines = find_seam_lines(asset);
-  const auto chart_color = [&](uint32_t pixel) { return shaded(distinct_color(asset.chart[pixel]), 0.8F); };
+  // Lit by the rest shape, so that one sees which part of the garment lies where.
+  std::vector<Vec3> normal;
+  compute_normals(asset, asset.rest_position, normal);
+  const Vec3 to_light = normalized({-0.4F, 0.6F, 0.7F});
+  const auto chart_color = [&](uint32_t pixel) {
+    return shaded(distinct_color(asset.chart[pixel]), 0.76F + 0.18F * dot(normal[pixel], to_light));
+  };
   const uint32_t scale = enlargement(asset.width, asset.height);
   const Picture base = draw_pixels(asset, [&](uint32_t pixel) {
     const bool border = lines.on_outline[pixel] != 0 && lines.pixel_seam[pixel] == kNoSeam;
@@ -194,8 +200,8 @@ Picture draw_distortion(const ClothAsset& asset) {
                    {0.25F, 0.5F, 1, 2, 4}};
   const Scale anisotropy{"anisotropy (larger over smaller stretch)",
                          sequential_color,
-                         [](float v) { return std::clamp(std::log2(v) / 2, 0.F, 1.F); },
-                         {1, 1.5F, 2, 3, 4}};
+                         [](float v) { return std::clamp(std::log2(v) / 3, 0.F, 1.F); },
+                         {1, 1.5F, 2, 4, 8}};
   const uint32_t scale = std::max(1U, enlargement(asset.width, asset.height) * 3 / 4);
   const Picture left =
       enlarged(draw_pixels(asset, [&](uint32_t p) { return area.color(area.place(distortion[p].area)); }), scale);

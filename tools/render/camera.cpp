@@ -16,7 +16,7 @@
 namespace geocloth {
 namespace {
 
-constexpr float kMargin = 1.12F;  ///< room left around the subject
+constexpr float kMargin = 1.06F;  ///< room left around the subject
 
 float radians(float degrees) {
   return degrees * std::numbers::pi_v<float> / 180.F;

@@ -18,7 +18,9 @@ namespace geocloth::render {
 namespace {
 
 constexpr vk::Format kFloat4 = vk::Format::eR32G32B32A32Sfloat;
-constexpr Color kFabric{118, 142, 176, 255};      ///< cloth without a material of its own
+/// For materials without a colour of their own, in order: a garment of several still reads as several.
+constexpr std::array<Color, 5> kFabrics{
+    {{118, 142, 176, 255}, {186, 132, 108, 255}, {140, 160, 124, 255}, {172, 150, 178, 255}, {196, 176, 128, 255}}};
 constexpr Color kPaleFabric{196, 200, 206, 255};  ///< under grid lines and seams
 constexpr Color kFreeBorder{24, 26, 32, 255};
 constexpr uint32_t kMaxTextureSide = 1024;  ///< there are no smaller levels: a larger one would only flicker
@@ -171,6 +173,7 @@ void GpuCloth::make_materials(const ContextPtr& context, const ClothAsset& asset
     materials_.push_back({linear(kPaleFabric), 0, texture_of(context, white)});
     return;
   }
+  size_t plain_count = 0;
   for (const SourceMaterial& source : asset.source.material) {
     const auto& c = source.base_color;
     // What modelling programs write for "no material": grey without a texture.
@@ -185,10 +188,11 @@ void GpuCloth::make_materials(const ContextPtr& context, const ClothAsset& asset
         warnings.push_back(std::string(error.what()) + "; drawn in plain colour");
       }
     }
-    materials_.push_back({plain ? linear(kFabric) : shader::vec4{c[0], c[1], c[2], c[3]},
-                          source.alpha_mask ? source.alpha_cutoff : 0.F, texture_of(context, texture)});
+    materials_.push_back(
+        {plain ? linear(kFabrics[plain_count++ % kFabrics.size()]) : shader::vec4{c[0], c[1], c[2], c[3]},
+         source.alpha_mask ? source.alpha_cutoff : 0.F, texture_of(context, texture)});
   }
-  if (materials_.empty()) materials_.push_back({linear(kFabric), 0, texture_of(context, white)});
+  if (materials_.empty()) materials_.push_back({linear(kFabrics[0]), 0, texture_of(context, white)});
 }
 
 void GpuCloth::make_images(const ContextPtr& context, const ClothAsset& asset,
