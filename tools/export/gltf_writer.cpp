@@ -36,6 +36,7 @@ class ClothNode {
       for (uint32_t i = 0; i < run.count; ++i) local[order_[run.first + i]] = i;
       for (const Triangle& t : triangles) run.triangle.push_back({local[t[0]], local[t[1]], local[t[2]]});
       run.material = part.material;
+      run.name = part.name;
     }
     if (with_normals_) bound_normals_ = bind_normals(asset);
   }
@@ -52,6 +53,7 @@ class ClothNode {
     const uint32_t first_material = builder.add_materials(asset_.source);
     for (std::size_t i = 0; i < runs_.size(); ++i) {
       Json primitive = {{"attributes", {{"POSITION", positions[i]}}}, {"material", first_material + runs_[i].material}};
+      if (!runs_[i].name.empty()) primitive["extras"] = {{"name", runs_[i].name}};
       if (with_normals_) primitive["attributes"]["NORMAL"] = normals[i];
       if (!uvs.empty()) primitive["attributes"]["TEXCOORD_0"] = uvs[i];
       const uint32_t indices = builder.add_index_view(runs_[i].triangle, runs_[i].count);
@@ -88,6 +90,7 @@ class ClothNode {
     uint32_t first = 0, count = 0;  ///< in order_
     std::vector<Triangle> triangle;
     uint32_t material = 0;
+    std::string name;
   };
 
   template <class T>

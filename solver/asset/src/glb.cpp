@@ -82,7 +82,7 @@ uint32_t append(Json& root, const char* array, Json element) {
 }  // namespace
 
 Builder::Builder(OutputFile* spill) : spill_(spill) {
-  root = {{"asset", {{"version", "2.0"}, {"generator", "geocloth"}}}, {"scene", 0}};
+  root = {{"asset", {{"version", "2.0"}, {"generator", kGenerator}}}, {"scene", 0}};
 }
 
 uint32_t Builder::add_view(std::span<const std::byte> bytes, Target target, uint32_t stride) {

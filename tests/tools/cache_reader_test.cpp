@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What simulate wrote can be rendered later: caches are read back frame by frame, and broken ones are refused.
+#include "export/cache_reader.h"
+
+#include <filesystem>
+#include <functional>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "asset/sample_asset.h"
+#include "geocloth/asset/asset_file.h"
+#include "geocloth/asset/error.h"
+#include "geocloth/asset/output_file.h"
+#include "support/make_sheet.h"
+#include "waving_cloth.h"
+
+namespace geocloth {
+namespace {
+
+namespace fs = std::filesystem;
+using Bytes = std::vector<std::byte>;
+
+/// What a writer makes of three waving frames of a textured sheet and a tube.
+class CacheReader : public testing::Test {
+ protected:
+  CacheReader() {
+    std::string name = (fs::temp_directory_path() / "geocloth_reader_XXXXXX").string();
+    folder_ = ::mkdtemp(name.data());
+    description_.cloths = {std::make_shared<const ClothAsset>(test::sample_asset()),
+                           std::make_shared<const ClothAsset>(test::make_tube({.nx = 8, .ny = 4}))};
+    description_.frame_rate = 25;
+    description_.frame_count = 3;
+  }
+  ~CacheReader() override { fs::remove_all(folder_); }
+
+  [[nodiscard]] Bytes written(const char* name, const char* result) const {
+    test::write_waving(*make_cache_writer(folder_ / name, description_), description_);
+    return read_file(folder_ / result);
+  }
+
+  /// Every truncation is refused; every flipped byte is refused or read without harm.
+  static void break_it(const Bytes& bytes, const std::function<void(const Bytes&)>& read) {
+    const std::size_t step = bytes.size() > 20000 ? 7 : 1;
+    for (std::size_t size = 0; size < bytes.size(); size += step) {
+      EXPECT_THROW(read(Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size))), Error) << size;
+    }
+    for (std::size_t i = 0; i < bytes.size(); i += step) {
+      Bytes flipped = bytes;
+      flipped[i] ^= static_cast<std::byte>(1U << (i % 8));
+      try {
+        read(flipped);
+      } catch (const Error& error) {
+        EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
+      }
+    }
+  }
+
+  fs::path folder_;
+  CacheDescription description_;
+};
+
+TEST_F(CacheReader, AnimatedGltfComesBackFrameByFrame) {
+  const Cache cache = decode_gltf_cache(written("a.glb", "a.glb"), "a.glb");
+  EXPECT_NEAR(cache.frame_rate, 25, 1e-4);
+  ASSERT_EQ(cache.cloths.size(), 2U);
+  ASSERT_EQ(cache.frames.size(), 4U);
+  const SourceMesh& source = description_.cloths[0]->source;
+  const SourceMesh& mesh = cache.cloths[0];
+  EXPECT_EQ(mesh.triangle.size(), source.triangle.size());
+  ASSERT_EQ(mesh.part.size(), 2U);
+  EXPECT_EQ(mesh.part[1].name, "right");
+  EXPECT_EQ(mesh.uv.size(), mesh.position.size());
+  EXPECT_EQ(mesh.normal.size(), mesh.position.size());
+  ASSERT_TRUE(mesh.material[mesh.part[0].material].base_color_image.has_value());
+  EXPECT_EQ(mesh.image[*mesh.material[mesh.part[0].material].base_color_image].bytes, source.image[0].bytes);
+  EXPECT_TRUE(cache.cloths[1].image.empty());
+
+  for (uint32_t frame = 0; frame < 4; ++frame) {
+    const ClothFrame expected = test::waving_frame(*description_.cloths[0], frame);
+    for (std::size_t t = 0; t < source.triangle.size(); ++t) {
+      for (std::size_t corner = 0; corner < 3; ++corner) {
+        const Vec3& is = cache.frames[frame][0][mesh.triangle[t][corner]];
+        EXPECT_LT(length(is - expected.source_position[source.triangle[t][corner]]), 3e-7F);
+      }
+    }
+  }
+}
+
+TEST_F(CacheReader, PointCachesComeBackBitForBit) {
+  for (const char* ending : {".pc2", ".mdd"}) {
+    const std::string name = std::string("a") + ending, second = std::string("a_2") + ending;
+    const PointCache cache = decode_point_cache(written(name.c_str(), second.c_str()), second);
+    const ClothAsset& tube = *description_.cloths[1];
+    ASSERT_EQ(cache.points, tube.source.source_vertex_count);
+    ASSERT_EQ(cache.frames.size(), 4U);
+    const ClothFrame expected = test::waving_frame(tube, 3, {1.2F, 0, 0});
+    for (std::size_t i = 0; i < tube.source.position.size(); ++i) {
+      EXPECT_EQ(cache.frames[3][tube.source.source_vertex[i]], expected.source_position[i]);
+    }
+  }
+}
+
+TEST_F(CacheReader, BrokenFilesAreRefused) {
+  break_it(written("a.glb", "a.glb"), [](const Bytes& b) { static_cast<void>(decode_gltf_cache(b, "x")); });
+  break_it(written("a.pc2", "a_1.pc2"), [](const Bytes& b) { static_cast<void>(decode_point_cache(b, "x.pc2")); });
+  break_it(written("a.mdd", "a_1.mdd"), [](const Bytes& b) { static_cast<void>(decode_point_cache(b, "x.mdd")); });
+}
+
+TEST_F(CacheReader, OtherFilesAreNamedAsSuch) {
+  EXPECT_THROW(static_cast<void>(read_gltf_cache(folder_ / "missing.glb")), Error);
+  EXPECT_THROW(static_cast<void>(decode_point_cache({}, "x.abc")), Error);
+}
+
+}  // namespace
+}  // namespace geocloth

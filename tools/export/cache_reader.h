@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "geocloth/asset/cloth_asset.h"
+
+namespace geocloth {
+
+/// An animated .glb as `simulate` writes it.
+struct Cache {
+  std::vector<SourceMesh> cloths;  ///< at frame 0; one part per primitive, materials and images of each cloth its own
+  double frame_rate = 60;          ///< [1/s]; 60 when there is no animation
+  std::vector<std::vector<std::vector<Vec3>>> frames;  ///< [frame][cloth][render vertex], frame 0 first [m]
+};
+
+/// @throws Error(io) when the file cannot be read, Error(unsupported) for a glTF that is not such a cache,
+///   Error(invalid_data) for a broken one. Safe for hostile bytes.
+[[nodiscard]] Cache read_gltf_cache(const std::filesystem::path& path);
+[[nodiscard]] Cache decode_gltf_cache(std::span<const std::byte> bytes, const std::string& name);
+
+/// A .pc2 or .mdd file.
+struct PointCache {
+  uint32_t points = 0;
+  double frame_rate = 60;                 ///< [1/s]; of an .mdd with more than one frame, else 60
+  std::vector<std::vector<Vec3>> frames;  ///< each has `points` entries [m]
+};
+
+/// Which of the two formats it is, the ending of the name says.
+/// @throws as read_gltf_cache
+[[nodiscard]] PointCache read_point_cache(const std::filesystem::path& path);
+[[nodiscard]] PointCache decode_point_cache(std::span<const std::byte> bytes, const std::filesystem::path& path);
+
+}  // namespace geocloth
