@@ -21,6 +21,7 @@
 #include "geocloth/solver/scene.h"
 #include "options.h"
 #include "progress.h"
+#include "render/picture_options.h"
 #include "render/picture_writers.h"
 #include "simulation_report.h"
 
@@ -38,6 +39,7 @@ struct Options {
   Backend backend = Backend::automatic;
   std::string device;
   uint32_t threads = std::clamp(std::thread::hardware_concurrency(), 1U, kMaxThreads);
+  RenderOptions pictures;
   bool check = false, quiet = false;
 };
 
@@ -99,16 +101,18 @@ void print_check(const Options& options, Simulation& simulation) {
              statistics.particles, scene.colliders.size(), scene.frames, scene.frame_rate, scene.substeps);
 }
 
-std::unique_ptr<FrameWriter> make_writer(const std::filesystem::path& path, Simulation& simulation) {
+std::unique_ptr<FrameWriter> make_writer(const std::filesystem::path& path, Simulation& simulation,
+                                         const RenderOptions& pictures) {
   const std::string ending = CLI::detail::to_lower(path.extension().string());
-  if (ending == ".png") return make_picture_series_writer(path, simulation, RenderOptions{});
-  if (ending == ".mp4") return make_video_writer(path, simulation, RenderOptions{});
+  if (ending == ".png") return make_picture_series_writer(path, simulation, pictures);
+  if (ending == ".mp4") return make_video_writer(path, simulation, pictures);
   return make_cache_writer(path, simulation);
 }
 
 void play(const Options& options, Simulation& simulation) {
   std::vector<std::unique_ptr<FrameWriter>> writers;
-  for (const std::string& output : options.outputs) writers.push_back(make_writer(output, simulation));
+  for (const std::string& output : options.outputs)
+    writers.push_back(make_writer(output, simulation, options.pictures));
   std::vector<std::unique_ptr<OutputFile>> files;
   const auto open = [&](const std::filesystem::path& path) {
     return path.empty() ? nullptr : files.emplace_back(std::make_unique<OutputFile>(path)).get();

@@ -84,8 +84,8 @@ INSTANTIATE_TEST_SUITE_P(
                                                       "property float x\nproperty float y\nproperty float z\n"
                                                       "element face 4000000000\n"
                                                       "property list uchar int vertex_indices\nend_header\n")}),
-    [](const auto& info) {
-      std::string name = info.param.first;
+    [](const auto& mesh) {
+      std::string name = mesh.param.first;
       std::replace(name.begin(), name.end(), '.', '_');
       return name;
     });
