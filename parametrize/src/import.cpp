@@ -80,25 +80,26 @@ class MemoryStream final : public Assimp::IOStream {
   std::size_t at_ = 0;
 };
 
-/// Serves the checked bytes under the mesh's name, and files beside it. Nothing can be written.
+/// Serves files from memory, and others from beside the mesh. Nothing can be written.
 class MeshFiles final : public Assimp::IOSystem {
  public:
-  MeshFiles(std::filesystem::path mesh, std::string name, std::string bytes)
-      : mesh_(std::move(mesh)), name_(std::move(name)), bytes_(std::move(bytes)) {}
+  MeshFiles(std::filesystem::path mesh, std::vector<MemoryFile> files)
+      : mesh_(std::move(mesh)), files_(std::move(files)) {}
 
   bool Exists(const char* file) const override {
     std::error_code error;
-    return file == name_ || std::filesystem::is_regular_file(resolve(mesh_, file), error);
+    return in_memory(file) != nullptr || std::filesystem::is_regular_file(resolve(mesh_, file), error);
   }
   char getOsSeparator() const override { return '/'; }
   Assimp::IOStream* Open(const char* file, const char* mode) override {
     if (std::strchr(mode, 'w') != nullptr) return nullptr;
-    if (file == name_) return new MemoryStream(bytes_);
+    if (const MemoryFile* known = in_memory(file)) return new MemoryStream(known->bytes);
     if (!Exists(file)) return nullptr;
     try {
       const std::vector<std::byte> bytes = read_file(resolve(mesh_, file), kMaxFileBytes);
       std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-      return new MemoryStream(std::string_view(name_).ends_with(".obj") ? clean_mtl(text) : std::move(text));
+      const bool obj = std::string_view(files_[0].name).ends_with(".obj");
+      return new MemoryStream(obj ? clean_mtl(text) : std::move(text));
     } catch (const Error&) {
       return nullptr;
     }
@@ -106,8 +107,14 @@ class MeshFiles final : public Assimp::IOSystem {
   void Close(Assimp::IOStream* stream) override { delete stream; }
 
  private:
+  const MemoryFile* in_memory(std::string_view name) const {
+    if (name.starts_with("./")) name.remove_prefix(2);
+    const auto it = std::find_if(files_.begin(), files_.end(), [&](const MemoryFile& f) { return f.name == name; });
+    return it != files_.end() ? &*it : nullptr;
+  }
+
   std::filesystem::path mesh_;
-  std::string name_, bytes_;
+  std::vector<MemoryFile> files_;
 };
 
 // --- scene to mesh -------------------------------------------------------------------------------------------------
@@ -254,7 +261,7 @@ class MeshBuilder {
       add_corners(mesh, c, to_world_normal);
     }
     ++polygon_count_;
-    if (mesh_.triangle.size() > kMaxElements) fail(file_, ErrorCode::limit, "more than 100 million triangles");
+    if (mesh_.triangle.size() > kMaxTriangles) fail(file_, ErrorCode::limit, "more than 20 million triangles");
   }
 
   void add_corners(const aiMesh& mesh, const std::array<unsigned, 3>& c, const aiMatrix3x3& to_world_normal) {
@@ -423,46 +430,43 @@ double file_unit(const aiScene& scene, Format format) {
   return std::isfinite(centimetres) && centimetres > 0 ? centimetres * 0.01 : 1;
 }
 
-void check(const std::filesystem::path& file, Format format, std::span<const std::byte> bytes) {
-  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+/// What assimp gets to see of a file: the file first, then what goes with it. The name's ending decides the reader.
+/// @param obj  filled when the file is an OBJ
+std::vector<MemoryFile> prepare(const std::filesystem::path& file, Format format, std::span<const std::byte> bytes,
+                                ObjText& obj) {
+  std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   switch (format) {
     case Format::gltf:
     case Format::glb:
-      return check_gltf(file, bytes, format == Format::glb);
-    case Format::ply:
-      return check_ply(file, text);
-    case Format::stl:
-      return check_stl(file, text);
-    case Format::fbx:
-      return check_fbx(file, text);
-    case Format::dae:
-      return check_dae(file, text);
+      return read_gltf(file, bytes, format == Format::glb);
     case Format::obj:
-      return;  // read_obj checks as it reads
+      obj = read_obj(file, text);
+      return {{"mesh.obj", std::move(obj.coded)}};
+    case Format::ply:
+      check_ply(file, text);
+      return {{"mesh.ply", std::move(text)}};
+    case Format::stl:
+      check_stl(file, text);
+      return {{"mesh.stl", std::move(text)}};
+    case Format::fbx:
+      check_fbx(file, text);
+      return {{"mesh.fbx", std::move(text)}};
+    case Format::dae:
+      check_dae(file, text);
+      return {{"mesh.dae", std::move(text)}};
   }
-}
-
-/// The name under which assimp sees the file: its ending decides the reader, and nothing else of it matters.
-std::string name_for(Format format) {
-  constexpr std::array<const char*, 7> names{"mesh.obj", "mesh.gltf", "mesh.glb", "mesh.ply",
-                                             "mesh.stl", "mesh.fbx",  "mesh.dae"};
-  return names[static_cast<std::size_t>(format)];
+  return {};
 }
 
 TriangleMesh read(const std::filesystem::path& file, const ImportOptions& options) {
   const Format format = format_of(file);
   const std::vector<std::byte> bytes = read_file(file, kMaxFileBytes);
   if (bytes.empty()) fail(file, ErrorCode::invalid_data, "the file is empty");
-  check(file, format, bytes);
-  std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   ObjText obj;
-  if (format == Format::obj) {
-    obj = read_obj(file, text);
-    text = std::move(obj.coded);
-  }
+  std::vector<MemoryFile> files = prepare(file, format, bytes, obj);
+  const std::string name = files[0].name;
   Assimp::Importer importer;
-  const std::string name = name_for(format);
-  importer.SetIOHandler(new MeshFiles(file, name, std::move(text)));
+  importer.SetIOHandler(new MeshFiles(file, std::move(files)));
   // FBX: every vertex as it is, no helper nodes that only carry pivots.
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, false);
   const aiScene* scene = importer.ReadFile(name, 0);

@@ -15,6 +15,7 @@
 namespace geocloth::import_detail {
 
 inline constexpr std::size_t kMaxElements = 100'000'000;  ///< vertices, corners or records that a file may hold
+inline constexpr std::size_t kMaxTriangles = 20'000'000;  ///< of a mesh, instances counted
 inline constexpr std::size_t kMaxPolygonCorners = 4096;
 inline constexpr double kMaxCoordinate = 1e18;  ///< beyond it, products of coordinates leave the range of a float
 
@@ -34,9 +35,17 @@ struct ObjText {
 /// The known records of an MTL file.
 [[nodiscard]] std::string clean_mtl(std::string_view text);
 
+/// A file in memory that assimp may ask for.
+struct MemoryFile {
+  std::string name, bytes;
+};
+
 /// Checks the container, the JSON and every index, offset and size of a glTF file that assimp relies on.
+/// @returns the same scene for assimp, without what geocloth does not use: the JSON, and its buffers as files of their
+///   own; quantised attributes are floats there
 /// @throws Error(unsupported) when it needs an extension that cannot be decoded
-void check_gltf(const std::filesystem::path& file, std::span<const std::byte> bytes, bool binary);
+[[nodiscard]] std::vector<MemoryFile> read_gltf(const std::filesystem::path& file, std::span<const std::byte> bytes,
+                                                bool binary);
 
 /// Checks that the sizes a PLY or STL file announces are the sizes it has.
 void check_ply(const std::filesystem::path& file, std::string_view bytes);

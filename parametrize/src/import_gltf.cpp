@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // glTF ahead of assimp, whose reader takes offsets, counts and node graphs on trust. Everything it follows is checked
 // here against the glTF 2.0 specification: the GLB container (section 4), bufferViews and accessors (3.6), index
-// values, the node hierarchy (3.5: a forest), and the extensions the file requires.
+// values, the node hierarchy (3.5: a forest), and the extensions the file requires. What assimp gets is written anew:
+// without animations, cameras, morph targets and lights, with buffers as bytes and attributes as floats.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -26,18 +27,17 @@ constexpr uint32_t kChunkJson = 0x4E4F534A, kChunkBin = 0x004E4942;
 /// Extensions that may be required: they change how the surface looks or where bytes of pictures are, not the mesh.
 bool is_harmless(std::string_view extension) {
   return extension.starts_with("KHR_materials_") || extension.starts_with("KHR_lights_") ||
-         extension == "KHR_texture_transform" || extension == "KHR_texture_basisu" || extension == "EXT_texture_webp" ||
-         extension == "EXT_texture_avif" || extension == "KHR_xmp_json_ld" || extension == "KHR_animation_pointer";
+         extension == "KHR_texture_transform" || extension == "KHR_mesh_quantization" ||
+         extension == "KHR_texture_basisu" || extension == "EXT_texture_webp" || extension == "EXT_texture_avif" ||
+         extension == "KHR_xmp_json_ld" || extension == "KHR_animation_pointer";
 }
+
+const std::string kDequantize = "run 'npx @gltf-transform/cli dequantize IN.glb OUT.glb'";
 
 std::string remedy(const std::string& extension) {
   if (extension == "KHR_draco_mesh_compression" || extension.find("meshopt_compression") != std::string::npos) {
     return "its mesh is compressed; decompress it with 'npx @gltf-transform/cli copy IN.glb OUT.glb' or export it "
            "without compression";
-  }
-  if (extension == "KHR_mesh_quantization") {
-    return "its coordinates are quantised; run 'npx @gltf-transform/cli dequantize IN.glb OUT.glb' or export it "
-           "without quantisation";
   }
   return "export the mesh without it";
 }
@@ -48,9 +48,9 @@ uint32_t read_u32(Bytes bytes, std::size_t at) {
   return value;
 }
 
-class GltfChecker {
+class GltfReader {
  public:
-  GltfChecker(const std::filesystem::path& file, Bytes bytes, bool binary) : file_(file) {
+  GltfReader(const std::filesystem::path& file, Bytes bytes, bool binary) : file_(file) {
     std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     if (binary) text = split_container(bytes);
     // Counting brackets first keeps whoever parses this text next from recursing without end.
@@ -70,6 +70,34 @@ class GltfChecker {
     check_skins();
     check_nodes();
     check_references();
+  }
+
+  /// The scene for assimp; only after check().
+  std::vector<MemoryFile> rewrite() {
+    for (const char* name : {"animations", "cameras", "extensions", "extensionsUsed", "extensionsRequired"}) {
+      json_.erase(name);
+    }
+    for (Json& node : json_["nodes"]) {
+      for (const char* name : {"camera", "weights", "extensions"}) node.erase(name);
+      // assimp takes these matrices for granted.
+      if (node.contains("skin") && !json_["skins"][node["skin"].get<std::size_t>()].contains("inverseBindMatrices")) {
+        node.erase("skin");
+      }
+    }
+    for (Json& mesh : json_["meshes"]) {
+      mesh.erase("weights");
+      for (Json& primitive : mesh["primitives"]) rewrite_primitive(primitive);
+    }
+    rewrite_images();
+    std::vector<MemoryFile> files(1);
+    for (std::size_t i = 0; i < buffer_data_.size(); ++i) {
+      const Bytes bytes = buffer_data_[i];
+      files.push_back({"buffer" + std::to_string(i) + ".bin",
+                       std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size())});
+      json_["buffers"][i] = {{"byteLength", bytes.size()}, {"uri", files.back().name}};
+    }
+    files[0] = {"mesh.gltf", json_.dump(-1, ' ', false, Json::error_handler_t::replace)};
+    return files;
   }
 
  private:
@@ -396,7 +424,6 @@ class GltfChecker {
     const Accessor& position = attribute(*attributes, "POSITION", where);
     if (!position.has_data) refuse_missing_data(primitive, where);
     if (position.components != 3) bad(where + ": POSITION is not VEC3");
-    if (position.component_type != 5126) refuse_extension("KHR_mesh_quantization");
     for (const auto& [name, value] : attributes->items()) {
       const Accessor& a = attribute(*attributes, name.c_str(), where);
       if (a.count != position.count) bad(where + ": " + name.substr(0, 40) + " and POSITION differ in count");
@@ -433,7 +460,6 @@ class GltfChecker {
     is("TEXCOORD_", 2);
     is("JOINTS_", 4);
     is("WEIGHTS_", 4);
-    if (name == "NORMAL" && a.component_type != 5126) refuse_extension("KHR_mesh_quantization");
     if (name.starts_with("COLOR_") && a.components != 3 && a.components != 4) bad(where + ": COLOR has the wrong type");
   }
 
@@ -592,6 +618,82 @@ class GltfChecker {
     }
   }
 
+  // --- the copy for assimp -----------------------------------------------------------------------------------------
+
+  void rewrite_primitive(Json& primitive) {
+    primitive.erase("targets");
+    primitive.erase("extensions");
+    Json& attributes = primitive["attributes"];
+    Json kept = Json::object();
+    for (const auto& [name, value] : attributes.items()) {
+      const bool wanted =
+          name == "POSITION" || name == "NORMAL" || name == "TEXCOORD_0" || name == "JOINTS_0" || name == "WEIGHTS_0";
+      if (!wanted) continue;
+      if (name != "JOINTS_0") make_float(value.get<std::size_t>());
+      kept[name] = value;
+    }
+    attributes = std::move(kept);
+  }
+
+  /// Writes an accessor of integers anew as floats (KHR_mesh_quantization; 3.11 for normalized values).
+  void make_float(std::size_t i) {
+    Accessor& a = accessors_[i];
+    if (a.component_type == 5126) return;
+    Json& json = json_["accessors"][i];
+    const auto normalized = json.find("normalized");
+    const bool scaled = normalized != json.end() && normalized->is_boolean() && normalized->get<bool>();
+    if (json.contains("sparse")) fail(file_, ErrorCode::unsupported, "sparse and quantised at once; " + kDequantize);
+    std::vector<std::byte> bytes(a.count * a.components * sizeof(float));
+    for (std::size_t k = 0; k < a.count * a.components; ++k) {
+      const std::byte* at = a.bytes.data() + k / a.components * a.stride + k % a.components * a.component_size;
+      const float value = read_component(at, a.component_type, scaled);
+      std::memcpy(bytes.data() + k * sizeof value, &value, sizeof value);
+    }
+    json["componentType"] = 5126;
+    json["bufferView"] = json_["bufferViews"].size();
+    for (const char* name : {"byteOffset", "normalized", "min", "max"}) json.erase(name);
+    json_["bufferViews"].push_back({{"buffer", buffer_data_.size()}, {"byteLength", bytes.size()}});
+    owned_.push_back(std::move(bytes));
+    buffer_data_.push_back(owned_.back());
+    a.component_type = 5126;
+  }
+
+  static float read_component(const std::byte* at, std::size_t type, bool scaled) {
+    const auto read = [&]<typename T>(T value) {
+      std::memcpy(&value, at, sizeof value);
+      if (!scaled) return static_cast<float>(value);
+      return std::max(static_cast<float>(value) / static_cast<float>(std::numeric_limits<T>::max()), -1.0F);
+    };
+    switch (type) {
+      case 5120:
+        return read(int8_t{});
+      case 5121:
+        return read(uint8_t{});
+      case 5122:
+        return read(int16_t{});
+      case 5123:
+        return read(uint16_t{});
+      default:
+        return read(uint32_t{});
+    }
+  }
+
+  /// A picture that is no base64 is left away; it must not cost the mesh.
+  void rewrite_images() {
+    if (!json_.contains("images")) return;
+    for (Json& image : json_["images"]) {
+      const auto uri = image.find("uri");
+      if (uri == image.end()) continue;
+      try {
+        if (!uri->is_string()) throw Error(ErrorCode::invalid_data, "uri is not text");
+        const std::string& text = uri->get_ref<const std::string&>();
+        if (text.starts_with("data:")) static_cast<void>(read_uri(file_, text, "image"));
+      } catch (const Error&) {
+        image.erase("uri");
+      }
+    }
+  }
+
   const std::filesystem::path& file_;
   Json json_;
   std::optional<Bytes> binary_chunk_;
@@ -603,8 +705,10 @@ class GltfChecker {
 
 }  // namespace
 
-void check_gltf(const std::filesystem::path& file, std::span<const std::byte> bytes, bool binary) {
-  GltfChecker(file, bytes, binary).check();
+std::vector<MemoryFile> read_gltf(const std::filesystem::path& file, std::span<const std::byte> bytes, bool binary) {
+  GltfReader reader(file, bytes, binary);
+  reader.check();
+  return reader.rewrite();
 }
 
 }  // namespace geocloth::import_detail

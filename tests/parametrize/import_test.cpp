@@ -1,0 +1,606 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "geocloth/parametrize/import.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <numeric>
+#include <random>
+#include <set>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "geocloth/asset/error.h"
+#include "geocloth/asset/output_file.h"
+#include "import_detail.h"
+
+namespace geocloth {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using Json = nlohmann::json;
+
+/// A folder of its own for every test, gone afterwards.
+class Import : public ::testing::Test {
+ protected:
+  Import() {
+    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = std::filesystem::temp_directory_path() /
+              ("geocloth_import_" + std::string(info->name()) + "_" + std::to_string(::getpid()));
+    std::filesystem::create_directories(folder_);
+  }
+  ~Import() override { std::filesystem::remove_all(folder_); }
+
+  std::filesystem::path write(const std::string& name, const std::string& bytes) const {
+    std::ofstream(folder_ / name, std::ios::binary) << bytes;
+    return folder_ / name;
+  }
+
+  TriangleMesh read(const std::string& name, const std::string& bytes, const ImportOptions& options = {}) const {
+    return import_mesh(write(name, bytes), options);
+  }
+
+  /// The message and code with which a file is refused.
+  Error refusal(const std::string& name, const std::string& bytes) const {
+    try {
+      static_cast<void>(read(name, bytes));
+    } catch (const Error& e) {
+      EXPECT_THAT(e.what(), HasSubstr(name));
+      EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos) << e.what();
+      return e;
+    }
+    ADD_FAILURE() << name << " was read";
+    return {ErrorCode::io, ""};
+  }
+
+  /// Every beginning of the file is refused; a text may lose what is after its last word.
+  void expect_every_truncation_refused(const std::string& name, const std::string& bytes, std::size_t spare = 0) const {
+    for (std::size_t n = 0; n + spare < bytes.size(); ++n) {
+      try {
+        static_cast<void>(read(name, bytes.substr(0, n)));
+        ADD_FAILURE() << name << " was read from its first " << n << " of " << bytes.size() << " bytes";
+        return;
+      } catch (const Error&) {
+      }
+    }
+  }
+
+  /// Files with random damage end in a mesh or in an Error, never in a crash.
+  void survive_damage(const std::string& name, const std::string& bytes, unsigned rounds) const {
+    for (unsigned seed = 0; seed < rounds; ++seed) {
+      std::mt19937 random(seed);
+      std::string damaged = bytes;
+      for (unsigned k = 0; k <= seed % 4; ++k) {
+        damaged[random() % damaged.size()] = static_cast<char>(random());
+      }
+      try {
+        const TriangleMesh mesh = read(name, damaged);
+        for (const Triangle& t : mesh.triangle) {
+          for (const uint32_t v : t) ASSERT_LT(v, mesh.position.size());
+        }
+      } catch (const Error&) {
+      }
+    }
+  }
+
+  std::filesystem::path folder_;
+};
+
+template <typename T>
+void put(std::string& out, T value) {
+  out.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+// --- glTF samples
+// ------------------------------------------------------------------------------------------------------
+
+struct Gltf {
+  Json json;
+  std::string binary;
+
+  std::size_t add_view(const std::string& bytes) {
+    while (binary.size() % 4 != 0) binary.push_back('\0');
+    json["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", binary.size()}, {"byteLength", bytes.size()}});
+    binary += bytes;
+    return json["bufferViews"].size() - 1;
+  }
+  template <typename T>
+  std::size_t add_accessor(const std::vector<T>& values, int component, const std::string& type, std::size_t per) {
+    std::string bytes;
+    for (const T v : values) put(bytes, v);
+    json["accessors"].push_back({{"bufferView", add_view(bytes)},
+                                 {"componentType", component},
+                                 {"count", values.size() / per},
+                                 {"type", type}});
+    return json["accessors"].size() - 1;
+  }
+  std::string glb() const {
+    Json out = json;
+    out["buffers"] = Json::array({{{"byteLength", binary.size()}}});
+    std::string text = out.dump(), data = binary, file = "glTF";
+    while (text.size() % 4 != 0) text.push_back(' ');
+    while (data.size() % 4 != 0) data.push_back('\0');
+    put(file, uint32_t{2});
+    put(file, static_cast<uint32_t>(12 + 8 + text.size() + 8 + data.size()));
+    put(file, static_cast<uint32_t>(text.size()));
+    file += "JSON" + text;
+    put(file, static_cast<uint32_t>(data.size()));
+    file += std::string("BIN\0", 4) + data;
+    return file;
+  }
+};
+
+/// Two triangles over four vertices, moved by (10, 0, 0) by their node.
+Gltf square() {
+  Gltf g;
+  g.json = {{"asset", {{"version", "2.0"}}}, {"scene", 0}, {"scenes", {{{"nodes", {0}}}}}};
+  const auto position = g.add_accessor<float>({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}, 5126, "VEC3", 3);
+  g.json["accessors"][position]["min"] = {0, 0, 0};
+  g.json["accessors"][position]["max"] = {1, 1, 0};
+  const auto uv = g.add_accessor<float>({0, 0.25F, 1, 0.25F, 1, 1, 0, 1}, 5126, "VEC2", 2);
+  const auto index = g.add_accessor<uint16_t>({0, 1, 2, 0, 2, 3}, 5123, "SCALAR", 1);
+  g.json["meshes"] = {
+      {{"name", "square"},
+       {"primitives", {{{"attributes", {{"POSITION", position}, {"TEXCOORD_0", uv}}}, {"indices", index}}}}}};
+  g.json["nodes"] = {{{"mesh", 0}, {"translation", {10, 0, 0}}}};
+  return g;
+}
+
+const std::string kSquareObj =
+    "# a square of two parts\n"
+    "o top\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 9 9 9\nvt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3\n"
+    "o bottom\nv 2 0 0\nf 1 3 -3\n";
+
+// --- OBJ
+// ---------------------------------------------------------------------------------------------------------------
+
+TEST_F(Import, ObjKeepsTheNumbersOfItsVertices) {
+  const TriangleMesh mesh = read("a.obj", kSquareObj);
+  EXPECT_EQ(mesh.name, "a");
+  ASSERT_EQ(mesh.position.size(), 6U);
+  EXPECT_EQ(mesh.position[4], (Point3{9, 9, 9}));  // no face uses it
+  EXPECT_THAT(mesh.triangle, ElementsAre(Triangle{0, 1, 2}, Triangle{0, 2, 3}));
+  ASSERT_EQ(mesh.part.size(), 2U);
+  EXPECT_EQ(mesh.part[0].name, "top");
+  EXPECT_EQ(mesh.part[1].first_triangle, 1U);
+  ASSERT_EQ(mesh.uv.size(), 2U);
+  EXPECT_EQ(mesh.uv[0][2], (Point2{1, 0}));  // v runs down
+}
+
+TEST_F(Import, ObjKeepsDigitsBeyondSinglePrecision) {
+  const TriangleMesh mesh = read("a.obj", "v 0.12345678901234 0 0\nv 1 0 0\nv 0 1e-9 1\nf 1 2 3\n");
+  EXPECT_EQ(mesh.position[0][0], 0.12345678901234);
+  EXPECT_EQ(mesh.position[2][1], 1e-9);
+}
+
+TEST_F(Import, ObjWithManyVertices) {
+  std::string text;
+  for (int i = 0; i < 70000; ++i) text += "v " + std::to_string(i) + " 0 0\nv " + std::to_string(i) + " 1 0\n";
+  text += "f 139999 140000 139998\n";
+  const TriangleMesh mesh = read("a.obj", text);
+  EXPECT_THAT(mesh.triangle, ElementsAre(Triangle{139998, 139999, 139997}));
+}
+
+TEST_F(Import, ObjLinesPointsAndColoursAreLeftOut) {
+  const TriangleMesh mesh = read("a.obj", "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\np 1\nl 1 2\nf 1 2 3\n");
+  EXPECT_EQ(mesh.position.size(), 3U);
+  EXPECT_EQ(mesh.triangle.size(), 1U);
+}
+
+TEST_F(Import, ObjLineEndsContinuationsAndComments) {
+  const TriangleMesh mesh = read("a.obj", "v 0 0 0\r\nv 1 0 0\r\nv 1 1 0\rv 0 1 0 # last\nf 1 2 \\\n 3 4 # quad");
+  EXPECT_EQ(mesh.triangle.size(), 2U);
+  EXPECT_THAT(mesh.polygon, ElementsAre(0, 0));
+}
+
+TEST_F(Import, ObjBadRecordsAreNamedByLine) {
+  const std::string head = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+  EXPECT_THAT(refusal("a.obj", head + "f 1 2 4\n").what(), HasSubstr("line 4"));
+  EXPECT_THAT(refusal("a.obj", head + "f 1 2 0\n").what(), HasSubstr("line 4"));
+  EXPECT_THAT(refusal("a.obj", head + "f 1 2 -4\n").what(), HasSubstr("line 4"));
+  EXPECT_THAT(refusal("a.obj", head + "f 1 2 x\n").what(), HasSubstr("line 4"));
+  EXPECT_THAT(refusal("a.obj", head + "f 1/1 2/1 3/1\n").what(), HasSubstr("texture"));
+  EXPECT_THAT(refusal("a.obj", head + "v 1 2\nf 1 2 3\n").what(), HasSubstr("line 4"));
+  EXPECT_THAT(refusal("a.obj", head).what(), HasSubstr("no faces"));
+  EXPECT_THAT(refusal("a.obj", head + "f 1 2 99999999999999999999\n").what(), HasSubstr("line 4"));
+}
+
+TEST_F(Import, ObjMaterialWithItsPicture) {
+  const std::string png = std::string("\x89PNG\r\n\x1a\n", 8) + "picture";
+  write("weave (1).png", png);
+  write("a.mtl", "newmtl cotton\nKd 0.5 0.25 1\nd 0.75\nmap_Kd weave (1).png\n");
+  const TriangleMesh mesh = read("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl cotton\nf 1 2 3\n");
+  ASSERT_EQ(mesh.material.size(), 1U);
+  EXPECT_EQ(mesh.material[0].name, "cotton");
+  EXPECT_FLOAT_EQ(mesh.material[0].base_color[1], 0.25F);
+  EXPECT_FLOAT_EQ(mesh.material[0].base_color[3], 0.75F);
+  ASSERT_EQ(mesh.image.size(), 1U);
+  EXPECT_EQ(mesh.image[0].mime_type, "image/png");
+  EXPECT_EQ(std::string(mesh.image[0].bytes.begin(), mesh.image[0].bytes.end()), png);
+  EXPECT_EQ(mesh.material[0].base_color_image, 0U);
+}
+
+TEST_F(Import, MissingMaterialOrPictureIsNoError) {
+  write("a.mtl", "newmtl cotton\nmap_Kd nothing.png\n");
+  const TriangleMesh mesh =
+      read("a.obj", "mtllib a.mtl\nmtllib none.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl cotton\nf 1 2 3\n");
+  EXPECT_TRUE(mesh.image.empty());
+  EXPECT_FALSE(mesh.material[0].base_color_image.has_value());
+}
+
+// --- polygons
+// ------------------------------------------------------------------------------------------------------------
+
+double area(const TriangleMesh& mesh) {
+  double sum = 0;
+  for (const Triangle& t : mesh.triangle) {
+    const Point3 &a = mesh.position[t[0]], &b = mesh.position[t[1]], &c = mesh.position[t[2]];
+    sum += 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
+  }
+  return sum;
+}
+
+/// All triangles counter-clockwise and of the polygon's area together: no overlap, no gap.
+void expect_covers(const TriangleMesh& mesh, double expected) {
+  double sum = 0;
+  for (const Triangle& t : mesh.triangle) {
+    TriangleMesh one = mesh;
+    one.triangle = {t};
+    EXPECT_GE(area(one), 0);
+    sum += std::abs(area(one));
+  }
+  EXPECT_NEAR(sum, expected, 1e-12);
+}
+
+TEST_F(Import, ConcavePolygonsAreCutInside) {
+  // An arrow head whose fan from corner 1 would leave the outline, and a comb.
+  expect_covers(read("arrow.obj", "v 0 0 0\nv 2 1 0\nv 0 2 0\nv 1 1 0\nf 1 2 3 4\n"), 1);
+  expect_covers(read("comb.obj",
+                     "v 0 0 0\nv 5 0 0\nv 5 3 0\nv 4 3 0\nv 4 1 0\nv 3 1 0\nv 3 3 0\nv 2 3 0\nv 2 1 0\n"
+                     "v 1 1 0\nv 1 3 0\nv 0 3 0\nf 1 2 3 4 5 6 7 8 9 10 11 12\n"),
+                11);
+}
+
+TEST_F(Import, PolygonWithABridgeToItsHole) {
+  expect_covers(read("ring.obj",
+                     "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nv 1 1 0\nv 1 3 0\nv 3 3 0\nv 3 1 0\n"
+                     "f 1 2 3 4 1 5 6 7 8 5\n"),
+                12);
+}
+
+TEST_F(Import, AQuadIsCutTheSameWayFromAnyCorner) {
+  const std::vector<Point3> quad{{0, 0, 0}, {1, 0, 0.1}, {1.1, 1, 0}, {0, 1, 0.2}};
+  std::set<std::set<std::set<Point3>>> ways;
+  for (std::size_t first = 0; first < 4; ++first) {
+    std::vector<Point3> turned = quad;
+    std::rotate(turned.begin(), turned.begin() + static_cast<std::ptrdiff_t>(first), turned.end());
+    std::vector<Triangle> out;
+    import_detail::triangulate_polygon(turned, out);
+    std::set<std::set<Point3>> way;
+    for (const Triangle& t : out) way.insert({turned[t[0]], turned[t[1]], turned[t[2]]});
+    ways.insert(way);
+  }
+  EXPECT_EQ(ways.size(), 1U);
+}
+
+TEST_F(Import, ManyCornersAndDegeneratePolygons) {
+  std::vector<Point3> circle;
+  for (int i = 0; i < 2000; ++i) circle.push_back({std::cos(i * 0.00314159), std::sin(i * 0.00314159), 0});
+  std::vector<Triangle> out;
+  import_detail::triangulate_polygon(circle, out);
+  EXPECT_EQ(out.size(), 1998U);
+  out.clear();
+  import_detail::triangulate_polygon(std::vector<Point3>(7, Point3{1, 2, 3}), out);
+  EXPECT_EQ(out.size(), 5U);
+}
+
+// --- glTF
+// ----------------------------------------------------------------------------------------------------------------
+
+TEST_F(Import, GlbWithNodeTransformAndTextureCoordinates) {
+  const TriangleMesh mesh = read("a.glb", square().glb());
+  EXPECT_THAT(mesh.triangle, ElementsAre(Triangle{0, 1, 2}, Triangle{0, 2, 3}));
+  EXPECT_EQ(mesh.position[2], (Point3{11, 1, 0}));
+  ASSERT_EQ(mesh.uv.size(), 2U);
+  EXPECT_NEAR(mesh.uv[0][0][1], 0.25, 1e-7);
+  EXPECT_TRUE(mesh.normal.empty());
+}
+
+TEST_F(Import, ScaleIsMetresPerUnit) {
+  EXPECT_EQ(read("a.glb", square().glb(), {.scale = 0.01}).position[1], (Point3{0.11, 0, 0}));
+  EXPECT_THROW(static_cast<void>(read("a.glb", square().glb(), {.scale = 0.0})), Error);
+}
+
+TEST_F(Import, GltfWithFilesAndWithDataUris) {
+  Gltf g = square();
+  write("a b.bin", g.binary);
+  g.json["buffers"] = Json::array({{{"byteLength", g.binary.size()}, {"uri", "a%20b.bin"}}});
+  EXPECT_EQ(read("files.gltf", g.json.dump()).triangle.size(), 2U);
+  g.json["buffers"][0]["uri"] = "missing.bin";
+  EXPECT_THAT(refusal("missing.gltf", g.json.dump()).what(), HasSubstr("missing.bin"));
+
+  const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  for (std::size_t i = 0; i < g.binary.size(); i += 3) {
+    uint32_t bits = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      bits = bits << 8U | (i + k < g.binary.size() ? static_cast<unsigned char>(g.binary[i + k]) : 0U);
+    }
+    for (unsigned shift = 18; shift < 32; shift -= 6) text.push_back(digits[bits >> shift & 63U]);
+  }
+  for (std::size_t pad = (3 - g.binary.size() % 3) % 3, k = 1; k <= pad; ++k) text[text.size() - k] = '=';
+  g.json["buffers"][0]["uri"] = "data:application/octet-stream;base64," + text;
+  EXPECT_EQ(read("data.gltf", g.json.dump()).triangle.size(), 2U);
+  g.json["buffers"][0]["uri"] = "data:application/octet-stream;base64,!!!!";
+  EXPECT_THAT(refusal("broken.gltf", g.json.dump()).what(), HasSubstr("base64"));
+}
+
+TEST_F(Import, GlbTwoPrimitivesTwoNodesAndASkin) {
+  Gltf g = square();
+  Json& primitives = g.json["meshes"][0]["primitives"];
+  const auto strip = g.add_accessor<float>({0, 0, 1, 1, 0, 1, 0, 1, 1, 1, 1, 1}, 5126, "VEC3", 3);
+  const auto joints = g.add_accessor<uint8_t>(std::vector<uint8_t>(16, 0), 5121, "VEC4", 4);
+  const auto weights = g.add_accessor<float>({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, 5126, "VEC4", 4);
+  primitives.push_back(
+      {{"attributes", {{"POSITION", strip}, {"JOINTS_0", joints}, {"WEIGHTS_0", weights}}}, {"mode", 5}});
+  const auto inverse = g.add_accessor<float>({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}, 5126, "MAT4", 16);
+  g.json["skins"] = {{{"joints", {1}}, {"inverseBindMatrices", inverse}}};
+  g.json["nodes"] = {{{"mesh", 0}, {"translation", {10, 0, 0}}, {"skin", 0}}, {{"name", "arm"}}};
+  g.json["scenes"][0]["nodes"] = {0, 1};
+  const TriangleMesh mesh = read("a.glb", g.glb());
+  EXPECT_EQ(mesh.position.size(), 8U);
+  ASSERT_EQ(mesh.part.size(), 2U);
+  EXPECT_EQ(mesh.triangle.size(), 4U);
+  EXPECT_THAT(mesh.triangle[2], ElementsAre(4, 5, 6));
+  ASSERT_EQ(mesh.vertex_groups.size(), 1U);
+  EXPECT_EQ(mesh.vertex_groups[0].name, "arm");
+  EXPECT_THAT(mesh.vertex_groups[0].source_vertex, ElementsAre(4, 5, 6, 7));
+  g.json["skins"][0].erase("inverseBindMatrices");
+  EXPECT_EQ(read("a.glb", g.glb()).position.size(), 8U);
+}
+
+TEST_F(Import, QuantisedGltf) {
+  Gltf g = square();
+  const auto position =
+      g.add_accessor<int16_t>({0, 0, 0, 0, 32767, 0, 0, 0, 32767, 32767, 0, 0, 0, 32767, 0, 0}, 5122, "VEC4", 4);
+  g.json["accessors"][position]["type"] = "VEC3";
+  g.json["accessors"][position]["normalized"] = true;
+  g.json["bufferViews"][g.json["accessors"][position]["bufferView"].get<std::size_t>()]["byteStride"] = 8;
+  g.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = position;
+  g.json["extensionsRequired"] = {"KHR_mesh_quantization"};
+  EXPECT_EQ(read("a.glb", g.glb()).position[2], (Point3{11, 1, 0}));
+}
+
+TEST_F(Import, AMirroringNodeKeepsTheOutsideOut) {
+  Gltf g = square();
+  g.json["nodes"][0]["scale"] = {-1, 1, 1};
+  EXPECT_GT(area(read("a.glb", g.glb())), 0);
+}
+
+TEST_F(Import, EmbeddedPictureIsKeptByteForByte) {
+  Gltf g = square();
+  const std::string jpeg = "\xFF\xD8\xFF\xE0 some picture";
+  g.json["images"] = {{{"bufferView", g.add_view(jpeg)}, {"mimeType", "image/jpeg"}}};
+  g.json["textures"] = {{{"source", 0}}};
+  g.json["materials"] = {{{"name", "denim"},
+                          {"alphaMode", "MASK"},
+                          {"alphaCutoff", 0.25},
+                          {"pbrMetallicRoughness",
+                           {{"baseColorFactor", {0.5, 0.5, 1, 1}},
+                            {"metallicFactor", 0.5},
+                            {"roughnessFactor", 0.75},
+                            {"baseColorTexture", {{"index", 0}}}}}}};
+  g.json["meshes"][0]["primitives"][0]["material"] = 0;
+  const TriangleMesh mesh = read("a.glb", g.glb());
+  ASSERT_EQ(mesh.material.size(), 1U);
+  EXPECT_EQ(mesh.material[0].name, "denim");
+  EXPECT_TRUE(mesh.material[0].alpha_mask);
+  EXPECT_FLOAT_EQ(mesh.material[0].alpha_cutoff, 0.25F);
+  EXPECT_FLOAT_EQ(mesh.material[0].metallic, 0.5F);
+  EXPECT_FLOAT_EQ(mesh.material[0].roughness, 0.75F);
+  ASSERT_EQ(mesh.image.size(), 1U);
+  EXPECT_EQ(mesh.image[0].mime_type, "image/jpeg");
+  EXPECT_EQ(std::string(mesh.image[0].bytes.begin(), mesh.image[0].bytes.end()), jpeg);
+}
+
+TEST_F(Import, CompressedGltfIsRefusedWithTheRemedy) {
+  for (const char* name : {"KHR_draco_mesh_compression", "EXT_meshopt_compression"}) {
+    Gltf g = square();
+    g.json["extensionsRequired"] = {name};
+    const Error e = refusal("a.glb", g.glb());
+    EXPECT_EQ(e.code(), ErrorCode::unsupported);
+    EXPECT_THAT(e.what(), HasSubstr(name));
+    EXPECT_THAT(e.what(), HasSubstr("gltf-transform"));
+  }
+}
+
+/// Ways to break a sound glTF file, and a word of the message.
+struct Break {
+  const char* word;
+  std::function<void(Gltf&)> apply;
+};
+
+TEST_F(Import, BrokenGltfIsRefused) {
+  const std::vector<Break> breaks{
+      {"index 9", [](Gltf& g) { g.binary[g.binary.size() - 2] = 9; }},
+      {"beyond", [](Gltf& g) { g.json["accessors"][0]["count"] = 5; }},
+      {"100 million", [](Gltf& g) { g.json["accessors"][0]["count"] = 4000000000; }},
+      {"beyond", [](Gltf& g) { g.json["bufferViews"][0]["byteLength"] = 1 << 30; }},
+      {"range", [](Gltf& g) { g.json["bufferViews"][0]["byteOffset"] = -4; }},
+      {"only 1 meshes", [](Gltf& g) { g.json["nodes"][0]["mesh"] = 1; }},
+      {"circle", [](Gltf& g) { g.json["nodes"][0]["children"] = {0}; }},
+      {"two parents",
+       [](Gltf& g) {
+         g.json["nodes"] = {{{"children", {2}}}, {{"children", {2}}}, {{"mesh", 0}}};
+       }},
+      {"POSITION", [](Gltf& g) { g.json["meshes"][0]["primitives"][0]["attributes"].erase("POSITION"); }},
+      {"differ in count", [](Gltf& g) { g.json["accessors"][1]["count"] = 3; }},
+      {"unknown type", [](Gltf& g) { g.json["accessors"][0]["type"] = "VEC9"; }},
+      {"matrix",
+       [](Gltf& g) {
+         g.json["nodes"][0]["matrix"] = {1, 2, 3};
+       }},
+      {"version", [](Gltf& g) { g.json["asset"]["version"] = "1.0"; }},
+      {"not an array", [](Gltf& g) { g.json["meshes"] = 3; }},
+      {"finite",
+       [](Gltf& g) {
+         const float nan = NAN;
+         std::memcpy(g.binary.data(), &nan, 4);
+       }},
+      {"1e18",
+       [](Gltf& g) {
+         const float huge = 1e30F;
+         std::memcpy(g.binary.data(), &huge, 4);
+       }},
+      {"no faces", [](Gltf& g) { g.json["meshes"][0]["primitives"][0]["mode"] = 0; }},
+  };
+  for (const Break& b : breaks) {
+    Gltf g = square();
+    b.apply(g);
+    EXPECT_THAT(refusal("a.glb", g.glb()).what(), HasSubstr(b.word));
+  }
+}
+
+TEST_F(Import, DeeplyNestedJsonIsRefused) {
+  const std::string deep =
+      "{\"asset\":{\"version\":\"2.0\"},\"extras\":" + std::string(100000, '[') + std::string(100000, ']') + "}";
+  EXPECT_THAT(refusal("a.gltf", deep).what(), HasSubstr("nested"));
+}
+
+// --- PLY, STL
+// --------------------------------------------------------------------------------------------------------------
+
+std::string binary_ply(bool big) {
+  std::string out = std::string("ply\nformat binary_") + (big ? "big" : "little") +
+                    "_endian 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+                    "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+  const auto add = [&](auto value) {
+    std::string bytes;
+    put(bytes, value);
+    if (big) std::reverse(bytes.begin(), bytes.end());
+    out += bytes;
+  };
+  for (const float c : {0.0F, 0.0F, 0.0F, 1.0F, 0.0F, 0.0F, 1.0F, 1.0F, 0.0F, 0.0F, 1.0F, 0.0F}) add(c);
+  out.push_back(4);
+  for (const int i : {0, 1, 2, 3}) add(i);
+  return out;
+}
+
+const std::string kTextPly =
+    "ply\nformat ascii 1.0\ncomment made by hand\nelement vertex 4\nproperty float x\nproperty float y\n"
+    "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+    "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n";
+
+TEST_F(Import, Ply) {
+  for (const std::string& bytes : {kTextPly, binary_ply(false), binary_ply(true)}) {
+    const TriangleMesh mesh = read("a.ply", bytes);
+    EXPECT_EQ(mesh.position.size(), 4U);
+    EXPECT_EQ(mesh.position[2], (Point3{1, 1, 0}));
+    EXPECT_THAT(mesh.polygon, ElementsAre(0, 0));
+    expect_covers(mesh, 1);
+  }
+}
+
+TEST_F(Import, PlyThatLiesAboutItsSize) {
+  std::string bytes = binary_ply(false);
+  bytes.replace(bytes.find("vertex 4"), 8, "vertex 9");
+  EXPECT_THAT(refusal("a.ply", bytes).what(), HasSubstr("cut off"));
+  bytes = kTextPly;
+  bytes.replace(bytes.find("vertex 4"), 8, "vertex 4000000000");
+  EXPECT_EQ(refusal("a.ply", bytes).code(), ErrorCode::limit);
+  bytes = kTextPly;
+  bytes.replace(bytes.find("0 1 2 3"), 7, "0 1 2 4");
+  EXPECT_THAT(refusal("a.ply", bytes).what(), HasSubstr("vertex 4 of 4"));
+}
+
+std::string binary_stl() {
+  std::string out(80, ' ');
+  put(out, uint32_t{2});
+  const std::vector<std::array<float, 9>> facets{{0, 0, 0, 1, 0, 0, 1, 1, 0}, {0, 0, 0, 1, 1, 0, 0, 1, 0}};
+  for (const auto& facet : facets) {
+    for (const float n : {0.0F, 0.0F, 1.0F}) put(out, n);
+    for (const float c : facet) put(out, c);
+    put(out, uint16_t{0});
+  }
+  return out;
+}
+
+const std::string kTextStl =
+    "solid square\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\nendloop\nendfacet\n"
+    "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 1 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid square\n";
+
+TEST_F(Import, Stl) {
+  for (const std::string& bytes : {binary_stl(), kTextStl}) {
+    const TriangleMesh mesh = read("a.stl", bytes);
+    EXPECT_EQ(mesh.position.size(), 6U);
+    EXPECT_EQ(mesh.triangle.size(), 2U);
+    expect_covers(mesh, 1);
+  }
+}
+
+// --- what is no mesh
+// ---------------------------------------------------------------------------------------------------------
+
+TEST_F(Import, MissingFileFolderAndUnknownEnding) {
+  const auto code_of = [](const std::filesystem::path& path) {
+    try {
+      static_cast<void>(import_mesh(path));
+    } catch (const Error& e) {
+      EXPECT_THAT(e.what(), HasSubstr(path.filename().string()));
+      return e.code();
+    }
+    return ErrorCode::cancelled;
+  };
+  EXPECT_EQ(code_of(folder_ / "missing.obj"), ErrorCode::io);
+  std::filesystem::create_directory(folder_ / "folder.glb");
+  EXPECT_EQ(code_of(folder_ / "folder.glb"), ErrorCode::io);
+  EXPECT_EQ(code_of(write("a.usd", "x")), ErrorCode::unsupported);
+  EXPECT_EQ(code_of(write("noending", "x")), ErrorCode::unsupported);
+}
+
+TEST_F(Import, RubbishUnderEveryEnding) {
+  for (const std::string ending : {"obj", "gltf", "glb", "ply", "stl", "fbx", "dae"}) {
+    for (const std::string& bytes :
+         {std::string(), std::string("\0", 1), std::string(4096, '\0'), std::string("hello, this is no mesh\n"),
+          std::string("{}"), std::string("[1,2,3]"), std::string("<xml/>"), std::string(100000, '('),
+          std::string("solid"), std::string("ply\n"), std::string("glTF"), std::string("Kaydara FBX Binary  \0", 21)}) {
+      static_cast<void>(refusal("a." + ending, bytes));
+    }
+  }
+}
+
+TEST_F(Import, EveryTruncationIsRefused) {
+  expect_every_truncation_refused("a.glb", square().glb());
+  expect_every_truncation_refused("a.ply", binary_ply(true));
+  expect_every_truncation_refused("a.ply", kTextPly, 1);
+  expect_every_truncation_refused("a.stl", binary_stl());
+  expect_every_truncation_refused("a.stl", kTextStl, std::string(" square\n").size());
+}
+
+TEST_F(Import, ATruncatedObjIsAMeshOrRefused) {
+  for (std::size_t n = 0; n < kSquareObj.size(); ++n) {
+    try {
+      EXPECT_LE(read("a.obj", kSquareObj.substr(0, n)).triangle.size(), 2U);
+    } catch (const Error&) {
+    }
+  }
+}
+
+TEST_F(Import, SurvivesDamage) {
+  survive_damage("a.glb", square().glb(), 250);
+  survive_damage("a.ply", binary_ply(false), 150);
+  survive_damage("a.ply", kTextPly, 150);
+  survive_damage("a.stl", binary_stl(), 200);
+  survive_damage("a.stl", kTextStl, 200);
+  survive_damage("a.obj", kSquareObj, 200);
+}
+
+}  // namespace
+}  // namespace geocloth
