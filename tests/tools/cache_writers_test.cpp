@@ -262,8 +262,13 @@ TEST_F(CacheWriters, SameFramesSameBytes) {
   EXPECT_EQ(bytes("a_0001.exr"), bytes("b_0001.exr"));
 }
 
+TEST_F(CacheWriters, AGltfThatCannotHoldTheMotionIsRefusedAtOnce) {
+  EXPECT_THROW(static_cast<void>(make_cache_writer(folder_ / "a.glb", CacheDescription{{sample()}, 60, 5000})), Error);
+  EXPECT_THAT(listing(), testing::IsEmpty());
+}
+
 TEST_F(CacheWriters, AMissingFolderIsAnErrorAtOnce) {
-  for (const char* name : {"missing/a.glb", "missing/a.pc2", "missing/a.mdd"}) {
+  for (const char* name : {"missing/a.glb", "missing/a.pc2", "missing/a.mdd", "missing/a.obj", "missing/a.exr"}) {
     EXPECT_THROW(static_cast<void>(make_cache_writer(folder_ / name, CacheDescription{{sample()}, 60, 2})), Error);
   }
 }

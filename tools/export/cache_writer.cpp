@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "export/cache_writers.h"
+#include "geocloth/asset/output_file.h"
 
 namespace geocloth {
 namespace {
@@ -48,6 +49,10 @@ std::unique_ptr<FrameWriter> make_cache_writer(const std::filesystem::path& path
 std::filesystem::path cloth_path(const std::filesystem::path& path, std::size_t cloth, std::size_t cloth_count) {
   if (cloth_count == 1) return path;
   return path.parent_path() / (path.stem().string() + "_" + std::to_string(cloth + 1) + path.extension().string());
+}
+
+void check_series_path(const std::filesystem::path& path) {
+  const OutputFile probe(numbered_path(path, 0));  // not committed: leaves nothing
 }
 
 std::vector<Vec3> in_file_order(const SourceMesh& source, const std::vector<Vec3>& render_positions) {

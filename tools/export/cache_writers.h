@@ -26,6 +26,9 @@ namespace geocloth {
   return frame > 0 || description.frame_count == 0;
 }
 
+/// Fails now, not after a long run, if the files of a series cannot be written. @throws Error(io)
+void check_series_path(const std::filesystem::path& path);
+
 /// Positions in the order of the vertices of the source file; a vertex that no triangle uses stays at the origin.
 [[nodiscard]] std::vector<Vec3> in_file_order(const SourceMesh& source, const std::vector<Vec3>& render_positions);
 

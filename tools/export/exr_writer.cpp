@@ -48,7 +48,9 @@ void write_image(OutputFile& file, const ClothAsset& asset, const std::vector<Ve
 class ExrWriter final : public CacheWriter {
  public:
   ExrWriter(std::filesystem::path path, const CacheDescription& description)
-      : path_(std::move(path)), description_(description) {}
+      : path_(std::move(path)), description_(description) {
+    check_series_path(path_);
+  }
 
   void add(std::span<const ClothFrame> cloths) override {
     const uint32_t frame = frame_++;

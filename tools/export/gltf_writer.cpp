@@ -7,6 +7,7 @@
 #include <string>
 
 #include "export/cache_writers.h"
+#include "geocloth/asset/error.h"
 #include "geocloth/asset/output_file.h"
 #include "glb.h"
 
@@ -17,6 +18,10 @@ using glb::Json;
 
 /// Beyond this, targets go without normals, and viewers shade the faces flat: half the file, a little less beauty.
 constexpr uint64_t kMaxNormalBytes = uint64_t{256} << 20U;
+constexpr uint64_t kMaxMotionBytes = uint64_t{4} << 30U;
+/// The weights are a matrix of frames x frames, and viewers keep targets in layers of a texture, of which few have
+/// more.
+constexpr uint32_t kMaxFrames = 4096;
 
 /// A cloth in the file. Every part has its own run of vertices, those that its triangles use, so that a viewer uploads
 /// each vertex and each of its targets once.
@@ -132,17 +137,27 @@ class ClothNode {
   Json primitives_ = Json::array();
 };
 
-bool fits_with_normals(const CacheDescription& description) {
+/// Of one Vec3 at every vertex in every frame.
+uint64_t motion_bytes(const CacheDescription& description) {
   uint64_t vertices = 0;
   for (const auto& cloth : description.cloths) vertices += cloth->source.position.size();
-  return vertices * sizeof(Vec3) * (uint64_t{description.frame_count} + 1) <= kMaxNormalBytes;
+  return vertices * sizeof(Vec3) * (uint64_t{description.frame_count} + 1);
+}
+
+/// Fails now, not after a long run, if the motion cannot be held.
+const CacheDescription& checked(const CacheDescription& description, const std::filesystem::path& path) {
+  if (description.frame_count > kMaxFrames || motion_bytes(description) > kMaxMotionBytes) {
+    throw Error(ErrorCode::limit, path.string() + ": an animated .glb holds at most " + std::to_string(kMaxFrames) +
+                                      " frames and 4 GiB; write a point cache (.pc2, .mdd), or fewer frames");
+  }
+  return description;
 }
 
 class GltfWriter final : public CacheWriter {
  public:
   GltfWriter(const std::filesystem::path& path, const CacheDescription& description)
-      : description_(description), file_(path), scratch_(path), builder_(&scratch_) {
-    const bool with_normals = fits_with_normals(description_);
+      : description_(checked(description, path)), file_(path), scratch_(path), builder_(&scratch_) {
+    const bool with_normals = motion_bytes(description_) <= kMaxNormalBytes;
     for (const auto& cloth : description_.cloths) nodes_.emplace_back(*cloth, with_normals);
   }
 

@@ -54,6 +54,7 @@ class ObjWriter final : public CacheWriter {
  public:
   ObjWriter(std::filesystem::path path, const CacheDescription& description)
       : path_(std::move(path)), description_(description) {
+    check_series_path(path_);
     std::size_t first_point = 0, first_uv = 0;
     for (const auto& cloth : description_.cloths) {
       constant_.push_back(constant_text(*cloth, first_point, first_uv));
