@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Progress and interruption. Interrupting needs no cooperation of the running stage (CGAL calls can last many
 // seconds): every output lives under a temporary name until it is complete, the handler removes those names with
-// async-signal-safe calls only, and leaves.
+// async-signal-safe calls only, and leaves. It runs in the main thread, which opens all outputs: none can appear beside
+// it.
 #include "progress.h"
 
 #include <algorithm>
@@ -10,6 +11,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <pthread.h>
 #include <unistd.h>
 
 #include "geocloth/asset/output_file.h"
@@ -20,7 +22,13 @@ namespace {
 constexpr int kBarWidth = 30;
 constexpr int kStatusInterrupted = 130;
 
-void handle_interrupt(int /*signal*/) {
+pthread_t main_thread;  // set before the handler is
+
+void handle_interrupt(int signal) {
+  if (pthread_equal(pthread_self(), main_thread) == 0) {
+    pthread_kill(main_thread, signal);
+    return;
+  }
   remove_unfinished_files();
   _exit(kStatusInterrupted);
 }
@@ -56,6 +64,7 @@ void ProgressDisplay::show(std::string_view stage, double fraction) {
 }
 
 void remove_unfinished_files_on_interrupt() {
+  main_thread = pthread_self();
   struct sigaction action {};
   action.sa_handler = handle_interrupt;
   sigemptyset(&action.sa_mask);

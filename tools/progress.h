@@ -30,6 +30,7 @@ class ProgressDisplay {
 };
 
 /// From here on SIGINT and SIGTERM remove the unfinished output files and end the program with status 130.
+/// Call it in the thread that opens the output files, before any other thread starts.
 void remove_unfinished_files_on_interrupt();
 
 }  // namespace geocloth

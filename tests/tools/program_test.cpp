@@ -300,19 +300,19 @@ TEST_P(BadScene, IsOneLineThatNamesTheElement) {
 
 INSTANTIATE_TEST_SUITE_P(
     Simulate, BadScene,
-    testing::Values(std::pair{std::string(), std::string("scene.json")}, std::pair{std::string("[]"), std::string()},
-                    std::pair{std::string("{\"version\": 1"), std::string()},
-                    std::pair{std::string("{\"version\": 2, \"cloths\": []}"), std::string("version")},
-                    std::pair{scene_text(", \"gravty\": [0, 0, 0]"), std::string("gravity")},
-                    std::pair{scene_text(", \"gravity\": \"down\""), std::string("gravity")},
-                    std::pair{scene_text(", \"substeps\": 0"), std::string("substeps")},
-                    std::pair{scene_text(", \"frame_rate\": -60"), std::string("frame_rate")},
-                    std::pair{scene_text("", ", \"material\": \"adamantium\""), std::string("adamantium")},
-                    std::pair{scene_text("", ", \"pins\": [{\"where\": {\"boundary\": 7}}]"), std::string("pins")},
-                    std::pair{scene_text("", ", \"pins\": [{\"where\": {\"top\": 0.1}, \"follow\": \"bal\"}]"),
-                              std::string("ball")},
-                    std::pair{std::string("{\"version\": 1, \"cloths\": [{\"asset\": \"none.glb\"}]}"),
-                              std::string("none.glb")}));
+    testing::Values(
+        std::pair{std::string(), std::string("scene.json")}, std::pair{std::string("[]"), std::string()},
+        std::pair{std::string("{\"version\": 1"), std::string()},
+        std::pair{std::string("{\"version\": 2, \"cloths\": []}"), std::string("version")},
+        std::pair{scene_text(", \"gravty\": [0, 0, 0]"), std::string("gravity")},
+        std::pair{scene_text(", \"gravity\": \"down\""), std::string("gravity")},
+        std::pair{scene_text(", \"substeps\": 0"), std::string("substeps")},
+        std::pair{scene_text(", \"frame_rate\": -60"), std::string("frame_rate")},
+        std::pair{scene_text("", ", \"material\": \"adamantium\""), std::string("material")},
+        std::pair{scene_text("", ", \"pins\": [{\"where\": {\"boundary\": 7}}]"), std::string("boundary 7")},
+        std::pair{scene_text("", ", \"pins\": [{\"where\": {\"top\": 0.1}, \"follow\": \"bal\"}]"),
+                  std::string("ball")},
+        std::pair{std::string("{\"version\": 1, \"cloths\": [{\"asset\": \"none.glb\"}]}"), std::string("none.glb")}));
 
 TEST(Simulate, TruncatedAssetIsRefused) {
   const TemporaryFolder folder;

@@ -138,24 +138,30 @@ std::vector<std::byte> read_file(const fs::path& path, std::uintmax_t max_bytes)
 
 OutputFile::OutputFile(fs::path path) : path_(resolve_target(std::move(path))) {
   int handle = -1;
+  int error = 0;
+  Slot* slot = nullptr;
   do {  // a name may be taken by a process that died and whose number we have
+    if (slot != nullptr) unregister_file(slot);
     temporary_ = temporary_name(path_);
+    // Before it exists: an interrupt may come at once.
+    slot = register_file(temporary_);
     handle = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  } while (handle < 0 && errno == EEXIST);
+    error = errno;
+  } while (handle < 0 && error == EEXIST);
   if (handle < 0) {
-    const int error = errno;
+    unregister_file(slot);
     std::error_code ignored;
     const fs::path folder = path_.has_parent_path() ? path_.parent_path() : fs::path(".");
     if (!fs::is_directory(folder, ignored)) fail(path_, "the folder " + folder.string() + " does not exist; make it");
     fail_errno(path_, "cannot be written", error);
   }
-  registration_ = register_file(temporary_);
+  registration_ = slot;
   file_ = ::fdopen(handle, "wb");
   if (file_ == nullptr) {
-    const int error = errno;
+    error = errno;
     ::close(handle);
     ::unlink(temporary_.c_str());
-    unregister_file(static_cast<Slot*>(registration_));
+    unregister_file(slot);
     fail_errno(path_, "cannot be written", error);
   }
 }
