@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "command.h"
+#include "export/cache_reader.h"
 #include "file_error.h"
 #include "geocloth/asset/asset_file.h"
 #include "options.h"
@@ -30,10 +31,12 @@ constexpr double kTurntableRate = 30;       ///< [1/s]
 constexpr uint32_t kTurntableFrames = 180;  ///< once round in six seconds
 
 struct Options {
-  std::filesystem::path input, output;
+  std::filesystem::path input, asset, output;
   RenderOptions render;
   uint32_t frame = 0, sheet = 0;
   CLI::Option* frame_option = nullptr;
+  double frame_rate = 60;
+  CLI::Option* frame_rate_option = nullptr;
   bool quiet = false;
 };
 
@@ -41,8 +44,49 @@ std::string ending_of(const std::filesystem::path& path) {
   return CLI::detail::to_lower(path.extension().string());
 }
 
+double frame_rate(const Options& options, double of_cache) {
+  return options.frame_rate_option->count() > 0 ? options.frame_rate : of_cache;
+}
+
+/// Positions of the render vertices from those of the vertices of the file.
+std::vector<Vec3> in_render_order(const SourceMesh& source, const std::vector<Vec3>& points) {
+  std::vector<Vec3> positions;
+  positions.reserve(source.source_vertex.size());
+  for (const uint32_t v : source.source_vertex) positions.push_back(points[v]);
+  return positions;
+}
+
+Playback open_point_cache(const Options& options) {
+  if (options.asset.empty())
+    throw Error(ErrorCode::invalid_argument,
+                options.input.string() + ": a point cache has no mesh; name the garment with --asset ASSET.glb");
+  const SourceMesh source = read_asset(options.asset).source;
+  const PointCache cache = read_point_cache(options.input);
+  if (cache.points != source.source_vertex_count)
+    throw Error(ErrorCode::invalid_data,
+                fmt::format("{}: the cache has {} points, {} has {} vertices; give the asset that was simulated",
+                            options.input.string(), cache.points, options.asset.string(), source.source_vertex_count));
+  std::vector<std::vector<std::vector<Vec3>>> frames;
+  for (const std::vector<Vec3>& points : cache.frames) frames.push_back({in_render_order(source, points)});
+  return play_vertices({source}, std::move(frames), frame_rate(options, cache.frame_rate));
+}
+
+/// An asset where the file is one, else an animated .glb.
+Playback open_gltf(const Options& options) {
+  try {
+    return play_asset(std::make_shared<const ClothAsset>(read_asset(options.input)));
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::unsupported) throw;
+  }
+  Cache cache = read_gltf_cache(options.input);
+  return play_vertices(cache.cloths, std::move(cache.frames), frame_rate(options, cache.frame_rate));
+}
+
 Playback open_playback(const Options& options) {
-  return play_asset(std::make_shared<const ClothAsset>(read_asset(options.input)));
+  Playback playback = ending_of(options.input) == ".glb" ? open_gltf(options) : open_point_cache(options);
+  if (playback.frame_count == 0)
+    throw Error(ErrorCode::invalid_data, options.input.string() + ": the cache has no frame; simulate again");
+  return playback;
 }
 
 /// One picture of the output: a frame of the motion, or a view of what stands still.
@@ -154,20 +198,26 @@ void run(const Options& options) {
 
 CommandRun add_render(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  add_text(app, "input", "ASSET_OR_CACHE", options->input, "an asset that convert wrote", "required")
+  add_text(app, "input", "ASSET_OR_CACHE", options->input,
+           "an asset (.glb), or a motion that simulate wrote (.glb, .pc2, .mdd)", "required")
       ->required()
-      ->check(ends_with({".glb"}));
+      ->check(ends_with({".glb", ".pc2", ".mdd"}));
   add_text(app, "-o,--output", "OUT.png|.mp4", options->output,
            "a picture or a film; the film of an asset goes round it", "required")
       ->required()
       ->check(ends_with({".png", ".mp4"}));
+  add_text(app, "--asset", "ASSET.glb", options->asset, "the garment of a .pc2 or .mdd", "default none")
+      ->check(ends_with({".glb"}));
   add_picture_options(app, options->render);
   options->frame_option = add_number<uint32_t>(app, "--frame", "N", options->frame, 0, kMaxFrames, "frame",
-                                               "which frame of a motion a picture shows", "default the last");
+                                               "which frame of a motion a picture shows", "the last");
   CLI::Option* sheet = add_number<uint32_t>(
       app, "--sheet", "N", options->sheet, 1, kMaxSheet, "pictures",
-      "a contact sheet of so many moments, or views of an asset; --size is that of each", "default none");
+      "a contact sheet of so many moments, or views of an asset; --size is that of each", "none");
   sheet->excludes(options->frame_option);
+  options->frame_rate_option =
+      add_number<double>(app, "--frame-rate", "R", options->frame_rate, 0.1, 1000, "1/s", "of a film of a motion",
+                         "what the cache says, 60 for a .pc2");
   add_text(app, "--device", "NAME", options->render.device, "part of the name of a Vulkan device that can draw",
            "default the best one");
   add_quiet(app, options->quiet);

@@ -256,7 +256,7 @@ class Renderer::Impl {
   void find_ground_height(const RenderScene& scene) {
     has_plane_ =
         std::ranges::any_of(scene.colliders, [](const Collider& c) { return std::holds_alternative<Plane>(c.shape); });
-    ground_height_ = subject_.empty() ? 0 : subject_.low.y - 0.03F * subject_.diagonal();
+    ground_height_ = scene.ground_height.value_or(subject_.empty() ? 0 : subject_.low.y - 0.03F * subject_.diagonal());
   }
 
   void make_frame_set() {

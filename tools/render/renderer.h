@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -27,6 +28,8 @@ struct RenderScene {
   std::vector<Collider> colliders;  ///< shapes; their poses are given with every picture
   Bounds subject;                   ///< what the camera frames: where the garments are, over the whole motion if known
   bool all_round = false;           ///< leave room for a turntable
+  /// [m] height of the ground that is drawn where no collider is a plane; not set: a little below the subject.
+  std::optional<float> ground_height;
 };
 
 /// The state of one cloth, one entry per pixel of its asset.

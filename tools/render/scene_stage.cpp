@@ -9,7 +9,8 @@ namespace geocloth {
 namespace {
 
 constexpr float kSwing = 0.08F;    ///< room on every side, as a share of the garments' diagonal
-constexpr float kNearby = 0.6F;    ///< colliders are framed within this distance, likewise
+constexpr float kNearby = 0.35F;   ///< colliders are framed within this distance, likewise
+constexpr float kLarge = 3;        ///< larger colliders are scenery that may reach through the ground, likewise
 constexpr uint32_t kMoments = 33;  ///< at which moving things are looked at
 
 double moment(const Scene& scene, uint32_t i) {
@@ -70,12 +71,17 @@ RenderScene stage_simulation(const Simulation& simulation) {
   const float diagonal = garments.diagonal();
   stage.subject = grown(garments, kSwing * diagonal);
   const Bounds nearby = grown(garments, kNearby * diagonal);
-  for (const SceneCollider& collider : scene.colliders)
-    stage.subject.include(intersection(moving_bounds(scene, collider), nearby));
+  float lowest = stage.subject.low.y;
+  for (const SceneCollider& collider : scene.colliders) {
+    const Bounds reach = moving_bounds(scene, collider);
+    stage.subject.include(intersection(reach, nearby));
+    if (reach.diagonal() < kLarge * diagonal) lowest = std::min(lowest, reach.low.y);
+  }
   if (falls(scene) && !stage.subject.empty()) {
     const float floor = floor_below(scene, stage.subject.low.y);
     stage.subject.low.y = std::max(floor, stage.subject.low.y - 2 * diagonal);
   }
+  stage.ground_height = std::min(lowest, stage.subject.low.y);
   return stage;
 }
 
