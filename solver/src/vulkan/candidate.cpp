@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "geocloth/asset/error.h"
+#include "vulkan/bindings.h"
 #include "vulkan/instance.h"
 
 namespace geocloth::vulkan {
@@ -43,8 +44,10 @@ uint64_t device_memory(const vk::raii::PhysicalDevice& device) {
   return bytes;
 }
 
-std::string driver_name(const vk::raii::PhysicalDevice& device, const vk::PhysicalDeviceProperties& properties) {
-  if (properties.apiVersion < VK_API_VERSION_1_2) return "driver version " + std::to_string(properties.driverVersion);
+/// Name and version of the driver in its own words, where the device can tell. Only for devices of an instance of ours:
+/// an application's may be too old for the question.
+std::optional<std::string> driver_name(const vk::raii::PhysicalDevice& device) {
+  if (device.getProperties().apiVersion < VK_API_VERSION_1_2) return std::nullopt;
   const auto chain = device.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties>();
   const auto& driver = chain.get<vk::PhysicalDeviceDriverProperties>();
   return std::string(driver.driverName.data()) + " " + driver.driverInfo.data();
@@ -75,6 +78,12 @@ std::string missing_things(const vk::raii::PhysicalDevice& device, const vk::Phy
   const vk::FormatProperties format = device.getFormatProperties(vk::Format::eR32G32B32A32Sfloat);
   if ((format.optimalTilingFeatures & needed) != needed)
     add("It cannot use images of four 32-bit floats as storage images.");
+  if (properties.limits.maxPerStageDescriptorStorageImages < kStorageImages)
+    add("A shader can have " + std::to_string(properties.limits.maxPerStageDescriptorStorageImages) +
+        " storage images, but " + std::to_string(kStorageImages) + " are needed.");
+  if (properties.limits.maxPerStageDescriptorStorageBuffers < kStorageBuffers)
+    add("A shader can have " + std::to_string(properties.limits.maxPerStageDescriptorStorageBuffers) +
+        " storage buffers, but " + std::to_string(kStorageBuffers) + " are needed.");
   return reason;
 }
 
@@ -91,7 +100,7 @@ Candidate examine(const vk::raii::PhysicalDevice& device) {
           .info = {.backend = Backend::vulkan,
                    .name = properties.deviceName.data(),
                    .type = type,
-                   .driver = driver_name(device, properties),
+                   .driver = "driver version " + std::to_string(properties.driverVersion),
                    .memory_bytes = device_memory(device),
                    .usable = reason.empty(),
                    .reason = reason},
@@ -122,7 +131,10 @@ std::ptrdiff_t rank(const Candidate& candidate) {
 
 std::vector<Candidate> list_candidates(const vk::raii::Instance& instance) {
   std::vector<Candidate> candidates;
-  for (const auto& device : vk::raii::PhysicalDevices(instance)) candidates.push_back(examine(device));
+  for (const auto& device : vk::raii::PhysicalDevices(instance)) {
+    Candidate& candidate = candidates.emplace_back(examine(device));
+    if (auto driver = driver_name(device)) candidate.info.driver = std::move(*driver);
+  }
   return candidates;
 }
 

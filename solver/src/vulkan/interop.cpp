@@ -17,7 +17,7 @@ vulkan::VulkanBackend& vulkan_backend(Solver& solver) {
 
 Solver make_vulkan_solver(std::span<const ClothDesc> cloths, const SolverSettings& settings,
                           const VulkanDevice& device) {
-  const auto context = std::make_shared<vulkan::Context>(device);
+  const auto context = vulkan::guarded("adopt a device", [&] { return std::make_shared<vulkan::Context>(device); });
   return Solver(std::make_unique<Solver::Impl>(
       cloths, settings, [&](SimulationData data) { return vulkan::make_backend(context, std::move(data)); }));
 }

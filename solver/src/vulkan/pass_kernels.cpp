@@ -99,12 +99,6 @@ uint32_t list_count(const ClothResources& cloth, const PassStep& step, uint32_t 
 
 }  // namespace
 
-vk::DescriptorType descriptor_type(uint32_t binding) {
-  if (binding == shader::kBindingParams) return vk::DescriptorType::eUniformBuffer;
-  if (binding <= shader::kBindingCell) return vk::DescriptorType::eStorageImage;
-  return vk::DescriptorType::eStorageBuffer;
-}
-
 PassKernels::PassKernels(std::shared_ptr<const Context> context)
     : context_(std::move(context)),
       set_layout_(make_set_layout(*context_)),

@@ -6,6 +6,7 @@
 
 #include "pass.h"
 #include "shared/layout.h"
+#include "vulkan/bindings.h"
 #include "vulkan/cloth_resources.h"
 #include "vulkan/kernel.h"
 
@@ -39,11 +40,5 @@ class PassKernels {
   std::vector<Kernel> kernels_;  ///< by Pass
   Kernel inverse_mass_;
 };
-
-/// Descriptors of each type that one set takes.
-inline constexpr uint32_t kUniformBuffers = 1;
-inline constexpr uint32_t kStorageImages = shader::kBindingCell - shader::kBindingPosition + 1;
-inline constexpr uint32_t kStorageBuffers = shader::kBindingInverseMass - shader::kBindingMultipliers + 1;
-[[nodiscard]] vk::DescriptorType descriptor_type(uint32_t binding);
 
 }  // namespace geocloth::vulkan
