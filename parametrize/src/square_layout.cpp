@@ -22,6 +22,7 @@
 #include "refined_mesh.h"
 #include "seam_samples.h"
 #include "square_plan.h"
+#include "subdivide.h"
 #include "symmetric_dirichlet.h"
 
 namespace geocloth {
@@ -29,11 +30,13 @@ namespace {
 
 constexpr size_t kCornerCandidates = 16;
 constexpr int kRelaxRounds = 40;
-constexpr double kWild = 5;  // a stretch that calls for a second try
+constexpr double kWild = 5;          // a stretch that calls for a second try
+constexpr double kLongEdge = 10;     // [pixels]
+constexpr double kFinestShare = 50;  // edges below this share of the whole surface's side are not split
 constexpr double kFewPixels = 100;
 constexpr double kGoodStretch = 1.2, kHopelessStretch = 100;  // above which longer cuts are tried
 constexpr uint32_t kNewtonSteps = 60;
-constexpr double kNewtonTolerance = 1e-4, kRoughTolerance = 1e-2;
+constexpr double kNewtonTolerance = 1e-3, kRoughTolerance = 1e-2;
 
 /// One component with vertices of its own. Planar coordinates are mathematical (y up) and in pixels.
 struct Disk {
@@ -243,25 +246,38 @@ FlatChart lay_out(Disk& disk, const RefinedMesh& mesh, const Size& wanted, uint3
   return chart;
 }
 
+double total(const std::vector<double>& area) {
+  return std::accumulate(area.begin(), area.end(), 0.0);
+}
+
+/// About the spring length that the options lead to.
+double expected_spacing(double area, const FlattenOptions& options) {
+  return options.spacing > 0 ? options.spacing : std::sqrt(area) / options.resolution;
+}
+
 /// Parts of a few pixels gain nothing from longer cuts, unless they could not be laid out at all.
-std::vector<double> good_stretch(const std::vector<double>& area, const FlattenOptions& options) {
-  const double total = std::accumulate(area.begin(), area.end(), 0.0);
-  const double pixels = options.spacing > 0 ? total / (options.spacing * options.spacing)
-                                            : static_cast<double>(options.resolution) * options.resolution;
+std::vector<double> good_stretch(const std::vector<double>& area, double spacing) {
   std::vector<double> good;
-  for (const double a : area) good.push_back(a / total * pixels < kFewPixels ? kHopelessStretch : kGoodStretch);
+  for (const double a : area) {
+    good.push_back(a < kFewPixels * spacing * spacing ? kHopelessStretch : kGoodStretch);
+  }
   return good;
 }
 
 }  // namespace
 
-FlatSurface lay_out_squares(const CutSurface& disks_as_cut, const FlattenOptions& options, const Progress& progress) {
-  const CutSurface cut = extend_cuts(disks_as_cut, good_stretch(component_areas(disks_as_cut), options), progress);
+FlatSurface lay_out_squares(const CutSurface& whole, const FlattenOptions& options, const Progress& progress) {
+  const std::vector<double> area = component_areas(whole);
+  const double spacing = expected_spacing(total(area), options);
+  SubdividedSurface fine =
+      subdivide_long_edges(whole, std::max(kLongEdge * spacing, std::sqrt(total(area)) / kFinestShare));
+  const CutSurface cut = extend_cuts(std::move(fine.cut), good_stretch(area, spacing), progress);
   const std::vector<Outline> outlines = trace_outlines(cut);
-  const SquarePlan plan = plan_squares(cut, outlines, component_areas(cut), options);
+  const SquarePlan plan = plan_squares(cut, outlines, area, options);
   (void)pack_rectangles(plan.size);  // an atlas that is too large is refused before the long work
 
   RefinedMesh mesh = make_refined_mesh(cut);
+  mesh.clean_triangle = std::move(fine.clean_triangle);
   const std::vector<SampledOutline> sampled = insert_seam_samples(mesh, outlines, plan.seam_steps);
   split_edges_across(mesh);
 
