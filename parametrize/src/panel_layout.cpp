@@ -10,8 +10,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <string>
 
+#include "chain_conflicts.h"
 #include "develop.h"
 #include "geocloth/asset/error.h"
 #include "pack.h"
@@ -52,10 +54,24 @@ double planar_distance(const Point2& a, const Point2& b) {
   return std::hypot(a[0] - b[0], a[1] - b[1]);
 }
 
-double planar_length(const OutlinePath& path, const std::vector<Point2>& uv) {
-  double sum = 0;
-  for (size_t i = 1; i < path.vertex.size(); ++i) sum += planar_distance(uv[path.vertex[i - 1]], uv[path.vertex[i]]);
-  return sum;
+/// What every segment of every seam measures [pixels]: the longest of its runs in the plane, so that no chain of pixels
+/// has to go further than one pixel in a step.
+std::vector<std::vector<double>> segment_lengths(const Plan& plan) {
+  std::vector<std::vector<double>> lengths(plan.steps.size());
+  for (size_t c = 0; c < plan.outlines.size(); ++c) {
+    for (const OutlinePath& path : plan.outlines[c].path) {
+      std::vector<double>& length = lengths[path.seam];
+      const size_t segments = path.vertex.size() - 1;
+      length.resize(segments, 0);
+      for (size_t i = 0; i < segments; ++i) {
+        const double run =
+            plan.scale[c] * planar_distance(plan.developed.uv[path.vertex[i]], plan.developed.uv[path.vertex[i + 1]]);
+        double& longest = length[path.reversed ? segments - 1 - i : i];
+        longest = std::max(longest, run);
+      }
+    }
+  }
+  return lengths;
 }
 
 /// The spacing with which about resolution^2 pixels lie inside or on the outlines: area / h^2 + outline / (2 h).
@@ -72,13 +88,12 @@ double choose_spacing(const std::vector<double>& area, const std::vector<Outline
   return 1 / per_metre;
 }
 
-/// Gives every seam of a chart at least as many steps as its run there is pixels long.
-void raise_steps(Plan& plan, size_t c) {
-  for (const OutlinePath& path : plan.outlines[c].path) {
-    uint32_t& steps = plan.steps[path.seam];
-    const double wanted = planar_length(path, plan.developed.uv) * plan.scale[c];
-    steps = std::max(steps, static_cast<uint32_t>(std::lround(wanted)));
-    if (plan.outlines[c].path.size() == 1) steps = std::max(steps, kLeastLoopSteps);
+/// Gives every seam at least as many steps as it is pixels long.
+void raise_steps(Plan& plan) {
+  const std::vector<std::vector<double>> lengths = segment_lengths(plan);
+  for (size_t seam = 0; seam < plan.steps.size(); ++seam) {
+    const double pixels = std::accumulate(lengths[seam].begin(), lengths[seam].end(), 0.0);
+    plan.steps[seam] = std::max(plan.steps[seam], static_cast<uint32_t>(std::lround(pixels)));
   }
 }
 
@@ -103,7 +118,12 @@ Plan make_plan(const CutSurface& cut, const FlattenOptions& options, const Progr
     plan.scale.push_back(std::max(1.0, std::sqrt(kLeastChartArea / pixels)) / plan.spacing);
   }
   plan.steps = least_seam_steps(plan.developed.cut, plan.outlines);
-  for (size_t c = 0; c < plan.outlines.size(); ++c) raise_steps(plan, c);
+  for (const Outline& outline : plan.outlines) {
+    if (outline.path.size() != 1) continue;
+    uint32_t& steps = plan.steps[outline.path[0].seam];
+    steps = std::max(steps, kLeastLoopSteps);
+  }
+  raise_steps(plan);
   return plan;
 }
 
@@ -177,11 +197,16 @@ int64_t chain_area(const std::vector<std::vector<Pixel>>& runs) {
   return sum;
 }
 
-/// The chains of all charts, or the seams that found no way, with their charts.
+/// A run of a chart's outline for which no pixels were found.
+struct Stuck {
+  size_t chart;
+  uint32_t seam;
+  uint32_t least_steps;
+};
+
 struct Chains {
-  std::vector<std::vector<std::vector<Pixel>>> chart;
-  std::vector<uint32_t> stuck_seams;
-  std::vector<size_t> stuck_charts;
+  std::vector<std::vector<std::vector<Pixel>>> chart;  // per chart and run
+  std::vector<Stuck> stuck;
 };
 
 Chains place_chains(const Plan& plan, const std::vector<SampledOutline>& sampled, const std::vector<Point2>& uv) {
@@ -190,27 +215,44 @@ Chains place_chains(const Plan& plan, const std::vector<SampledOutline>& sampled
     const std::vector<uint32_t> samples = sample_vertices(sampled[c]);
     ChainResult result = place_chain(chain_runs(plan, c, samples, uv));
     if (result.failed.empty() && chain_area(result.run) <= 0) {
-      for (uint32_t r = 0; r < plan.outlines[c].path.size(); ++r) result.failed.push_back(r);
+      for (uint32_t r = 0; r < plan.outlines[c].path.size(); ++r) result.failed.push_back({r, 0});
     }
-    for (const uint32_t r : result.failed) chains.stuck_seams.push_back(plan.outlines[c].path[r].seam);
-    if (!result.failed.empty()) chains.stuck_charts.push_back(c);
+    for (const auto& [run, least_steps] : result.failed) {
+      chains.stuck.push_back({c, plan.outlines[c].path[run].seam, least_steps});
+    }
     chains.chart.push_back(std::move(result.run));
   }
-  std::sort(chains.stuck_seams.begin(), chains.stuck_seams.end());
-  chains.stuck_seams.erase(std::unique(chains.stuck_seams.begin(), chains.stuck_seams.end()), chains.stuck_seams.end());
   return chains;
 }
 
-/// A seam is stuck because its runs need more steps, or because there is too little room for them: by turns.
-void make_room(Plan& plan, const Chains& chains, int round) {
-  if (round % 2 == 0) {
-    for (const uint32_t seam : chains.stuck_seams) ++plan.steps[seam];
-  } else {
-    for (const size_t c : chains.stuck_charts) {
-      plan.scale[c] *= kEnlargement;
-      raise_steps(plan, c);
+/// A run is stuck because its ends came to lie further apart than it has steps, or because there is too little room.
+void make_room(Plan& plan, const std::vector<Stuck>& stuck, std::vector<size_t> crowded) {
+  for (const Stuck& s : stuck) {
+    if (plan.steps[s.seam] < s.least_steps) {
+      plan.steps[s.seam] = s.least_steps;
+    } else {
+      crowded.push_back(s.chart);
     }
   }
+  std::sort(crowded.begin(), crowded.end());
+  crowded.erase(std::unique(crowded.begin(), crowded.end()), crowded.end());
+  for (const size_t c : crowded) plan.scale[c] *= kEnlargement;
+  raise_steps(plan);
+}
+
+/// Charts whose inside would repeat an edge of the welded mesh; asked when every chart has its chain.
+std::vector<size_t> pinched_charts(const Chains& chains, const std::vector<SampledOutline>& sampled,
+                                   const RefinedMesh& mesh) {
+  std::vector<PointChain> charts;
+  for (size_t c = 0; c < chains.chart.size(); ++c) {
+    PointChain chain;
+    for (const std::vector<Pixel>& run : chains.chart[c]) {
+      chain.pixel.insert(chain.pixel.end(), run.begin(), run.end() - 1);
+    }
+    for (const uint32_t v : sample_vertices(sampled[c])) chain.point.push_back(mesh.point[v]);
+    charts.push_back(std::move(chain));
+  }
+  return conflicting_charts(charts);
 }
 
 FlatChart make_chart(const Plan& plan, size_t c, const SampledOutline& sampled,
@@ -252,15 +294,18 @@ FlatSurface lay_out_panels(const CutSurface& cut, const FlattenOptions& options,
   Chains chains;
   for (int round = 0;; ++round) {
     mesh = make_refined_mesh(plan.developed.cut);
-    sampled = insert_seam_samples(mesh, plan.outlines, plan.steps);
+    sampled = insert_seam_samples(mesh, plan.outlines, plan.steps, segment_lengths(plan));
     uv = refined_coordinates(plan, mesh, sampled);
     chains = place_chains(plan, sampled, uv);
-    if (chains.stuck_charts.empty()) break;
+    const std::vector<size_t> pinched =
+        chains.stuck.empty() ? pinched_charts(chains, sampled, mesh) : std::vector<size_t>{};
+    if (chains.stuck.empty() && pinched.empty()) break;
     if (round == kRounds) {
-      throw Error(ErrorCode::verification, "no pixels could be found for " + std::to_string(chains.stuck_seams.size()) +
-                                               " seams; raise the resolution or try --layout square");
+      throw Error(ErrorCode::verification, "no pixels could be found for " + std::to_string(chains.stuck.size()) +
+                                               " runs of seams and " + std::to_string(pinched.size()) +
+                                               " narrow charts; raise the resolution or try --layout square");
     }
-    make_room(plan, chains, round);
+    make_room(plan, chains.stuck, pinched);
   }
 
   FlatSurface flat;

@@ -19,8 +19,8 @@ constexpr std::array<Pixel, 8> kStep{{{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// How far inside of its sample a pixel should lie [pixels]: the two sides of a narrow slit part by themselves.
 constexpr double kInset = 0.25;
-/// Cost of a right-angled turn, in squared pixels: keeps straight outlines straight.
-constexpr double kTurnCost = 0.15;
+/// Cost of a turn by 0, 45, 90 and 135 degrees, in squared pixels: keeps straight outlines straight.
+constexpr std::array<double, 4> kTurnCost{0, 0, 0.15, 1.5};
 
 Pixel moved(const Pixel& p, size_t direction) {
   return {p[0] + kStep[direction][0], p[1] + kStep[direction][1]};
@@ -74,10 +74,19 @@ Point2 inset(const ChainRun& run, size_t i) {
   return {run.target[i][0] + kInset * run.inward[i][0], run.target[i][1] + kInset * run.inward[i][1]};
 }
 
-/// The cheapest way of exactly target.size() - 1 steps from pixel `from` to pixel `to`, within `radius` of the targets.
-std::vector<Pixel> find_way(const ChainRun& run, const Pixel& from, const Pixel& to, const Occupancy& occupied,
-                            int32_t radius) {
-  const auto steps = static_cast<int32_t>(run.target.size()) - 1;
+/// A stretch of a run with the pixels of its ends.
+struct Stretch {
+  const ChainRun& run;
+  size_t first, last;  // samples
+  Pixel from, to;
+  [[nodiscard]] size_t steps() const { return last - first; }
+  [[nodiscard]] Point2 place(size_t i) const { return inset(run, first + i); }
+};
+
+/// The cheapest way of exactly as many steps as the stretch has, within `radius` of the targets.
+std::vector<Pixel> find_way(const Stretch& stretch, const Occupancy& occupied, int32_t radius) {
+  const Pixel &from = stretch.from, &to = stretch.to;
+  const auto steps = static_cast<int32_t>(stretch.steps());
   const int32_t side = 2 * radius + 1;
   const auto states = static_cast<size_t>(side * side) * 8;
   struct Window {
@@ -85,9 +94,9 @@ std::vector<Pixel> find_way(const ChainRun& run, const Pixel& from, const Pixel&
     std::vector<double> cost;   // per (pixel, arriving direction)
     std::vector<int16_t> from;  // arriving direction of the pixel before
   };
-  std::vector<Window> window(run.target.size());
+  std::vector<Window> window(stretch.steps() + 1);
   for (size_t i = 0; i < window.size(); ++i) {
-    const Point2 place = inset(run, i);
+    const Point2 place = stretch.place(i);
     window[i].corner = {static_cast<int32_t>(std::lround(place[0])) - radius,
                         static_cast<int32_t>(std::lround(place[1])) - radius};
     window[i].cost.assign(states, kInfinity);
@@ -105,7 +114,7 @@ std::vector<Pixel> find_way(const ChainRun& run, const Pixel& from, const Pixel&
     if (last ? p != to : !occupied.free(p)) return;
     // Not so far from the end that it cannot be reached any more.
     if (std::max(std::abs(to[0] - p[0]), std::abs(to[1] - p[1])) > steps - i) return;
-    const double total = cost + (last ? 0 : squared_distance(p, inset(run, static_cast<size_t>(i))));
+    const double total = cost + (last ? 0 : squared_distance(p, stretch.place(static_cast<size_t>(i))));
     const size_t state = static_cast<size_t>(cell) * 8 + direction;
     if (total < w.cost[state]) {
       w.cost[state] = total;
@@ -122,11 +131,11 @@ std::vector<Pixel> find_way(const ChainRun& run, const Pixel& from, const Pixel&
       for (size_t d = 0; d < 8; ++d) {
         const double cost = w.cost[static_cast<size_t>(cell) * 8 + d];
         if (cost == kInfinity) continue;
-        for (size_t turn = 6; turn <= 10; ++turn) {
-          const size_t next = (d + turn) % 8;
-          const bool right_angle = turn == 6 || turn == 10;
-          if (!occupied.may_step(p, next)) continue;
-          arrive(i + 1, moved(p, next), next, cost + (right_angle ? kTurnCost : 0), static_cast<int16_t>(d));
+        for (size_t turn = 0; turn < kTurnCost.size(); ++turn) {
+          for (const size_t next : {(d + turn) % 8, (d + 8 - turn) % 8}) {
+            if (!occupied.may_step(p, next)) continue;
+            arrive(i + 1, moved(p, next), next, cost + kTurnCost[turn], static_cast<int16_t>(d));
+          }
         }
       }
     }
@@ -138,7 +147,7 @@ std::vector<Pixel> find_way(const ChainRun& run, const Pixel& from, const Pixel&
   const auto first = end.cost.begin() + static_cast<std::ptrdiff_t>(end_cell) * 8;
   auto direction = static_cast<int16_t>(std::min_element(first, first + 8) - first);
   if (*(first + direction) == kInfinity) return {};
-  std::vector<Pixel> way(run.target.size());
+  std::vector<Pixel> way(stretch.steps() + 1);
   way.back() = to;
   Pixel p = to;
   for (int32_t i = steps; i >= 1; --i) {
@@ -170,9 +179,40 @@ bool simple(const std::vector<Pixel>& way) {
   return true;
 }
 
-}  // namespace
+void take_way(Occupancy& occupied, const std::vector<Pixel>& way) {
+  for (size_t i = 0; i + 1 < way.size(); ++i) {
+    occupied.take(way[i]);
+    occupied.take_step(way[i], direction_of(way[i], way[i + 1]));
+  }
+}
 
-ChainResult place_chain(std::span<const ChainRun> outline) {
+/// The way of a stretch as a whole or, where that comes back to itself (a run around a narrow spike), as two halves of
+/// which the second keeps clear of the first. Takes its pixels when it succeeds.
+std::vector<Pixel> place_way(const Stretch& stretch, Occupancy& occupied) {
+  for (const int32_t radius : {2, 3, 5, 8}) {
+    std::vector<Pixel> way = find_way(stretch, occupied, radius);
+    if (way.empty() || !simple(way)) continue;
+    take_way(occupied, way);
+    return way;
+  }
+  constexpr size_t kLeastToHalve = 6;
+  if (stretch.steps() < kLeastToHalve) return {};
+  const size_t half = stretch.steps() / 2;
+  Occupancy trial = occupied;
+  const Pixel middle = nearest_free(trial, stretch.place(half));
+  trial.take(middle);
+  std::vector<Pixel> way = place_way({stretch.run, stretch.first, stretch.first + half, stretch.from, middle}, trial);
+  if (way.empty()) return {};
+  const std::vector<Pixel> rest =
+      place_way({stretch.run, stretch.first + half, stretch.last, middle, stretch.to}, trial);
+  if (rest.empty()) return {};
+  way.insert(way.end(), rest.begin() + 1, rest.end());
+  occupied = std::move(trial);
+  return way;
+}
+
+/// One attempt, in a given order of the runs.
+ChainResult place_in_order(std::span<const ChainRun> outline, const std::vector<uint32_t>& order) {
   ChainResult result;
   result.run.resize(outline.size());
   Occupancy occupied;
@@ -181,29 +221,35 @@ ChainResult place_chain(std::span<const ChainRun> outline) {
     node[r] = nearest_free(occupied, inset(outline[r], 0));
     occupied.take(node[r]);
   }
+  for (const uint32_t r : order) {
+    const Pixel &from = node[r], &to = node[(r + 1) % outline.size()];
+    result.run[r] = place_way({outline[r], 0, outline[r].target.size() - 1, from, to}, occupied);
+    if (!result.run[r].empty()) continue;
+    const int32_t apart = std::max(std::abs(to[0] - from[0]), std::abs(to[1] - from[1]));
+    result.failed.push_back({r, static_cast<uint32_t>(apart)});
+  }
+  return result;
+}
+
+}  // namespace
+
+ChainResult place_chain(std::span<const ChainRun> outline) {
   std::vector<uint32_t> order(outline.size());
   std::iota(order.begin(), order.end(), 0U);
   std::stable_sort(order.begin(), order.end(),
                    [&](uint32_t a, uint32_t b) { return outline[a].target.size() > outline[b].target.size(); });
-  for (const uint32_t r : order) {
-    std::vector<Pixel> way;
-    for (const int32_t radius : {2, 3, 5, 8}) {
-      way = find_way(outline[r], node[r], node[(r + 1) % outline.size()], occupied, radius);
-      if (!way.empty() && simple(way)) break;
-      way.clear();
-    }
-    if (way.empty()) {
-      result.failed.push_back(r);
-      continue;
-    }
-    for (size_t i = 0; i + 1 < way.size(); ++i) {
-      occupied.take(way[i]);
-      occupied.take_step(way[i], direction_of(way[i], way[i + 1]));
-    }
-    result.run[r] = std::move(way);
+  constexpr int kAttempts = 5;
+  ChainResult best;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    ChainResult result = place_in_order(outline, order);
+    if (attempt == 0 || result.failed.size() < best.failed.size()) best = result;
+    if (result.failed.empty()) break;
+    // Those that found no way go first next time.
+    std::vector<uint8_t> stuck(outline.size(), 0);
+    for (const ChainResult::Failure& f : result.failed) stuck[f.run] = 1;
+    std::stable_partition(order.begin(), order.end(), [&](uint32_t r) { return stuck[r] != 0; });
   }
-  std::sort(result.failed.begin(), result.failed.end());
-  return result;
+  return best;
 }
 
 }  // namespace geocloth

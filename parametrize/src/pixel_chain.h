@@ -21,16 +21,20 @@ struct ChainRun {
 
 /// What came of it: for every run its pixels (as many as targets), or the runs that found no way.
 struct ChainResult {
+  struct Failure {
+    uint32_t run;
+    uint32_t least_steps;  ///< between the pixels that its ends got
+  };
   std::vector<std::vector<Pixel>> run;
-  std::vector<uint32_t> failed;  ///< runs without a way, ascending; then `run` is not complete
+  std::vector<Failure> failed;  ///< runs without a way; then `run` is not complete
 };
 
 /// Finds a closed simple polygon of pixels with one pixel per sample, consecutive pixels being 8-neighbours, as near to
 /// the targets as that goes. Since a lattice way between two places may take any number of steps from the larger to the
 /// sum of its extents, runs of equal sample count fit both sides of a seam whatever their directions in the plane.
 /// The polygon meets no pixel twice and crosses itself nowhere, so that its inside is a disk.
-/// Dynamic programming over (pixel, direction) per run, shortest sum of squared distances; turns above 90 degrees are
-/// not allowed inside a run. Runs are placed one after the other, longest first, on pixels still free.
+/// Dynamic programming over (pixel, direction) per run, least sum of squared distances; sharp turns cost, reversals are
+/// not allowed. Runs are placed one after the other, longest first, on pixels still free.
 [[nodiscard]] ChainResult place_chain(std::span<const ChainRun> outline);
 
 }  // namespace geocloth

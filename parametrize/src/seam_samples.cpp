@@ -30,11 +30,14 @@ struct SeamPlan {
   std::vector<std::vector<Sample>> inserted;  // per segment, ascending
 };
 
-SeamPlan plan_seam(RefinedMesh& mesh, const std::vector<uint32_t>& vertex, uint32_t steps) {
+/// @param length  of every segment, or empty for arc length in space
+SeamPlan plan_seam(RefinedMesh& mesh, const std::vector<uint32_t>& vertex, uint32_t steps,
+                   std::span<const double> length) {
   const size_t segments = vertex.size() - 1;
   std::vector<double> arc(vertex.size(), 0.0);
   for (size_t i = 0; i < segments; ++i) {
-    arc[i + 1] = arc[i] + distance(mesh.position[vertex[i]], mesh.position[vertex[i + 1]]);
+    arc[i + 1] =
+        arc[i] + (length.empty() ? distance(mesh.position[vertex[i]], mesh.position[vertex[i + 1]]) : length[i]);
   }
   const double step_length = arc.back() / steps;
   if (!(step_length > 0)) {
@@ -107,7 +110,8 @@ void insert_run(RefinedMesh& mesh, const OutlinePath& path, const SeamPlan& plan
 }  // namespace
 
 std::vector<SampledOutline> insert_seam_samples(RefinedMesh& mesh, std::span<const Outline> outlines,
-                                                std::span<const uint32_t> seam_steps) {
+                                                std::span<const uint32_t> seam_steps,
+                                                std::span<const std::vector<double>> segment_length) {
   std::vector<SeamPlan> plan(seam_steps.size());
   std::vector<SampledOutline> sampled(outlines.size());
   for (size_t c = 0; c < outlines.size(); ++c) {
@@ -116,7 +120,9 @@ std::vector<SampledOutline> insert_seam_samples(RefinedMesh& mesh, std::span<con
       if (seam.step.empty()) {
         std::vector<uint32_t> vertex = path.vertex;
         if (path.reversed) std::reverse(vertex.begin(), vertex.end());
-        seam = plan_seam(mesh, vertex, seam_steps[path.seam]);
+        const std::span<const double> length =
+            segment_length.empty() ? std::span<const double>{} : segment_length[path.seam];
+        seam = plan_seam(mesh, vertex, seam_steps[path.seam], length);
       }
       insert_run(mesh, path, seam, seam_steps[path.seam], sampled[c]);
     }

@@ -20,10 +20,13 @@ struct SampledOutline {
   uint32_t steps = 0;  ///< in all, once around
 };
 
-/// Divides every seam into a whole number of equal steps by arc length and inserts a vertex where a sample falls
-/// between two. Samples are found once per seam, so that all its runs get the same points at bit-identical places.
+/// Divides every seam into a whole number of equal steps and inserts a vertex where a sample falls between two. Samples
+/// are found once per seam, so that all its runs get the same points at bit-identical places.
 /// @param seam_steps  per seam, > 0
+/// @param segment_length  per seam and per segment between its vertices, in the seam's own direction: what counts as
+///   length along it; empty: arc length in space
 [[nodiscard]] std::vector<SampledOutline> insert_seam_samples(RefinedMesh& mesh, std::span<const Outline> outlines,
-                                                              std::span<const uint32_t> seam_steps);
+                                                              std::span<const uint32_t> seam_steps,
+                                                              std::span<const std::vector<double>> segment_length = {});
 
 }  // namespace geocloth
