@@ -431,9 +431,10 @@ double file_unit(const aiScene& scene, Format format) {
 }
 
 /// What assimp gets to see of a file: the file first, then what goes with it. The name's ending decides the reader.
-/// @param obj  filled when the file is an OBJ
+/// @param obj           filled when the file is an OBJ
+/// @param applied_unit  metres per unit of the file that assimp applies by itself
 std::vector<MemoryFile> prepare(const std::filesystem::path& file, Format format, std::span<const std::byte> bytes,
-                                ObjText& obj) {
+                                ObjText& obj, double& applied_unit) {
   std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   switch (format) {
     case Format::gltf:
@@ -451,9 +452,11 @@ std::vector<MemoryFile> prepare(const std::filesystem::path& file, Format format
     case Format::fbx:
       check_fbx(file, text);
       return {{"mesh.fbx", std::move(text)}};
-    case Format::dae:
-      check_dae(file, text);
-      return {{"mesh.dae", std::move(text)}};
+    case Format::dae: {
+      DaeText dae = read_dae(file, text);
+      applied_unit = dae.metres_per_unit;
+      return {{"mesh.dae", std::move(dae.text)}};
+    }
   }
   return {};
 }
@@ -463,7 +466,8 @@ TriangleMesh read(const std::filesystem::path& file, const ImportOptions& option
   const std::vector<std::byte> bytes = read_file(file, kMaxFileBytes);
   if (bytes.empty()) fail(file, ErrorCode::invalid_data, "the file is empty");
   ObjText obj;
-  std::vector<MemoryFile> files = prepare(file, format, bytes, obj);
+  double applied_unit = 1;
+  std::vector<MemoryFile> files = prepare(file, format, bytes, obj, applied_unit);
   const std::string name = files[0].name;
   Assimp::Importer importer;
   importer.SetIOHandler(new MeshFiles(file, std::move(files)));
@@ -474,7 +478,7 @@ TriangleMesh read(const std::filesystem::path& file, const ImportOptions& option
     fail(file, ErrorCode::invalid_data,
          "cannot be read as a mesh (" + std::string(importer.GetErrorString()) + "); is the file cut off or damaged?");
   }
-  const double scale = options.scale.value_or(file_unit(*scene, format));
+  const double scale = options.scale ? *options.scale / applied_unit : file_unit(*scene, format);
   TriangleMesh mesh = MeshBuilder(file, format, *scene, format == Format::obj ? &obj : nullptr, scale).build();
   if (mesh.triangle.empty()) fail(file, ErrorCode::invalid_data, "has no faces; cloth needs triangles or polygons");
   return mesh;

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// PLY, STL, FBX and DAE ahead of assimp. Its readers allocate what a header announces and index by what a list says;
-// here the announced sizes are held against the bytes that are there, so that a file that is cut off or lies about its
-// sizes ends with a message.
+// PLY and STL ahead of assimp, and node graphs of any format. Its readers allocate what a header announces and index by
+// what a list says; here the announced sizes are held against the bytes that are there, so that a file that is cut off
+// or lies about its sizes ends with a message.
 #include <algorithm>
 #include <charconv>
 #include <cstring>
+#include <map>
 #include <optional>
 
 #include "import_detail.h"
@@ -211,107 +212,6 @@ class PlyChecker {
   std::vector<PlyElement> element_;
 };
 
-// --- FBX -----------------------------------------------------------------------------------------------------------
-
-class FbxChecker {
- public:
-  FbxChecker(const std::filesystem::path& file, std::string_view bytes) : file_(file), bytes_(bytes) {}
-
-  void check() {
-    if (bytes_.size() < 27) bad(file_, "the file is cut off in its header");
-    wide_ = read_le<uint32_t>(bytes_, 23) >= 7500;
-    std::size_t at = 27;
-    while (at < bytes_.size()) {
-      const std::size_t next = walk(at, bytes_.size(), 0);
-      if (next == 0) return;  // the empty record that ends the list; a footer follows
-      at = next;
-    }
-    bad(file_, "the list of records does not end; is the file cut off?");
-  }
-
- private:
-  uint64_t number(std::size_t at) const {
-    return wide_ ? read_le<uint64_t>(bytes_, at) : uint64_t{read_le<uint32_t>(bytes_, at)};
-  }
-
-  /// Checks one record and those inside it. @returns where the next begins, 0 after an empty record
-  std::size_t walk(std::size_t at, std::size_t limit, std::size_t depth) const {
-    const std::size_t word = wide_ ? 8 : 4, head = 3 * word + 1;
-    if (depth > 64) bad(file_, "its records nest more than 64 levels deep");
-    if (head > limit - at) bad(file_, "a record is cut off");
-    const uint64_t end = number(at), properties = number(at + word), property_bytes = number(at + 2 * word);
-    const auto name = static_cast<unsigned char>(bytes_[at + head - 1]);
-    if (end == 0) return 0;
-    if (end > limit || end < at + head + name || property_bytes > end - at - head - name) {
-      bad(file_, "a record reaches beyond its bounds; is the file cut off or damaged?");
-    }
-    std::size_t inside = at + head + name;
-    check_properties(inside, inside + property_bytes, properties);
-    inside += property_bytes;
-    while (inside < end) {
-      const std::size_t next = walk(inside, end, depth + 1);
-      if (next == 0) break;
-      inside = next;
-    }
-    return end;
-  }
-
-  void check_properties(std::size_t at, std::size_t end, uint64_t count) const {
-    for (uint64_t i = 0; i < count; ++i) {
-      if (at >= end) bad(file_, "a record has fewer values than it announces");
-      const char type = bytes_[at++];
-      const std::size_t size = property_size(type, at, end);
-      if (size > end - at) bad(file_, "a value reaches beyond its record; is the file cut off or damaged?");
-      at += size;
-    }
-  }
-
-  std::size_t property_size(char type, std::size_t at, std::size_t end) const {
-    switch (type) {
-      case 'C':
-      case 'B':
-        return 1;
-      case 'Y':
-        return 2;
-      case 'I':
-      case 'F':
-        return 4;
-      case 'D':
-      case 'L':
-        return 8;
-      case 'S':
-      case 'R':
-        if (end - at < 4) bad(file_, "a value is cut off");
-        return 4 + std::size_t{read_le<uint32_t>(bytes_, at)};
-      case 'f':
-      case 'd':
-      case 'l':
-      case 'i':
-      case 'b':
-      case 'c':
-        return array_size(type, at, end);
-      default:
-        bad(file_, "a value has an unknown type");
-    }
-  }
-
-  std::size_t array_size(char type, std::size_t at, std::size_t end) const {
-    if (end - at < 12) bad(file_, "an array is cut off");
-    const std::size_t count = read_le<uint32_t>(bytes_, at), encoding = read_le<uint32_t>(bytes_, at + 4),
-                      stored = read_le<uint32_t>(bytes_, at + 8);
-    const std::size_t element = type == 'd' || type == 'l' ? 8 : type == 'f' || type == 'i' ? 4 : 1;
-    if (count > kMaxElements) fail(file_, ErrorCode::limit, "an array has more than 100 million entries");
-    // zlib expands at most about 1032 times.
-    const bool possible = encoding == 0 ? stored == count * element : encoding == 1 && count * element <= stored * 1040;
-    if (!possible) bad(file_, "an array announces a size that its data cannot have");
-    return 12 + stored;
-  }
-
-  const std::filesystem::path& file_;
-  std::string_view bytes_;
-  bool wide_ = false;
-};
-
 bool looks_like_text(std::string_view bytes) {
   return bytes.find('\0') == std::string_view::npos;
 }
@@ -341,30 +241,40 @@ void check_stl(const std::filesystem::path& file, std::string_view bytes) {
   }
 }
 
-void check_fbx(const std::filesystem::path& file, std::string_view bytes) {
-  if (bytes.starts_with("Kaydara FBX Binary")) return FbxChecker(file, bytes).check();
-  if (!looks_like_text(bytes) || bytes.substr(0, 4096).find("FBX") == std::string_view::npos) {
-    bad(file, "this is no FBX file");
+void check_hierarchy(const std::filesystem::path& file, std::vector<std::array<uint64_t, 2>> edges) {
+  constexpr uint64_t most_nodes = 1'000'000, most_levels = 512;
+  std::sort(edges.begin(), edges.end());
+  std::map<uint64_t, uint64_t> parents;
+  for (const auto& [parent, child] : edges) {
+    parents.try_emplace(parent, 0);
+    ++parents[child];
   }
-  std::ptrdiff_t depth = 0;
-  for (const char c : bytes) {
-    depth += c == '{' ? 1 : c == '}' ? -1 : 0;
-    if (depth < 0 || depth > 64) bad(file, "its braces do not match");
+  struct Unfolded {
+    uint64_t count = 0, depth = 0;
+  };
+  std::map<uint64_t, Unfolded> unfolded;
+  std::vector<uint64_t> ready;
+  for (const auto& [node, count] : parents) {
+    if (count > 0) continue;
+    ready.push_back(node);
+    unfolded[node] = {1, 1};
   }
-  if (depth != 0) bad(file, "its braces do not match; is the file cut off?");
-}
-
-void check_dae(const std::filesystem::path& file, std::string_view bytes) {
-  if (!looks_like_text(bytes) || bytes.substr(0, 4096).find("<COLLADA") == std::string_view::npos) {
-    bad(file, "this is no COLLADA file");
+  std::size_t done = 0;
+  for (; done < ready.size(); ++done) {
+    const Unfolded self = unfolded[ready[done]];
+    if (self.count > most_nodes || self.depth > most_levels) {
+      fail(file, ErrorCode::limit, "its nodes nest more than 512 levels deep, or unfold to more than a million");
+    }
+    const std::array<uint64_t, 2> first{ready[done], 0};
+    for (auto it = std::lower_bound(edges.begin(), edges.end(), first); it != edges.end() && (*it)[0] == ready[done];
+         ++it) {
+      const uint64_t child = (*it)[1];
+      Unfolded& below = unfolded[child];
+      below = {std::min(below.count + self.count, most_nodes + 1), std::max(below.depth, self.depth + 1)};
+      if (--parents[child] == 0) ready.push_back(child);
+    }
   }
-  if (bytes.find("</COLLADA>") == std::string_view::npos) bad(file, "'COLLADA' does not end; is the file cut off?");
-  std::ptrdiff_t depth = 0;
-  for (std::size_t i = 0; i + 1 < bytes.size(); ++i) {
-    if (bytes[i] == '<' && bytes[i + 1] != '/' && bytes[i + 1] != '!' && bytes[i + 1] != '?') ++depth;
-    if ((bytes[i] == '<' && bytes[i + 1] == '/') || (bytes[i] == '/' && bytes[i + 1] == '>')) --depth;
-    if (depth > 512) bad(file, "its elements nest more than 512 levels deep");
-  }
+  if (done < parents.size()) bad(file, "its nodes form a circle");
 }
 
 }  // namespace geocloth::import_detail

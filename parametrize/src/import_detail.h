@@ -2,6 +2,7 @@
 // What the parts of the importer share: the bytes of a file, and the checks that run before assimp sees them.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <filesystem>
 #include <span>
@@ -50,10 +51,20 @@ struct MemoryFile {
 /// Checks that the sizes a PLY or STL file announces are the sizes it has.
 void check_ply(const std::filesystem::path& file, std::string_view bytes);
 void check_stl(const std::filesystem::path& file, std::string_view bytes);
-/// Walks the records of a binary FBX file, or looks for the opening of a textual one.
+/// Walks the records of a binary FBX file, or looks for the opening of a textual one, and at its connections.
 void check_fbx(const std::filesystem::path& file, std::string_view bytes);
-/// Checks that the XML of a DAE file opens, nests within bounds and closes.
-void check_dae(const std::filesystem::path& file, std::string_view bytes);
+
+struct DaeText {
+  std::string text;            ///< for assimp: without animations, lights and cameras
+  double metres_per_unit = 1;  ///< as the file says; assimp applies it
+};
+/// Checks the XML of a DAE file and every count, offset and index of it that assimp relies on.
+[[nodiscard]] DaeText read_dae(const std::filesystem::path& file, std::string_view bytes);
+
+/// Refuses a graph of "parent has child" that has a circle, is deeper than 512 levels, or unfolds to more than a
+/// million nodes: importers follow it by recursion.
+/// @param edges  pairs of parent and child
+void check_hierarchy(const std::filesystem::path& file, std::vector<std::array<uint64_t, 2>> edges);
 
 /// Cuts a polygon into triangles by clipping ears, shortest diagonal first; independent of the corner it starts with.
 /// @param corner  positions of at least three corners in order; the polygon may be concave and somewhat out of plane
