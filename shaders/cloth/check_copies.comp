@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Per split row: largest distance of a copy to the first one. Non-negative floats order like their bits, so that an integer
+// Per split row: largest distance of a copy to the first one. Non-negative floats order like their bits, so an integer
 // maximum over all rows is exact and does not depend on their order.
 #version 450
 #extension GL_GOOGLE_include_directive : require

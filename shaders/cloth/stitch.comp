@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Per split row: the mass-weighted mean of the copies, written to every copy. A gather: one invocation for each row, in the
-// row's order, so that there is no atomic and every run gives the same bits.
+// Per split row: the mass-weighted mean of the copies, written to every copy. A gather: one invocation for each row, in
+// the row's order, so that there is no atomic and every run gives the same bits.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "over_list.glsl"

@@ -18,6 +18,8 @@ MemoryKind memory_kind(Memory memory) {
       return {{}, Property::eDeviceLocal};
     case Memory::upload:
       return {Property::eHostVisible | Property::eHostCoherent, Property::eDeviceLocal};
+    case Memory::staging:
+      return {Property::eHostVisible | Property::eHostCoherent, {}};
     case Memory::readback:
       return {Property::eHostVisible | Property::eHostCoherent, Property::eHostCached};
   }

@@ -13,7 +13,8 @@ namespace geocloth::vulkan {
 /// What a buffer is for; the memory type follows from it.
 enum class Memory {
   device,    ///< only the device touches it
-  upload,    ///< the host writes it in order, the device reads it
+  upload,    ///< the host writes it in order, shaders read it; on the device where the host reaches it there
+  staging,   ///< the host writes it in order, it is copied from once
   readback,  ///< the device writes it, the host reads it at random
 };
 

@@ -20,7 +20,7 @@ Upload::Upload(std::shared_ptr<const Context> context) : context_(std::move(cont
 
 const Buffer& Upload::stage(std::span<const std::byte> bytes) {
   const Buffer& staging =
-      staging_.emplace_back(context_, bytes.size(), vk::BufferUsageFlagBits::eTransferSrc, Memory::upload);
+      staging_.emplace_back(context_, bytes.size(), vk::BufferUsageFlagBits::eTransferSrc, Memory::staging);
   std::ranges::copy(bytes, staging.mapped().begin());
   return staging;
 }
