@@ -80,8 +80,7 @@ inline Contact sweep(ColliderShape shape, vec3 p0, vec3 p1, float way, float thi
   return no_contact();
 }
 
-inline Contact find_contact(ColliderShape shape, vec3 p0, vec3 p1, float thickness, bool swept) {
-  Nearest near = nearest_of_shape(shape, p1);
+inline Contact find_contact(ColliderShape shape, vec3 p0, vec3 p1, Nearest near, float thickness, bool swept) {
   precise float gap = near.distance - thickness;
   precise float way = length3(p1 - p0);
   if (gap > way) return no_contact();
@@ -126,7 +125,7 @@ inline PointState limit_speed(PointState point, float max_step) {
   precise vec3 displacement = (point.position - point.previous) + point.carry;
   precise float way = length3(displacement);
   PointState r = point;
-  if (max_step > 0.0f && way > max_step) {
+  if (way > max_step) {
     precise vec3 position = point.previous + displacement * (max_step * (1.0f / way));
     r.position = position;
     r.carry = vec3(0.0f, 0.0f, 0.0f);
@@ -134,23 +133,36 @@ inline PointState limit_speed(PointState point, float max_step) {
   return r;
 }
 
+// A point that went `way` cannot have met a collider that is this far off. In the collider's frame it moved by at most
+// way + T + F (R + gap), with the collider's translation T, the change F of its rotation and its radius R; shape.way is
+// T + F R, and F is below a half.
+inline bool out_of_reach(ColliderShape shape, float gap, float way) {
+  precise float reach = 2.0f * (way + shape.way);
+  return gap > reach;
+}
+
 // All colliders in their order, with sweep and friction; then, while the point is still in one of several, it is only
 // pushed out, until all agree or the rounds are used up.
 inline PointState collide(ColliderSet set, ClothParams params, uint substep, PointState point) {
-  PointState state = limit_speed(point, params.max_step);
+  PointState state = point;
+  if (params.max_step > 0.0f) state = limit_speed(point, params.max_step);
   vec3 start = state.previous;
   bool again = params.collider_count > 0u;
   for (uint round = 0u; round < kContactRounds && again; ++round) {
     again = false;
+    float way = length3(state.position - start);
     for (uint i = 0u; i < params.collider_count; ++i) {
       ColliderShape shape = collider_shape(set, i);
-      ColliderPose before = collider_pose(set, substep, i);
       ColliderPose after = collider_pose(set, substep + 1u, i);
       vec3 local = to_local(after, state.position);
-      Contact contact = find_contact(shape, to_local(before, start), local, params.thickness, round == 0u);
+      Nearest near = nearest_of_shape(shape, local);
+      if (out_of_reach(shape, near.distance - params.thickness, way)) continue;
+      ColliderPose before = collider_pose(set, substep, i);
+      Contact contact = find_contact(shape, to_local(before, start), local, near, params.thickness, round == 0u);
       if (contact.touches && (round == 0u || contact.depth > kContactSlack)) {
         float friction = round == 0u ? sqrt(params.friction * shape.friction) : 0.0f;
         state = respond(state, before, after, local, contact, friction);
+        way = length3(state.position - start);
         again = params.collider_count > 1u;
       }
     }

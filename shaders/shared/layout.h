@@ -109,8 +109,8 @@ struct PinTarget {
 
 // Long-range attachment of a pixel: it stays within length * stretch_limit of the anchor, a pinned pixel.
 struct Attachment {
-  uint anchor;   // pixel; kNoAnchor: none
-  float reach;   // [m] to the anchor along the surface at rest (a field named length breaks glslang)
+  uint anchor;  // pixel; kNoAnchor: none
+  float reach;  // [m] to the anchor along the surface at rest (a field named length breaks glslang)
 };
 const uint kNoAnchor = 0xFFFFFFFFu;
 
@@ -135,7 +135,7 @@ struct ColliderShape {
   uint kind;
   float friction;
   float core;  // [m] smallest half width: a way longer than this is swept
-  float unused0;
+  float way;   // [m] no point of it moves farther in a substep of this frame; see collide.h
 };
 
 // World from local: (dot(row0.xyz, p) + row0.w, ...); the rows' xyz are a rotation matrix.

@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace geocloth {
 namespace {
@@ -108,6 +109,36 @@ shader::ColliderPose make_pose(const Transform& t, const Vec3& origin) {
   return pose;
 }
 
+constexpr float kAnyWay = 1e30F;  ///< [m] no bound
+
+/// Radius about the local origin of the shape with the thickest cloth on it (1 m).
+double radius_of(const shader::ColliderShape& shape) {
+  switch (shape.kind) {
+    case shader::kShapeSphere:
+      return 1.0 + shape.a.x;
+    case shader::kShapeCapsule:
+      return 1.0 + shape.a.x + std::max(shape.a.y, shape.a.z);
+    case shader::kShapeBox:
+    case shader::kShapeEllipsoid:
+      return 1.0 + std::hypot(shape.a.x, shape.a.y, shape.a.z);
+    default:
+      return std::numeric_limits<double>::infinity();
+  }
+}
+
+/// T + F R of out_of_reach() in collide.h; F is the Frobenius norm of the change of the rotation matrix.
+float way_between(const shader::ColliderPose& a, const shader::ColliderPose& b, double radius) {
+  double turn2 = 0, shift2 = 0;
+  for (const auto& [p, q] : {std::pair{a.row0, b.row0}, std::pair{a.row1, b.row1}, std::pair{a.row2, b.row2}}) {
+    const double x = q.x - p.x, y = q.y - p.y, z = q.z - p.z, w = q.w - p.w;
+    turn2 += x * x + y * y + z * z;
+    shift2 += w * w;
+  }
+  if (turn2 == 0) return static_cast<float>(std::sqrt(shift2));
+  const double way = std::sqrt(shift2) + std::sqrt(turn2) * radius;
+  return turn2 < 0.25 && way < static_cast<double>(kAnyWay) ? static_cast<float>(way) : kAnyWay;
+}
+
 /// A family of gusts: share of the gust speed, multiple of the slowest frequency, how far the wave runs and blows
 /// sideways and upwards relative to the wind.
 struct Gust {
@@ -164,6 +195,17 @@ std::vector<shader::ColliderPose> collider_poses(std::span<const Collider> from,
     }
   }
   return poses;
+}
+
+void measure_ways(std::span<shader::ColliderShape> shapes, std::span<const shader::ColliderPose> poses,
+                  uint32_t substeps) {
+  for (size_t i = 0; i < shapes.size(); ++i) {
+    shapes[i].way = 0;
+    for (uint32_t s = 0; s < substeps; ++s) {
+      shapes[i].way = std::max(shapes[i].way, way_between(poses[s * shapes.size() + i],
+                                                          poses[(s + 1) * shapes.size() + i], radius_of(shapes[i])));
+    }
+  }
 }
 
 std::vector<shader::Substep> substep_inputs(const FrameClock& clock, const std::optional<Wind>& wind,

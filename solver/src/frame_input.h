@@ -28,6 +28,10 @@ struct FrameClock {
                                                                std::span<const Collider> to, uint32_t substeps,
                                                                const Vec3& origin);
 
+/// Sets ColliderShape::way from the poses of the frame.
+void measure_ways(std::span<shader::ColliderShape> shapes, std::span<const shader::ColliderPose> poses,
+                  uint32_t substeps);
+
 /// Pin fractions and gusts of every substep.
 [[nodiscard]] std::vector<shader::Substep> substep_inputs(const FrameClock& clock, const std::optional<Wind>& wind,
                                                           const Vec3& origin);

@@ -346,6 +346,7 @@ Scene default_scene(const std::filesystem::path& asset) {
   scene.path = asset;
   SceneCloth cloth;
   cloth.asset = asset;
+  cloth.material.max_stretch = 0.02F;  // a finely sampled garment would sag at the default number of substeps
   cloth.pins.push_back({WhereBoundary{}, "cloth", {}});
   scene.cloths.push_back(std::move(cloth));
   return scene;

@@ -180,6 +180,7 @@ void Solver::Impl::step() {
   FrameInput frame;
   for (const Collider& c : colliders_to_) frame.shapes.push_back(collider_shape_of(c));
   frame.poses = collider_poses(colliders_from_, colliders_to_, settings_.substeps, origin_);
+  measure_ways(frame.shapes, frame.poses, settings_.substeps);
   frame.substeps = substep_inputs(clock(), wind_, origin_);
   for (Cloth& cloth : cloths_) frame.cloths.push_back(cloth_frame(cloth));
   backend_->run_frame(frame);

@@ -134,34 +134,47 @@ void pins(const PassContext& context, ClothState& state) {
   });
 }
 
-/// Raw pointers into the arrays of one component: restrict lets the compiler see that the two ends do not overlap.
-struct SpringRow {
-  float* __restrict ax;
-  float* __restrict ay;
-  float* __restrict az;
-  const float* __restrict aw;
-  float* __restrict bx;
-  float* __restrict by;
-  float* __restrict bz;
-  const float* __restrict bw;
-  const float* __restrict rest;
-  const float* __restrict compliance;
+/// The springs of one component along a line of pixels, as raw pointers to the first one.
+struct SpringLine {
+  float* ax;
+  float* ay;
+  float* az;
+  const float* aw;
+  float* bx;
+  float* by;
+  float* bz;
+  const float* bw;
+  const float* rest;
+  const float* compliance;
+  float* multiplier;  ///< only with several relaxation steps
 };
 
-/// Springs of one line of pixels, `count` of them, `stride` pixels apart.
-template <size_t stride>
-void project_row(const SpringRow& row, uint32_t count, float inverse_dt2, float share) {
-  for (uint32_t k = 0; k < count; ++k) {
+struct SpringParams {
+  float inverse_dt2 = 0, share = 1;
+  float kept_multiplier = 0;  ///< 1: XPBD's sum is continued, 0: it starts anew with the first relaxation step
+};
+
+/// Projects `count` springs that start `stride` pixels apart. Springs that do not exist have no rest length and leave
+/// their ends as they are. Within a group no pixel is an end of two springs, so what is written for one spring is never
+/// read for another: the loop vectorises (ivdep).
+template <size_t stride, bool accumulate>
+void project_line(const SpringLine line, uint32_t count, const SpringParams& params) {
+  // Copied to locals, for floats that a reference leads to might be among those that are written.
+  const float inverse_dt2 = params.inverse_dt2, share = params.share, kept = params.kept_multiplier;
+#pragma GCC ivdep
+  for (size_t k = 0; k < count; ++k) {
     const size_t i = k * stride;
-    const shader::SpringEnds ends =
-        shader::project_spring(vec3(row.ax[i], row.ay[i], row.az[i]), row.aw[i], vec3(row.bx[i], row.by[i], row.bz[i]),
-                               row.bw[i], row.rest[i], row.compliance[i] * inverse_dt2, share, 0.F);
-    row.ax[i] = ends.a.x;
-    row.ay[i] = ends.a.y;
-    row.az[i] = ends.a.z;
-    row.bx[i] = ends.b.x;
-    row.by[i] = ends.b.y;
-    row.bz[i] = ends.b.z;
+    const float sum = accumulate ? kept * line.multiplier[i] : 0.F;
+    const shader::SpringEnds ends = shader::project_spring(vec3(line.ax[i], line.ay[i], line.az[i]), line.aw[i],
+                                                           vec3(line.bx[i], line.by[i], line.bz[i]), line.bw[i],
+                                                           line.rest[i], line.compliance[i] * inverse_dt2, share, sum);
+    line.ax[i] = ends.a.x;
+    line.ay[i] = ends.a.y;
+    line.az[i] = ends.a.z;
+    line.bx[i] = ends.b.x;
+    line.by[i] = ends.b.y;
+    line.bz[i] = ends.b.z;
+    if constexpr (accumulate) line.multiplier[i] = ends.multiplier;
   }
 }
 
@@ -170,72 +183,71 @@ float share_of(const shader::ClothParams& params, uint32_t component) {
   return family == 0 ? params.share_structural : family == 1 ? params.share_shear : params.share_bending;
 }
 
-/// A group whose springs start in every pixel of some rows: whole rows at a time, in order of memory. The last springs
-/// of a row may reach over its end: they have no rest length and move nothing, but must not leave the arrays.
-void project_rows(const PassContext& context, ClothState& state, uint32_t group) {
-  const uint32_t c = shader::group_component(group);
-  const uint32_t width = state.data.width, height = state.data.height;
-  const shader::uvec2 end = shader::spring_end(c, 1, 0);  // from x = 1, so that down-left stays positive
-  const uint32_t first_x = end.x < 1 ? 1 : 0;
-  const uint32_t count_x = width - (end.x == 1 ? 0 : 1);
-  const ptrdiff_t offset = static_cast<ptrdiff_t>(end.x) - 1 + static_cast<ptrdiff_t>(end.y) * width;
-  const shader::ClothParams& params = context.cloth.params;
-  const uint32_t lines = shader::group_line_count(group, height);
-  context.threads.for_range(lines, std::max(1U, kPixelGrain / width), [&](uint32_t first, uint32_t last) {
-    for (uint32_t n = first; n < last; ++n) {
-      const uint32_t y = shader::group_line(group, n);
-      if (y + end.y >= height) continue;
-      const size_t a = static_cast<size_t>(y) * width + first_x;
-      const size_t b = static_cast<size_t>(static_cast<ptrdiff_t>(a) + offset);
-      const SpringRow row{state.position.x.data() + a,   state.position.y.data() + a,   state.position.z.data() + a,
-                          state.inverse_mass.data() + a, state.position.x.data() + b,   state.position.y.data() + b,
-                          state.position.z.data() + b,   state.inverse_mass.data() + b, state.rest[c].data() + a,
-                          state.compliance[c].data() + a};
-      project_row<1>(row, count_x, params.inverse_dt2, share_of(params, c));
-    }
-  });
-}
+/// One group of springs, line by line of the image.
+class SpringPass {
+ public:
+  SpringPass(const PassContext& context, ClothState& state, const PassStep& step)
+      : context_(context),
+        state_(state),
+        group_(step.group),
+        component_(shader::group_component(step.group)),
+        params_{context.cloth.params.inverse_dt2, share_of(context.cloth.params, component_),
+                step.relaxation > 0 ? 1.F : 0.F} {}
 
-void project_pixel(const PassContext& context, ClothState& state, const PassStep& step, uint32_t component, uint32_t i,
-                   uint32_t j) {
-  const float rest = state.rest[component][i];
-  if (rest == 0) return;
-  const bool accumulate = context.relaxation_steps > 1;
-  const float multiplier = accumulate && step.relaxation > 0 ? state.multiplier[component][i] : 0.F;
-  const shader::SpringEnds ends =
-      shader::project_spring(state.position.at(i), state.inverse_mass[i], state.position.at(j), state.inverse_mass[j],
-                             rest, state.compliance[component][i] * context.cloth.params.inverse_dt2,
-                             share_of(context.cloth.params, component), multiplier);
-  state.position.set(i, ends.a);
-  state.position.set(j, ends.b);
-  if (accumulate) state.multiplier[component][i] = ends.multiplier;
-}
-
-/// Any group, spring by spring.
-void project_group(const PassContext& context, ClothState& state, const PassStep& step) {
-  const uint32_t c = shader::group_component(step.group);
-  const uint32_t width = state.data.width, height = state.data.height;
-  const shader::uvec2 extent = shader::group_extent(step.group, width, height);
-  context.threads.for_range(extent.y, std::max(1U, kPixelGrain / extent.x), [&](uint32_t first, uint32_t last) {
-    for (uint32_t gy = first; gy < last; ++gy) {
-      for (uint32_t gx = 0; gx < extent.x; ++gx) {
-        const shader::uvec2 at = shader::group_pixel(step.group, gx, gy);
-        if (at.x >= width || at.y >= height) continue;
-        const shader::uvec2 to = shader::spring_end(c, at.x, at.y);
-        project_pixel(context, state, step, c, at.y * width + at.x, to.y * width + to.x);
-      }
-    }
-  });
-}
-
-void springs(const PassContext& context, ClothState& state, const PassStep& step) {
-  const bool by_row = shader::group_by_column(step.group) == 0;
-  if (by_row && context.relaxation_steps == 1) {
-    project_rows(context, state, step.group);
-  } else {
-    project_group(context, state, step);
+  void run() const {
+    const uint32_t width = state_.data.width;
+    const bool by_column = shader::group_by_column(group_) == 1;
+    const uint32_t lines = by_column ? state_.data.height : shader::group_line_count(group_, state_.data.height);
+    context_.threads.for_range(lines, std::max(1U, kPixelGrain / width), [&](uint32_t first, uint32_t last) {
+      for (uint32_t n = first; n < last; ++n) by_column ? along_row(n) : across_rows(shader::group_line(group_, n));
+    });
   }
-}
+
+ private:
+  /// Springs from row y to a row below: one from every pixel.
+  void across_rows(uint32_t y) const {
+    const uint32_t first = component_ == 3 ? 1 : 0, last = state_.data.width - (component_ == 2 ? 1 : 0);
+    const uint32_t below = shader::spring_end(component_, first, y).y;
+    if (below < state_.data.height && first < last) project<1>(first, y, last - first);
+  }
+
+  /// Springs within row y: every second pixel, or, over two pixels, every fourth and its neighbour.
+  void along_row(uint32_t y) const {
+    const uint32_t odd = group_ % 2, width = state_.data.width;
+    if (component_ == 0) {
+      if (odd + 1 < width) project<2>(odd, y, (width - odd) / 2);
+      return;
+    }
+    for (uint32_t first = 2 * odd; first < 2 * odd + 2; ++first) {
+      if (first + 2 < width) project<4>(first, y, (width - 2 - first + 3) / 4);
+    }
+  }
+
+  template <size_t stride>
+  void project(uint32_t x, uint32_t y, uint32_t count) const {
+    const shader::uvec2 end = shader::spring_end(component_, x, y);
+    const size_t a = size_t{y} * state_.data.width + x, b = size_t{end.y} * state_.data.width + end.x;
+    Vec3Array& p = state_.position;
+    const bool accumulate = context_.relaxation_steps > 1;
+    const SpringLine line{p.x.data() + a,
+                          p.y.data() + a,
+                          p.z.data() + a,
+                          state_.inverse_mass.data() + a,
+                          p.x.data() + b,
+                          p.y.data() + b,
+                          p.z.data() + b,
+                          state_.inverse_mass.data() + b,
+                          state_.rest[component_].data() + a,
+                          state_.compliance[component_].data() + a,
+                          accumulate ? state_.multiplier[component_].data() + a : nullptr};
+    accumulate ? project_line<stride, true>(line, count, params_) : project_line<stride, false>(line, count, params_);
+  }
+
+  const PassContext& context_;
+  ClothState& state_;
+  uint32_t group_, component_;
+  SpringParams params_;
+};
 
 void seam_bends(const PassContext& context, ClothState& state, const PassStep& step) {
   const shader::ClothParams& params = context.cloth.params;
@@ -337,7 +349,7 @@ void run_pass(const PassStep& step, const PassContext& context, ClothState& stat
     case Pass::structural:
     case Pass::shear:
     case Pass::bending:
-      return springs(context, state, step);
+      return SpringPass(context, state, step).run();
     case Pass::seam_bends:
       return seam_bends(context, state, step);
     case Pass::stitch:

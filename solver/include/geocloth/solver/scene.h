@@ -72,7 +72,7 @@ struct Scene {
 [[nodiscard]] Scene read_scene(const std::filesystem::path& path);
 [[nodiscard]] Scene parse_scene(std::string_view text, const std::filesystem::path& path);
 
-/// Hangs one asset by its highest boundary for 120 frames.
+/// Hangs one asset by its highest boundary for 120 frames, with long-range attachments (max_stretch 0.02).
 [[nodiscard]] Scene default_scene(const std::filesystem::path& asset);
 
 /// The collider in its pose at a time [s].
