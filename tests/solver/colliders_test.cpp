@@ -2,6 +2,7 @@
 // Cloth must stay outside of every solid, whatever its shape and however it moves, and friction must hold what Coulomb
 // says.
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -78,6 +79,100 @@ TEST(Collider, FastThinWallDoesNotTunnel) {
   solver.set_colliders(std::vector<Collider>{{"wall", Box{{0, 0, 0}, {2, 0.002F, 2}, {}}, 0.3F, {}}});
   test::run(solver, 30);
   for (const Vec3& p : test::positions_of(solver)) EXPECT_GT(p.y, 0.002F);
+}
+
+TEST(Collider, ClothBetweenBallAndFloorIsInNeither) {
+  SheetOptions options;
+  options.nx = options.ny = 33;
+  options.horizontal = true;
+  options.charts_x = options.charts_y = 2;
+  options.center = {0, 0.45F, 0};
+  Solver solver(std::vector{test::describe(make_sheet(options))}, test::cpu_settings());
+  // The ball stands on the floor, leans on a box and rolls: many points are in two or three solids at once.
+  for (uint32_t f = 0; f < 90; ++f) {
+    Collider ball{"ball", Sphere{{0, 0.2F, 0}, 0.2F}, 0.5F, {}};
+    ball.pose.translate.x = 0.003F * static_cast<float>(f);
+    solver.set_colliders(std::vector<Collider>{{"floor", Plane{{0, 0, 0}, {0, 1, 0}}, 0.5F, {}},
+                                               ball,
+                                               {"box", Box{{0.3F, 0.05F, 0}, {0.1F, 0.15F, 0.3F}, {}}, 0.5F, {}}});
+    solver.step();
+  }
+  EXPECT_LE(solver.statistics().penetration, 0.002);  // the thickness
+  EXPECT_TRUE(test::all_finite(test::positions_of(solver)));
+  for (const Vec3& v : test::velocities_of(solver)) EXPECT_LT(length(v), 10);
+}
+
+TEST(Collider, PointsThatStartDeepInsideComeOutWithoutAnExplosion) {
+  SheetOptions options;
+  options.nx = options.ny = 17;
+  Solver solver(std::vector{test::describe(make_sheet(options))}, test::cpu_settings());
+  solver.set_colliders(std::vector<Collider>{{"ball", Sphere{{0, 0, 0.1F}, 0.3F}, 0.3F, {}}});
+  solver.step();
+  for (const Vec3& v : test::velocities_of(solver)) EXPECT_LT(length(v), 60);
+  test::run(solver, 20);
+  for (const Vec3& v : test::velocities_of(solver)) EXPECT_LT(length(v), 10);
+  EXPECT_LE(solver.statistics().penetration, 0.0);
+}
+
+TEST(Collider, FrictionCarriesClothAlongOnAMovingFloor) {
+  SheetOptions options;
+  options.nx = options.ny = 9;
+  options.horizontal = true;
+  options.center = {0, 0.002F, 0};
+  Solver solver(std::vector{test::describe(make_sheet(options), test::undamped())}, test::cpu_settings());
+  Collider floor{"floor", Box{{0, -0.5F, 0}, {5, 0.5F, 5}, {}}, 0.8F, {}};
+  for (uint32_t f = 0; f < 60; ++f) {
+    floor.pose.translate.x = 0.5F * static_cast<float>(f * f) / 3600.F;  // 1 m/s^2, less than friction can hold
+    solver.set_colliders(std::vector{floor});
+    solver.step();
+  }
+  const float shift = floor.pose.translate.x;
+  EXPECT_NEAR(test::positions_of(solver)[0].x, -0.5F + shift, 0.01F);
+}
+
+/// Distance by brute force: the nearest of many surface points, with the sign of `inside`.
+double sampled_distance(const Vec3& p, const std::vector<Vec3>& surface, bool inside) {
+  double nearest = 1e9;
+  for (const Vec3& q : surface) nearest = std::min(nearest, static_cast<double>(length(p - q)));
+  return inside ? -nearest : nearest;
+}
+
+TEST(SignedDistance, OfAnEllipsoidIsThatToItsNearestPoint) {
+  const Vec3 r{0.4F, 0.1F, 0.25F};
+  const Collider collider{"egg", Ellipsoid{{1, 2, 3}, r, quat_from_euler_deg({20, 30, 40})}, 0.3F, {}};
+  std::vector<Vec3> surface;
+  for (int i = 0; i <= 400; ++i)
+    for (int j = 0; j < 800; ++j) {
+      const double u = std::numbers::pi * i / 400, v = 2 * std::numbers::pi * j / 800;
+      surface.push_back({static_cast<float>(r.x * std::sin(u) * std::cos(v)), static_cast<float>(r.y * std::cos(u)),
+                         static_cast<float>(r.z * std::sin(u) * std::sin(v))});
+    }
+  const Transform pose{{1, 2, 3}, quat_from_euler_deg({20, 30, 40}), 1};
+  for (const Vec3& p : {Vec3{0.5F, 0.2F, 0.1F}, Vec3{0.1F, 0.02F, 0.05F}, Vec3{0, 0.3F, 0}, Vec3{0.39F, 0, 0},
+                        Vec3{-0.2F, -0.05F, 0.3F}, Vec3{0, 0, 0}, Vec3{3, 1, -2}}) {
+    const bool inside = p.x * p.x / (r.x * r.x) + p.y * p.y / (r.y * r.y) + p.z * p.z / (r.z * r.z) < 1;
+    EXPECT_NEAR(signed_distance(collider, apply(pose, p)), sampled_distance(p, surface, inside), 3e-5)
+        << p.x << ' ' << p.y << ' ' << p.z;
+  }
+}
+
+TEST(SignedDistance, OfTheOtherShapes) {
+  const auto at = [](ColliderShape shape, const Vec3& p) { return signed_distance({"", shape, 0, {}}, p); };
+  EXPECT_NEAR(at(Plane{{0, 1, 0}, {0, 0.6F, 0.8F}}, {5, 2, 1}), 1.4, 1e-6);
+  EXPECT_NEAR(at(Sphere{{1, 0, 0}, 0.5F}, {1, 2, 0}), 1.5, 1e-6);
+  EXPECT_NEAR(at(Box{{0, 0, 0}, {1, 2, 3}, {}}, {2, 3, 0}), std::sqrt(2.0), 1e-6);
+  EXPECT_NEAR(at(Box{{0, 0, 0}, {1, 2, 3}, {}}, {0.5F, 0, 0}), -0.5, 1e-6);
+  EXPECT_NEAR(at(Box{{0, 0, 0}, {1, 2, 3}, quat_from_euler_deg({0, 0, 90})}, {0, 2, 0}), 1.0, 1e-6);
+  EXPECT_NEAR(at(Capsule{{0, 0, 0}, {0, 2, 0}, 0.5F, 0.5F}, {1, 1, 0}), 0.5, 1e-6);
+  EXPECT_NEAR(at(Capsule{{0, 0, 0}, {0, 2, 0}, 0.5F, 0.5F}, {0, 3, 0}), 0.5, 1e-6);
+  // A cone of half angle 30 degrees between balls of 1 and 0.5 that are 1 apart: its side is the line at distance
+  // 1 from the axis' start, tilted by 30 degrees.
+  const Capsule tapered{{0, 0, 0}, {0, 1, 0}, 1.F, 0.5F};
+  EXPECT_NEAR(at(tapered, {2, 0, 0}), 1.0, 1e-6);
+  EXPECT_NEAR(at(tapered, {2 * std::cos(std::numbers::pi_v<float> / 6), 1, 0}), 2 * 0.75 + 0.5 - 1, 1e-6);
+  EXPECT_NEAR(at(tapered, {0, 2, 0}), 0.5, 1e-6);
+  EXPECT_NEAR(at(Capsule{{0, 0, 0}, {0, 0.1F, 0}, 1.F, 0.5F}, {0, 2, 0}), 1.0, 1e-6);  // one ball holds the other
+  EXPECT_NEAR(at(Capsule{{0, 0, 0}, {0, 0, 0}, 0.5F, 0.5F}, {0, 2, 0}), 1.5, 1e-6);
 }
 
 }  // namespace
