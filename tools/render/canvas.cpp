@@ -41,6 +41,16 @@ struct FontVertex {
   std::array<unsigned char, 4> color;
 };
 
+/// Columns that make a sheet about square; of three choices the one that leaves the fewest places empty.
+int sheet_columns(int count, double cell_aspect) {
+  const int square = std::clamp(static_cast<int>(std::lround(std::sqrt(count * cell_aspect))), 1, count);
+  const auto empty = [count](int columns) { return (count + columns - 1) / columns * columns - count; };
+  int best = square;
+  for (const int columns : {square + 1, square - 1})
+    if (columns >= 1 && columns <= count && empty(columns) < empty(best)) best = columns;
+  return best;
+}
+
 std::string plain_ascii(std::string_view text) {
   std::string ascii(text);
   std::ranges::replace_if(
@@ -151,9 +161,8 @@ Picture contact_sheet(const std::vector<Picture>& pictures, const std::vector<st
     height = std::max(height, cells.back().height);
   }
   const int step_x = static_cast<int>(width) + kGap, step_y = static_cast<int>(height) + kLabelHeight + kGap;
-  const double aspect = static_cast<double>(step_y) / step_x;
   const auto count = static_cast<int>(std::max<size_t>(cells.size(), 1));
-  const int columns = std::clamp(static_cast<int>(std::ceil(std::sqrt(count * aspect))), 1, count);
+  const int columns = sheet_columns(count, static_cast<double>(step_y) / step_x);
   const int rows = (count + columns - 1) / columns;
   Picture sheet(static_cast<uint32_t>(columns * step_x + kGap), static_cast<uint32_t>(rows * step_y + kGap), kPaper);
   for (int i = 0; i < static_cast<int>(cells.size()); ++i) {

@@ -9,6 +9,7 @@ namespace geocloth {
 namespace {
 
 constexpr float kSwing = 0.08F;    ///< room on every side, as a share of the garments' diagonal
+constexpr float kSag = 0.2F;       ///< room below: cloth hangs longer than it was drawn, likewise
 constexpr float kNearby = 0.35F;   ///< colliders are framed within this distance, likewise
 constexpr float kLarge = 3;        ///< larger colliders are scenery that may reach through the ground, likewise
 constexpr uint32_t kMoments = 33;  ///< at which moving things are looked at
@@ -70,6 +71,7 @@ RenderScene stage_simulation(const Simulation& simulation) {
   stage.colliders = simulation.colliders();
   const float diagonal = garments.diagonal();
   stage.subject = grown(garments, kSwing * diagonal);
+  stage.subject.low.y -= kSag * diagonal;
   const Bounds nearby = grown(garments, kNearby * diagonal);
   float lowest = stage.subject.low.y;
   for (const SceneCollider& collider : scene.colliders) {
