@@ -22,15 +22,13 @@
 namespace geocloth {
 namespace {
 
-constexpr Layout kDefaultLayout = Layout::square;
-
 struct Options {
   std::filesystem::path mesh, asset, report, pictures, stages;
-  Layout layout = kDefaultLayout;
+  Layout layout = FlattenOptions{}.layout;
   uint32_t resolution = FlattenOptions{}.resolution;
   double spacing = 0;
   double unit = 1, scale = 1;
-  CLI::Option *unit_option = nullptr, *scale_option = nullptr;
+  CLI::Option *layout_option = nullptr, *unit_option = nullptr, *scale_option = nullptr;
   bool quiet = false;
 };
 
@@ -39,6 +37,7 @@ ConvertOptions convert_options(const Options& options) {
   if (options.unit_option->count() > 0) result.import.scale = options.unit;
   if (options.scale_option->count() > 0) result.import.scale = options.scale;
   result.flatten.layout = options.layout;
+  result.square_if_panels_fail = options.layout_option->count() == 0;
   result.flatten.resolution = options.resolution;
   result.flatten.spacing = options.spacing;
   result.stages = options.stages;
@@ -101,9 +100,10 @@ CommandRun add_convert(CLI::App& app) {
   add_text(app, "-o,--output", "ASSET.glb", options->asset, "the asset to write", "required")
       ->required()
       ->check(ends_with({".glb"}));
-  add_choice<Layout>(app, "--layout", options->layout,
-                     {{"panels", Layout::panels}, {"square", Layout::square}, {"uv", Layout::uv}},
-                     "how the surface lies in the image");
+  options->layout_option = add_choice<Layout>(
+      app, "--layout", options->layout, {{"panels", Layout::panels}, {"square", Layout::square}, {"uv", Layout::uv}},
+      "how the surface lies in the image; panels that are not asked for give way to squares where "
+      "they cannot be made");
   CLI::Option* resolution = add_number<uint32_t>(app, "--resolution", "N", options->resolution, 8, 4096, "pixels",
                                                  "about N x N valid pixels in all");
   add_number<double>(app, "--spacing", "M", options->spacing, 1e-6, 1e6, "m",

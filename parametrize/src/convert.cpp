@@ -30,7 +30,7 @@ class Stages {
     show(name, 0);
     const auto start = Clock::now();
     auto result = work();
-    seconds_.emplace_back(name, since(start));
+    add_seconds(name, since(start));
     show(name, 1);
     return result;
   }
@@ -44,6 +44,15 @@ class Stages {
  private:
   using Clock = std::chrono::steady_clock;
   static double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+  /// A stage that runs again, for another layout, goes on counting.
+  void add_seconds(const char* name, double seconds) {
+    const auto known = std::find_if(seconds_.begin(), seconds_.end(), [&](const auto& s) { return s.first == name; });
+    if (known == seconds_.end()) {
+      seconds_.emplace_back(name, seconds);
+    } else {
+      known->second += seconds;
+    }
+  }
   void show(const char* name, double fraction) const {
     if (progress_) progress_(name, fraction);
   }
@@ -109,6 +118,39 @@ std::vector<std::string> warnings(const ConvertReport& report, const ClothAsset&
   return out;
 }
 
+/// What lay_out needs of the stages before it.
+struct Prepared {
+  const TriangleMesh& mesh;
+  const CleanSurface& clean;
+  const CutSurface& cut;
+};
+
+/// From the cut surface to a verified asset.
+void lay_out(const Prepared& prepared, const FlattenOptions& options, const Progress& progress, Stages& stages,
+             const StageFiles& files, ConvertResult& result) {
+  const auto& [mesh, clean, cut] = prepared;
+  ConvertReport& report = result.report;
+  result.flat = stages.run("flatten", [&] { return flatten(clean, cut, options, progress); });
+  const FlatSurface& flat = result.flat;
+  files.save(flat);
+
+  const Raster raster = stages.run("rasterize", [&] { return rasterize(flat, progress); });
+  result.asset = stages.run("image", [&] { return build_image(flat, raster, options.layout); });
+  ClothAsset& asset = result.asset;
+  files.save(asset);
+
+  stages.run("bind", [&] {
+    bind_source(mesh, clean, flat, raster, asset);
+    return true;
+  });
+  report.quality = stages.run("measure", [&] { return measure_quality(clean, flat, raster, asset, progress); });
+  report.welded = stages.run("verify", [&] {
+    report.welded = welded_topology(asset);
+    verify(mesh, clean, flat, raster, asset, report);
+    return report.welded;
+  });
+}
+
 ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& options, const Progress& progress,
                            Stages& stages, const StageFiles& files) {
   ConvertResult result;
@@ -128,27 +170,24 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& optio
   const CutSurface cut = stages.run("cut", [&] { return cut_to_disks(clean, {}, progress); });
   files.save(cut);
 
-  result.flat = stages.run("flatten", [&] { return flatten(clean, cut, options.flatten, progress); });
-  const FlatSurface& flat = result.flat;
-  files.save(flat);
+  const Prepared prepared{mesh, clean, cut};
+  FlattenOptions flatten_options = options.flatten;
+  std::string panels_failed;
+  try {
+    lay_out(prepared, flatten_options, progress, stages, files, result);
+  } catch (const Error& e) {
+    const bool refused = e.code() == ErrorCode::verification || e.code() == ErrorCode::limit;
+    if (!options.square_if_panels_fail || flatten_options.layout != Layout::panels || !refused) throw;
+    panels_failed = e.what();
+    flatten_options.layout = Layout::square;
+    lay_out(prepared, flatten_options, progress, stages, files, result);
+  }
 
-  const Raster raster = stages.run("rasterize", [&] { return rasterize(flat, progress); });
-  result.asset = stages.run("image", [&] { return build_image(flat, raster, options.flatten.layout); });
-  ClothAsset& asset = result.asset;
-  files.save(asset);
-
-  stages.run("bind", [&] {
-    bind_source(mesh, clean, flat, raster, asset);
-    return true;
-  });
-  report.quality = stages.run("measure", [&] { return measure_quality(clean, flat, raster, asset, progress); });
-  report.welded = stages.run("verify", [&] {
-    report.welded = welded_topology(asset);
-    verify(mesh, clean, flat, raster, asset, report);
-    return report.welded;
-  });
-
-  report.warnings = warnings(report, asset);
+  report.warnings = warnings(report, result.asset);
+  if (!panels_failed.empty()) {
+    report.warnings.insert(report.warnings.begin(),
+                           "laid out in squares, because panels could not be made: " + panels_failed);
+  }
   report.seconds = stages.seconds();
   report.peak_memory_bytes = peak_memory_bytes();
   return result;

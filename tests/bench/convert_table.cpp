@@ -67,6 +67,7 @@ int run(const std::filesystem::path& folder, const std::filesystem::path& out, c
   geocloth::ConvertOptions options;
   options.flatten.layout = layout == "panels" ? geocloth::Layout::panels : geocloth::Layout::square;
   options.flatten.resolution = resolution;
+  options.square_if_panels_fail = false;
   std::string table =
       "Layout " + layout + ", resolution " + std::to_string(options.flatten.resolution) +
       ". Topology is components / boundary loops / Euler characteristic of the tied surface. Springs are structural, "

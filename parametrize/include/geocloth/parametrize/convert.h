@@ -14,6 +14,8 @@ struct ConvertOptions {
   ImportOptions import;
   RepairOptions repair;
   FlattenOptions flatten;
+  /// Layout::panels falls back to Layout::square, with a warning in the report, where panels are refused.
+  bool square_if_panels_fail = true;
   std::filesystem::path stages;  ///< folder for every intermediate as a file; empty: none
 };
 

@@ -35,7 +35,7 @@ struct FlatSurface {
 };
 
 struct FlattenOptions {
-  Layout layout = Layout::square;
+  Layout layout = Layout::panels;
   /// Wanted number of valid pixels in all, as the side of a square. [8, 4096]
   uint32_t resolution = 128;
   /// Spring length [m]; when set it decides the number of pixels instead of `resolution`.
