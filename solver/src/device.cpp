@@ -5,24 +5,16 @@
 
 #include <algorithm>
 #include <exception>
-#include <fstream>
 
 #include <unistd.h>
 
+#include "cpu/cpu_name.h"
 #include "vulkan/candidate.h"
 #include "vulkan/context.h"
 #include "vulkan/instance.h"
 
 namespace geocloth {
 namespace {
-
-std::string cpu_name() {
-  std::ifstream file("/proc/cpuinfo");
-  for (std::string line; std::getline(file, line);)
-    if (line.starts_with("model name"))
-      if (const size_t colon = line.find(": "); colon != std::string::npos) return line.substr(colon + 2);
-  return "cpu";
-}
 
 uint64_t physical_memory() {
   const long pages = sysconf(_SC_PHYS_PAGES), page_size = sysconf(_SC_PAGE_SIZE);
@@ -32,7 +24,7 @@ uint64_t physical_memory() {
 DeviceInfo cpu_info() {
   DeviceInfo info;
   info.backend = Backend::cpu;
-  info.name = cpu_name();
+  info.name = cpu::cpu_name();
   info.type = "cpu";
   info.driver = "geocloth";
   info.memory_bytes = physical_memory();

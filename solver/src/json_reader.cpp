@@ -27,14 +27,6 @@ size_t edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
-/// A user's text in a message: short, on one line.
-std::string in_quotes(std::string_view text) {
-  constexpr size_t kLongest = 60;
-  std::string out = "\"";
-  for (const char c : text.substr(0, kLongest)) out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-  return out + (text.size() > kLongest ? "...\"" : "\"");
-}
-
 /// Refuses keys that appear twice: JSON leaves open which of them counts.
 class DuplicateKeys {
  public:
@@ -78,6 +70,13 @@ std::string_view nearest_word(std::string_view word, const std::vector<std::stri
     }
   }
   return best;
+}
+
+std::string in_quotes(std::string_view text) {
+  constexpr size_t kLongest = 60;
+  std::string out = "\"";
+  for (const char c : text.substr(0, kLongest)) out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+  return out + (text.size() > kLongest ? "...\"" : "\"");
 }
 
 nlohmann::json JsonReader::parse(std::string_view text, const std::string& name) {

@@ -17,6 +17,9 @@ namespace geocloth {
 /// The word of a list that is nearest to another by edits; empty for an empty list.
 [[nodiscard]] std::string_view nearest_word(std::string_view word, const std::vector<std::string_view>& list);
 
+/// A user's text for a message: short, on one line, in quotation marks.
+[[nodiscard]] std::string in_quotes(std::string_view text);
+
 /// A place in a JSON document that knows its path, so that every complaint can name it: "scene.json:
 /// colliders[0].radius: must be a number, not a string". All readers throw Error(invalid_data).
 class JsonReader {

@@ -79,8 +79,10 @@ Material preset_named(const JsonReader& json) {
   if (const MaterialPreset* preset = find_material_preset(name)) return preset->material;
   std::vector<std::string_view> names;
   for (const MaterialPreset& preset : material_presets()) names.push_back(preset.name);
-  json.fail("there is no material preset of that name; the nearest is \"" + std::string(nearest_word(name, names)) +
-            "\"");
+  std::string list;
+  for (const std::string_view known : names) list += (list.empty() ? "" : ", ") + std::string(known);
+  json.fail("there is no material preset " + in_quotes(name) + "; the nearest is \"" +
+            std::string(nearest_word(name, names)) + "\", all are " + list);
 }
 
 /// A preset's name, or an object with the fields that differ from the defaults (or from its "preset").
@@ -247,7 +249,8 @@ SceneCollider read_collider(const JsonReader& json) {
     checked([&] { check(collider.collider, json.where()); });
     return collider;
   }
-  json.at("shape").fail("there is no such shape; the nearest is \"" + std::string(nearest_word(shape, names)) + "\"");
+  json.at("shape").fail("there is no shape " + in_quotes(shape) + "; the nearest is \"" +
+                        std::string(nearest_word(shape, names)) + "\"");
 }
 
 Wind read_wind(const JsonReader& json) {
@@ -278,8 +281,8 @@ void check_names(const Scene& scene, const JsonReader& json) {
       const std::string& follow = scene.cloths[c].pins[p].follow;
       if (std::find(known.begin(), known.end(), follow) != known.end()) continue;
       json.at("cloths").elements()[c].at("pins").elements()[p].at("follow").fail(
-          "there is no collider \"" + follow + "\"; the nearest name is \"" + std::string(nearest_word(follow, known)) +
-          "\"");
+          "there is no collider " + in_quotes(follow) + "; the nearest name is \"" +
+          std::string(nearest_word(follow, known)) + "\"");
     }
   }
 }
@@ -347,7 +350,7 @@ Scene default_scene(const std::filesystem::path& asset) {
   SceneCloth cloth;
   cloth.asset = asset;
   cloth.material.max_stretch = 0.02F;  // a finely sampled garment would sag at the default number of substeps
-  cloth.pins.push_back({WhereBoundary{}, "cloth", {}});
+  cloth.pins.push_back({WhereBoundary{.index = std::nullopt, .of_each_part = true}, "cloth", {}});
   scene.cloths.push_back(std::move(cloth));
   return scene;
 }

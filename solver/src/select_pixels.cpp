@@ -14,45 +14,70 @@
 namespace geocloth {
 namespace {
 
-/// Boundary loops of the welded surface as sets of first copies.
-class BoundaryLoops {
+/// Disjoint sets of pixels.
+class Sets {
  public:
-  explicit BoundaryLoops(const ClothAsset& asset) : asset_(asset), first_(first_copies(asset)) {
-    std::map<std::pair<uint32_t, uint32_t>, uint32_t> faces_of_edge;
-    for (const Triangle& t : pixel_triangles(asset)) {
-      for (size_t k = 0; k < 3; ++k) ++faces_of_edge[std::minmax(first_[t[k]], first_[t[(k + 1) % 3]])];
-    }
-    parent_.resize(asset.pixel_count());
-    std::iota(parent_.begin(), parent_.end(), 0U);
-    for (const auto& [edge, faces] : faces_of_edge) {
-      if (faces == 1) edges_.push_back(edge);
-    }
-    for (const auto& [a, b] : edges_) parent_[root(a)] = root(b);
-    collect();
-  }
-
-  struct Loop {
-    std::vector<uint32_t> pixel;  ///< first copies, ascending
-    double length = 0;            ///< [m] at rest
-  };
-  [[nodiscard]] const std::vector<Loop>& longest_first() const { return loops_; }
-
- private:
+  explicit Sets(uint32_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0U); }
   uint32_t root(uint32_t p) {
     while (parent_[p] != p) p = parent_[p] = parent_[parent_[p]];
     return p;
   }
+  void join(uint32_t a, uint32_t b) { parent_[root(a)] = root(b); }
 
-  void collect() {
+ private:
+  std::vector<uint32_t> parent_;
+};
+
+struct Loop {
+  std::vector<uint32_t> pixel;  ///< first copies, ascending
+  double length = 0;            ///< [m] at rest
+  uint32_t part = 0;            ///< a pixel that stands for the connected part it belongs to
+};
+
+/// The welded surface: its connected parts and their boundary loops, as sets of first copies.
+class WeldedSurface {
+ public:
+  explicit WeldedSurface(const ClothAsset& asset)
+      : asset_(asset), first_(first_copies(asset)), parts_(asset.pixel_count()) {
+    std::map<std::pair<uint32_t, uint32_t>, uint32_t> faces_of_edge;
+    for (const Triangle& t : pixel_triangles(asset)) {
+      for (size_t k = 0; k < 3; ++k) ++faces_of_edge[std::minmax(first_[t[k]], first_[t[(k + 1) % 3]])];
+    }
+    std::vector<std::pair<uint32_t, uint32_t>> border;
+    for (const auto& [edge, faces] : faces_of_edge) {
+      if (faces == 1) border.push_back(edge);
+    }
+    join_along_springs();
+    collect_loops(border);
+  }
+
+  [[nodiscard]] const std::vector<Loop>& longest_first() const { return loops_; }
+  [[nodiscard]] uint32_t part_of(uint32_t pixel) { return parts_.root(first_[pixel]); }
+
+ private:
+  void join_along_springs() {
+    for (uint32_t p = 0; p < asset_.pixel_count(); ++p) {
+      for (uint32_t s = 0; s < kSpringCount; ++s) {
+        if ((asset_.spring_mask[p] & (1U << s)) == 0) continue;
+        const int64_t q = int64_t{p} + kSpringOffset[s][0] + int64_t{asset_.width} * kSpringOffset[s][1];
+        parts_.join(first_[p], first_[static_cast<size_t>(q)]);
+      }
+    }
+  }
+
+  void collect_loops(const std::vector<std::pair<uint32_t, uint32_t>>& border) {
+    Sets loops(asset_.pixel_count());
+    for (const auto& [a, b] : border) loops.join(a, b);
     std::map<uint32_t, Loop> by_root;
-    for (const auto& [a, b] : edges_) {
-      Loop& loop = by_root[root(a)];
+    for (const auto& [a, b] : border) {
+      Loop& loop = by_root[loops.root(a)];
       loop.pixel.insert(loop.pixel.end(), {a, b});
       loop.length += static_cast<double>(length(asset_.rest_position[b] - asset_.rest_position[a]));
     }
     for (auto& [r, loop] : by_root) {
       std::sort(loop.pixel.begin(), loop.pixel.end());
       loop.pixel.erase(std::unique(loop.pixel.begin(), loop.pixel.end()), loop.pixel.end());
+      loop.part = parts_.root(loop.pixel.front());
       loops_.push_back(std::move(loop));
     }
     std::sort(loops_.begin(), loops_.end(), [](const Loop& a, const Loop& b) {
@@ -61,8 +86,8 @@ class BoundaryLoops {
   }
 
   const ClothAsset& asset_;
-  std::vector<uint32_t> first_, parent_;
-  std::vector<std::pair<uint32_t, uint32_t>> edges_;
+  std::vector<uint32_t> first_;
+  Sets parts_;
   std::vector<Loop> loops_;
 };
 
@@ -72,26 +97,23 @@ class Selector {
       : asset_(asset), transform_(transform), taken_(asset.pixel_count()) {}
 
   void operator()(const WhereTop& where) {
-    float low = std::numeric_limits<float>::max(), high = -low;
-    for_valid([&](uint32_t, const Vec3& x) {
-      low = std::min(low, x.y);
-      high = std::max(high, x.y);
-    });
-    const float from = high - where.share * (high - low);
-    for_valid([&](uint32_t p, const Vec3& x) { taken_[p] = x.y >= from; });
+    take_top(where.share, [](uint32_t) { return true; });
   }
 
   void operator()(const WhereBoundary& where) {
-    const BoundaryLoops boundary(asset_);
-    const auto& loops = boundary.longest_first();
-    if (loops.empty())
+    WeldedSurface surface(asset_);
+    if (where.of_each_part) return take_highest_of_each_part(surface);
+    const std::vector<Loop>& loops = surface.longest_first();
+    if (loops.empty()) {
       throw Error(ErrorCode::invalid_data, name() + "the surface is closed; it has no boundary to pin");
+    }
     if (where.index && *where.index >= loops.size()) {
       throw Error(ErrorCode::invalid_data, name() + "there is no boundary " + std::to_string(*where.index) +
                                                "; the surface has " + std::to_string(loops.size()) + " boundary loops");
     }
-    const auto& loop = where.index ? loops[*where.index] : highest(loops);
-    for (const uint32_t p : loop.pixel) taken_[p] = true;
+    if (where.index) return take(loops[*where.index]);
+    take(*std::max_element(loops.begin(), loops.end(),
+                           [&](const Loop& a, const Loop& b) { return mean_height(a) < mean_height(b); }));
   }
 
   void operator()(const WhereBox& where) {
@@ -143,14 +165,45 @@ class Selector {
       if (asset_.valid(p)) visit(p, apply(transform_, asset_.rest_position[p]));
   }
 
-  [[nodiscard]] const BoundaryLoops::Loop& highest(const std::vector<BoundaryLoops::Loop>& loops) const {
-    const auto mean_height = [&](const BoundaryLoops::Loop& loop) {
-      double sum = 0;
-      for (const uint32_t p : loop.pixel) sum += static_cast<double>(apply(transform_, asset_.rest_position[p]).y);
-      return sum / static_cast<double>(loop.pixel.size());
-    };
-    return *std::max_element(loops.begin(), loops.end(),
-                             [&](const auto& a, const auto& b) { return mean_height(a) < mean_height(b); });
+  void take(const Loop& loop) {
+    for (const uint32_t p : loop.pixel) taken_[p] = true;
+  }
+
+  /// The highest share of the height of the pixels that are in a set.
+  template <class InSet>
+  void take_top(float share, const InSet& in_set) {
+    float low = std::numeric_limits<float>::max(), high = -low;
+    for_valid([&](uint32_t p, const Vec3& x) {
+      if (!in_set(p)) return;
+      low = std::min(low, x.y);
+      high = std::max(high, x.y);
+    });
+    const float from = high - share * (high - low);
+    for_valid([&](uint32_t p, const Vec3& x) {
+      if (in_set(p) && x.y >= from) taken_[p] = true;
+    });
+  }
+
+  void take_highest_of_each_part(WeldedSurface& surface) {
+    std::map<uint32_t, const Loop*> highest;  // of every part; none for a closed one
+    for_valid([&](uint32_t p, const Vec3&) { highest.emplace(surface.part_of(p), nullptr); });
+    for (const Loop& loop : surface.longest_first()) {
+      const Loop*& best = highest[loop.part];
+      if (best == nullptr || mean_height(loop) > mean_height(*best)) best = &loop;
+    }
+    for (const auto& [part, loop] : highest) {
+      if (loop != nullptr) {
+        take(*loop);
+      } else {
+        take_top(0.02F, [&, closed = part](uint32_t p) { return surface.part_of(p) == closed; });
+      }
+    }
+  }
+
+  [[nodiscard]] double mean_height(const Loop& loop) const {
+    double sum = 0;
+    for (const uint32_t p : loop.pixel) sum += static_cast<double>(apply(transform_, asset_.rest_position[p]).y);
+    return sum / static_cast<double>(loop.pixel.size());
   }
 
   /// A source vertex takes the pixel that has the largest share of it.

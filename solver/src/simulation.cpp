@@ -2,6 +2,7 @@
 // A scene being played: keyframes are evaluated at the end of every frame, the solver moves evenly in between.
 
 #include <map>
+#include <string>
 #include <utility>
 
 #include "geocloth/asset/asset_file.h"
@@ -33,6 +34,17 @@ Transform carrier(const Scene& scene, const SceneCloth& cloth, const std::string
               scene.path.string() + ": a pin follows \"" + follow + "\", but there is no collider of that name");
 }
 
+/// Pixels of a pin, with its path in the scene on what goes wrong.
+std::vector<uint32_t> selected_pixels(const Scene& scene, size_t cloth, size_t pin, const ClothAsset& asset,
+                                      const Transform& start) {
+  try {
+    return select_pixels(asset, start, scene.cloths[cloth].pins[pin].where);
+  } catch (const Error& error) {
+    throw Error(error.code(), scene.path.string() + ": cloths[" + std::to_string(cloth) + "].pins[" +
+                                  std::to_string(pin) + "].where: " + error.what());
+  }
+}
+
 Vec3 middle(const std::vector<Vec3>& points) {
   Vec3 sum;
   for (const Vec3& p : points) sum += p;
@@ -54,8 +66,9 @@ Simulation::Simulation(Scene scene, SolverSettings settings) : scene_(std::move(
     if (!asset) asset = std::make_shared<const ClothAsset>(read_asset(cloth.asset));
     const Transform start = compose(pose_at(cloth.motion, 0), cloth.transform);
     cloths_.push_back({asset, cloth.material, start});
-    for (const ScenePin& pin : cloth.pins) {
-      PinSet set{c, pin, select_pixels(*asset, start, pin.where), {}};
+    for (size_t k = 0; k < cloth.pins.size(); ++k) {
+      const ScenePin& pin = cloth.pins[k];
+      PinSet set{c, pin, selected_pixels(scene_, c, k, *asset, start), {}};
       for (const uint32_t p : set.pixels) set.rest.push_back(apply(start, asset->rest_position[p]));
       pins_.push_back(std::move(set));
     }

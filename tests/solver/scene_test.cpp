@@ -134,7 +134,9 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{"Infinite", "\"frame_rate\": 30", "\"frame_rate\": 1e999", "not valid JSON"},
         BadScene{"TwiceTheSameKey", "\"frames\": 10", "\"frames\": 10, \"frames\": 11", "appears twice"},
         BadScene{"Truncated", "\"wind\":", "\"wind\"", "not valid JSON"},
-        BadScene{"UnknownPreset", "\"transform\"", "\"material_\": 1, \"transform\"",
+        BadScene{"UnknownPreset", "\"areal_density\": 0.3", "\"preset\": \"coton\"",
+                 "no material preset \"coton\"; the nearest is \"cotton\""},
+        BadScene{"UnknownClothKey", "\"transform\"", "\"material_\": 1, \"transform\"",
                  "nearest known one is \"material\""}),
     [](const auto& scene) { return scene.param.name; });
 
@@ -176,16 +178,25 @@ TEST_F(Playing, EverySelectorTakesItsPointsWithAllCopies) {
   const ClothAsset asset = test::make_sheet(sheet_);
   const auto count = [&](const Where& where) { return select_pixels(asset, {}, where).size(); };
   EXPECT_EQ(count(WhereTop{0.01F}), 10U);  // 9 points, one of them twice
-  EXPECT_EQ(count(WhereBoundary{0U}), 34U);
+  EXPECT_EQ(count(WhereBoundary{.index = 0U}), 34U);
   EXPECT_EQ(count(WhereBoundary{}), 34U);
   EXPECT_EQ(count(WhereBox{{-0.01F, -1, -1}, {0.01F, 1, 1}}), 18U);
   EXPECT_EQ(count(WhereSphere{{0, 0, 0}, 0.01F}), 2U);
   EXPECT_EQ(count(WhereVertices{{0, 8}}), 2U);
   EXPECT_EQ(count(WhereVertexGroup{"bottom"}), 10U);
   EXPECT_THROW(count(WhereBox{{5, 5, 5}, {6, 6, 6}}), Error);
-  EXPECT_THROW(count(WhereBoundary{1U}), Error);
+  EXPECT_THROW(count(WhereBoundary{.index = 1U}), Error);
   EXPECT_THROW(count(WhereVertices{{81}}), Error);
   EXPECT_THROW(count(WhereVertexGroup{"collar"}), Error);
+}
+
+TEST_F(Playing, DefaultPinHoldsEveryPartByItsHighestBoundary) {
+  // Two sheets in one image: the charts of a cut sheet without their seam.
+  ClothAsset asset = test::make_sheet({.nx = 9, .ny = 9, .charts_x = 2});
+  asset.splits = {};
+  asset.seam_bends.clear();
+  EXPECT_EQ(select_pixels(asset, {}, WhereBoundary{}).size(), 24U);
+  EXPECT_EQ(select_pixels(asset, {}, WhereBoundary{.index = std::nullopt, .of_each_part = true}).size(), 48U);
 }
 
 TEST_F(Playing, HighestBoundaryOfATubeIsItsUpperEnd) {
@@ -195,6 +206,15 @@ TEST_F(Playing, HighestBoundaryOfATubeIsItsUpperEnd) {
   upside_down.rotate = quat_from_euler_deg({180, 0, 0});
   for (const uint32_t p : select_pixels(tube, upside_down, WhereBoundary{})) {
     EXPECT_GE(p, tube.width * (tube.height - 1));
+  }
+}
+
+TEST_F(Playing, APinThatSelectsNothingIsNamedByItsPath) {
+  try {
+    play(R"(,"pins":[{"where":{"top":0.1}},{"where":{"boundary":7}}])");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("scene.json: cloths[0].pins[1].where"), HasSubstr("boundary 7")));
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include "backend.h"
 #include "cpu/cloth_state.h"
+#include "cpu/cpu_name.h"
 #include "cpu/passes.h"
 #include "cpu/threads.h"
 
@@ -57,6 +58,7 @@ class CpuBackend final : public SolverBackend {
 
   void fill_statistics(SolverStatistics& statistics) override {
     statistics.backend = "cpu";
+    statistics.device = cpu::cpu_name();
     statistics.path = "scalar";
     statistics.threads = threads_.count();
     statistics.copy_gap = static_cast<double>(measures_.copy_gap);

@@ -19,7 +19,8 @@ struct WhereTop {
 };  ///< the highest share of the bounding box's height, at rest in the scene
 struct WhereBoundary {
   std::optional<uint32_t> index;
-};  ///< boundary loop, longest first; not set: the highest one
+  bool of_each_part = false;  ///< the highest loop of every connected part; of a closed part its highest 2 %
+};                            ///< boundary loop, longest first; not set: the highest one
 struct WhereBox {
   Vec3 min, max;
 };
@@ -72,7 +73,8 @@ struct Scene {
 [[nodiscard]] Scene read_scene(const std::filesystem::path& path);
 [[nodiscard]] Scene parse_scene(std::string_view text, const std::filesystem::path& path);
 
-/// Hangs one asset by its highest boundary for 120 frames, with long-range attachments (max_stretch 0.02).
+/// Hangs one asset by the highest boundary of each of its parts for 120 frames, with long-range attachments
+/// (max_stretch 0.02).
 [[nodiscard]] Scene default_scene(const std::filesystem::path& asset);
 
 /// The collider in its pose at a time [s].
