@@ -286,4 +286,27 @@ CleanSurface shirt(uint32_t detail) {
   return finish(std::move(position), std::move(triangle));
 }
 
+void PrintTo(const NamedSurface& s, std::ostream* out) {
+  *out << s.name;
+}
+
+std::vector<NamedSurface> surfaces_of_every_topology() {
+  return {{"disk", disk(9, 7)},
+          {"ribbon", disk(200, 4, 50, 1)},
+          {"cylinder", cylinder(16, 9)},
+          {"tube", cylinder(12, 60, 0.3, 8)},
+          {"torus", torus(12, 16)},
+          {"coarse_torus", torus(3, 3)},
+          {"sphere", sphere(12, 8)},
+          {"tetrahedron", tetrahedron()},
+          {"single_triangle", single_triangle()},
+          {"moebius", moebius(24, 5)},
+          {"sheet_with_flap", sheet_with_flap(9, 7)},
+          {"cylinder_with_belt", cylinder_with_belt(16, 9)},
+          {"touching_spheres", touching_spheres()},
+          {"holes", sheet_with_holes(3, 2, false)},
+          {"touching_holes", sheet_with_holes(4, 4, true)},
+          {"shirt", shirt(6)}};
+}
+
 }  // namespace geocloth::test

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <ostream>
+#include <string>
 #include <vector>
 
 #include "geocloth/parametrize/mesh.h"
@@ -33,5 +35,13 @@ CleanSurface touching_spheres();
 CleanSurface sheet_with_holes(uint32_t holes_x, uint32_t holes_y, bool touching);
 /// A T-shirt of four openings: a body tube closed over the shoulders, with two sleeves and a neck.
 CleanSurface shirt(uint32_t detail);
+
+struct NamedSurface {
+  std::string name;
+  CleanSurface surface;
+};
+void PrintTo(const NamedSurface& s, std::ostream* out);
+/// Disks, tubes, closed and one-sided surfaces, handles, ties and holes: for parametrised tests.
+std::vector<NamedSurface> surfaces_of_every_topology();
 
 }  // namespace geocloth::test

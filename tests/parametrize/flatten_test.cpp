@@ -12,55 +12,19 @@
 #include "geocloth/asset/grid_mesh.h"
 #include "geocloth/parametrize/seams.h"
 #include "parametrize/clean_surfaces.h"
+#include "parametrize/same_topology.h"
 
 namespace geocloth {
 namespace {
 
-struct Case {
-  const char* name;
-  CleanSurface surface;
-};
-void PrintTo(const Case& c, std::ostream* out) {
-  *out << c.name;
-}
-
-std::vector<Case> cases() {
-  return {{"disk", test::disk(9, 7)},
-          {"ribbon", test::disk(200, 4, 50, 1)},
-          {"cylinder", test::cylinder(16, 9)},
-          {"tube", test::cylinder(12, 60, 0.3, 8)},
-          {"torus", test::torus(12, 16)},
-          {"coarse_torus", test::torus(3, 3)},
-          {"sphere", test::sphere(12, 8)},
-          {"tetrahedron", test::tetrahedron()},
-          {"single_triangle", test::single_triangle()},
-          {"moebius", test::moebius(24, 5)},
-          {"sheet_with_flap", test::sheet_with_flap(9, 7)},
-          {"cylinder_with_belt", test::cylinder_with_belt(16, 9)},
-          {"touching_spheres", test::touching_spheres()},
-          {"holes", test::sheet_with_holes(3, 2, false)},
-          {"touching_holes", test::sheet_with_holes(4, 4, true)},
-          {"shirt", test::shirt(6)}};
-}
-
-std::vector<Triangle> over_points(const std::vector<Triangle>& triangle, const std::vector<uint32_t>& point) {
-  std::vector<Triangle> result;
-  for (const auto& [a, b, c] : triangle) result.push_back({point[a], point[b], point[c]});
-  return result;
-}
-
-void expect_same_topology(const Topology& a, const Topology& b) {
-  EXPECT_EQ(a.components, b.components);
-  EXPECT_EQ(a.boundary_loops, b.boundary_loops);
-  EXPECT_EQ(a.euler_characteristic, b.euler_characteristic);
-  EXPECT_EQ(a.orientable, b.orientable);
-}
+using test::expect_same_topology;
+using test::over_points;
 
 FlatSurface flatten_square(const CleanSurface& surface, uint32_t resolution) {
   return flatten(surface, cut_to_disks(surface), {.layout = Layout::square, .resolution = resolution});
 }
 
-class Flatten : public ::testing::TestWithParam<Case> {
+class Flatten : public ::testing::TestWithParam<test::NamedSurface> {
  protected:
   void SetUp() override { flat_ = flatten_square(GetParam().surface, 40); }
   FlatSurface flat_;
@@ -142,8 +106,8 @@ TEST_P(Flatten, IsDeterministic) {
   EXPECT_EQ(again.triangle, flat_.triangle);
 }
 
-INSTANTIATE_TEST_SUITE_P(Surfaces, Flatten, ::testing::ValuesIn(cases()),
-                         [](const auto& test) { return std::string(test.param.name); });
+INSTANTIATE_TEST_SUITE_P(Surfaces, Flatten, ::testing::ValuesIn(test::surfaces_of_every_topology()),
+                         [](const auto& test) { return test.param.name; });
 
 uint64_t pixels(const FlatSurface& flat) {
   uint64_t sum = 0;

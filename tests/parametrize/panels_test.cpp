@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Layout panels: charts like sewing patterns. What users rely on: nothing flips, nothing is lost, seams meet point by
+// point, developable cloth comes out undistorted, and the warp runs down the garment.
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "chain_conflicts.h"
+#include "develop.h"
+#include "geocloth/asset/grid_mesh.h"
+#include "geocloth/parametrize/seams.h"
+#include "parametrize/clean_surfaces.h"
+#include "parametrize/same_topology.h"
+#include "pixel_chain.h"
+#include "symmetric_dirichlet.h"
+
+namespace geocloth {
+namespace {
+
+using test::expect_same_topology;
+using test::over_points;
+
+FlatSurface flatten_panels(const CleanSurface& surface, uint32_t resolution) {
+  return flatten(surface, cut_to_disks(surface), {.layout = Layout::panels, .resolution = resolution});
+}
+
+double area_twice(const Point2& p, const Point2& q, const Point2& r) {
+  return (q[0] - p[0]) * (r[1] - p[1]) - (r[0] - p[0]) * (q[1] - p[1]);
+}
+
+class Panels : public ::testing::TestWithParam<test::NamedSurface> {
+ protected:
+  void SetUp() override { flat_ = flatten_panels(GetParam().surface, 48); }
+  FlatSurface flat_;
+};
+
+TEST_P(Panels, NoTriangleIsFlipped) {
+  for (const auto& [a, b, c] : flat_.triangle) {
+    EXPECT_LT(area_twice(flat_.uv[a], flat_.uv[b], flat_.uv[c]), 0);  // v runs down
+  }
+}
+
+// A chain that met a pixel twice or jumped would join or tear cloth there.
+TEST_P(Panels, OutlinesAreClosedSimpleChainsOfPixels) {
+  for (const FlatChart& chart : flat_.charts) {
+    std::set<std::pair<uint32_t, uint32_t>> seen;
+    for (size_t i = 0; i < chart.outline.size(); ++i) {
+      const OutlineSample& s = chart.outline[i];
+      const OutlineSample& next = chart.outline[(i + 1) % chart.outline.size()];
+      EXPECT_LT(s.x, chart.width);
+      EXPECT_LT(s.y, chart.height);
+      EXPECT_TRUE(seen.insert({s.x, s.y}).second);
+      EXPECT_LE(std::max(std::abs(static_cast<int>(s.x) - static_cast<int>(next.x)),
+                         std::abs(static_cast<int>(s.y) - static_cast<int>(next.y))),
+                1);
+      EXPECT_NE(flat_.point[s.vertex], flat_.point[next.vertex]);
+    }
+  }
+}
+
+// Both sides of a seam, and every sheet on it, hold the same points: the same positions to the bit.
+TEST_P(Panels, CopiesCoincide) {
+  std::map<uint32_t, Point3> place;
+  for (const FlatChart& chart : flat_.charts) {
+    for (const OutlineSample& s : chart.outline) {
+      EXPECT_EQ(place.try_emplace(flat_.point[s.vertex], flat_.position[s.vertex]).first->second,
+                flat_.position[s.vertex]);
+    }
+  }
+}
+
+TEST_P(Panels, WeldedGridIsTheGarment) {
+  const CleanSurface& clean = GetParam().surface;
+  const Raster raster = rasterize(flat_);
+  EXPECT_TRUE(raster.overlapping.empty());
+  const ClothAsset asset = build_image(flat_, raster, Layout::panels);
+  const GridMesh mesh = welded_grid_mesh(asset, asset.rest_position);
+  expect_same_topology(measure_topology(mesh.triangle, static_cast<uint32_t>(mesh.position.size())),
+                       measure_topology(over_points(clean.triangle, clean.point), clean.point_count));
+}
+
+TEST_P(Panels, IsDeterministic) {
+  const FlatSurface again = flatten_panels(GetParam().surface, 48);
+  EXPECT_EQ(again.uv, flat_.uv);
+  EXPECT_EQ(again.triangle, flat_.triangle);
+}
+
+INSTANTIATE_TEST_SUITE_P(Surfaces, Panels, ::testing::ValuesIn(test::surfaces_of_every_topology()),
+                         [](const auto& test) { return test.param.name; });
+
+// A sleeve is developable: as a panel it must have no distortion at all, in one piece.
+TEST(Develop, ACylinderBecomesARectangle) {
+  const CleanSurface sleeve = test::cylinder(48, 40, 0.1, 0.6);
+  const DevelopedSurface developed = develop(cut_to_disks(sleeve));
+  ASSERT_EQ(developed.energy.size(), 1U);
+  EXPECT_GE(developed.energy[0], 4);
+  EXPECT_LT(developed.energy[0], 4 + 1e-4);
+}
+
+// A sphere is as far from developable as cloth can be: it must be cut until it is nearly flat, within bounds.
+TEST(Develop, ASphereIsCutUntilItLiesFlat) {
+  const DevelopedSurface developed = develop(cut_to_disks(test::sphere(32, 24)));
+  double worst = 0;
+  for (const double e : developed.energy) worst = std::max(worst, e);
+  EXPECT_LT(worst, 4.6);
+  EXPECT_LT(developed.energy.size(), 12U);
+}
+
+// Grain: the garment's upward direction is up in its panel, so that warp and weft are where a tailor has them.
+TEST(Develop, UpIsUp) {
+  const DevelopedSurface developed = develop(cut_to_disks(test::cylinder(32, 24, 0.2, 1)));
+  double low_y = 1e9, high_y = -1e9, low_v = 1e9, high_v = -1e9, v_of_low = 0, v_of_high = 0;
+  for (size_t i = 0; i < developed.uv.size(); ++i) {
+    const double y = developed.cut.position[i][1], v = developed.uv[i][1];
+    if (y < low_y) v_of_low = v;
+    if (y > high_y) v_of_high = v;
+    low_y = std::min(low_y, y);
+    high_y = std::max(high_y, y);
+    low_v = std::min(low_v, v);
+    high_v = std::max(high_v, v);
+  }
+  EXPECT_NEAR(v_of_high - v_of_low, high_y - low_y, 0.02 * (high_y - low_y));
+  EXPECT_NEAR(high_v - low_v, high_y - low_y, 0.02 * (high_y - low_y));
+}
+
+// The optimiser reaches the closed form: a flat sheet, distorted, comes back isometric.
+TEST(SymmetricDirichletTest, AFlatSheetComesBackIsometric) {
+  const CleanSurface sheet = test::disk(15, 11);
+  std::vector<Point2> uv;
+  for (const Point3& p : sheet.position) {
+    const double x = p[0] != 0 || p[1] != 0 ? p[0] : 0, y = p[1] + p[2];
+    uv.push_back({2 * x + 0.3 * y * y, 0.4 * y + 0.1 * x});
+  }
+  if (area_twice(uv[sheet.triangle[0][0]], uv[sheet.triangle[0][1]], uv[sheet.triangle[0][2]]) < 0) {
+    for (Point2& p : uv) p[0] = -p[0];
+  }
+  SymmetricDirichlet energy(sheet.position, sheet.triangle, {});
+  const double start = energy.energy(uv);
+  ASSERT_TRUE(std::isfinite(start));
+  EXPECT_GT(start, 4.5);
+  EXPECT_NEAR(energy.minimise(uv, 60, 1e-12), 4, 1e-9);
+}
+
+std::vector<ChainRun> square_outline(double side, uint32_t steps, const Point2& corner) {
+  const std::array<Point2, 5> at{{{0, side}, {side, side}, {side, 0}, {0, 0}, {0, side}}};
+  const std::array<Point2, 4> inward{{{0, -1}, {-1, 0}, {0, 1}, {1, 0}}};
+  std::vector<ChainRun> runs(4);
+  for (size_t r = 0; r < 4; ++r) {
+    for (uint32_t i = 0; i <= steps; ++i) {
+      const double t = static_cast<double>(i) / steps;
+      runs[r].target.push_back(
+          {corner[0] + at[r][0] + (at[r + 1][0] - at[r][0]) * t, corner[1] + at[r][1] + (at[r + 1][1] - at[r][1]) * t});
+      runs[r].inward.push_back(inward[r]);
+    }
+  }
+  return runs;
+}
+
+// A seam has one number of steps for all its sides, so each side must find a way of exactly that many.
+TEST(PixelChain, FindsAWayOfExactlyTheStepsOfTheSeam) {
+  for (const uint32_t steps : {10U, 11U, 13U}) {
+    const std::vector<ChainRun> runs = square_outline(10, steps, {0.3, -0.4});
+    const ChainResult result = place_chain(runs);
+    ASSERT_TRUE(result.failed.empty()) << steps;
+    std::set<Pixel> seen;
+    for (const std::vector<Pixel>& run : result.run) {
+      ASSERT_EQ(run.size(), steps + 1);
+      for (size_t i = 0; i + 1 < run.size(); ++i) {
+        EXPECT_TRUE(seen.insert(run[i]).second);
+        EXPECT_EQ(std::max(std::abs(run[i + 1][0] - run[i][0]), std::abs(run[i + 1][1] - run[i][1])), 1);
+      }
+    }
+  }
+}
+
+TEST(PixelChain, SaysWhichRunHasTooFewSteps) {
+  const ChainResult result = place_chain(square_outline(10, 7, {0, 0}));
+  ASSERT_FALSE(result.failed.empty());
+  for (const ChainResult::Failure& f : result.failed) EXPECT_GT(f.least_steps, 7U);
+}
+
+// A strip one cell wide whose sides are two sides of one seam: its rungs would join copies of one point.
+TEST(ChainConflicts, ASeamSewnToItselfAcrossOneCellIsFound) {
+  PointChain strip;
+  for (int32_t x = 0; x <= 4; ++x) strip.pixel.push_back({x, 1});
+  for (int32_t x = 4; x >= 0; --x) strip.pixel.push_back({x, 0});
+  strip.point = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9};
+  EXPECT_TRUE(conflicting_charts(std::vector<PointChain>{strip}).empty());
+  strip.point = {0, 1, 2, 3, 4, 5, 3, 2, 1, 6};
+  EXPECT_EQ(conflicting_charts(std::vector<PointChain>{strip}), std::vector<size_t>{0});
+}
+
+}  // namespace
+}  // namespace geocloth
