@@ -219,7 +219,7 @@ ObjMesh make_t_shirt() {
   }
   ObjMesh shirt = sewing.finish();
   // The section's slope is infinite at a seam, which shows the irregular first row of vertices as a zigzag.
-  constexpr int kRounds = 5;
+  constexpr int kRounds = 12;
   smooth(shirt, kRounds);
   return shirt;
 }

@@ -20,15 +20,12 @@ for garment in t_shirt cape poncho; do
   echo "== $garment"
   "$geocloth" convert "$out/meshes/garments/$garment.obj" -o "$out/$garment.glb" --resolution 96 \
     --report "$out/$garment.convert.json" --pictures "$out/$garment.pictures"
-  frames="$out/$garment.frames"
-  rm -rf "$frames"
-  mkdir "$frames"
   "$geocloth" simulate "$out/$garment.json" -o "$out/$garment.animated.glb" -o "$out/$garment.mp4" \
-    -o "$frames/frame.png" --report "$out/$garment.simulate.json"
-  # Twelve pictures, evenly spread over the film.
-  count=$(find "$frames" -name '*.png' | wc -l)
-  ffmpeg -y -loglevel error -framerate 60 -i "$frames/frame_%04d.png" -frames:v 1 -update 1 \
-    -vf "select='not(mod(n\,$((count / 12))))',scale=480:-1,tile=4x3" "$out/$garment.contact_sheet.png"
+    --report "$out/$garment.simulate.json"
+  # Twelve moments, evenly spread over the film.
+  frames=$(ffprobe -loglevel error -show_entries stream=nb_frames -of csv=p=0 "$out/$garment.mp4")
+  ffmpeg -y -loglevel error -i "$out/$garment.mp4" -frames:v 1 -update 1 \
+    -vf "select='not(mod(n\,$((frames / 12))))',scale=480:-1,tile=4x3" "$out/$garment.contact_sheet.png"
 done
 
 cat <<TEXT
@@ -38,7 +35,6 @@ Done. For each of t_shirt, cape and poncho, in $out:
   NAME.animated.glb       the motion
   NAME.mp4                the film
   NAME.contact_sheet.png  twelve moments of it
-  NAME.frames/            every picture
   NAME.pictures/          geometry image, charts with the split points, distortion
   NAME.convert.json, NAME.simulate.json   the reports
 TEXT

@@ -48,7 +48,7 @@ void ProgressDisplay::show(std::string_view stage, double fraction) {
   const bool new_stage = stage != stage_;
   if (!new_stage && percent == percent_) return;
   const auto now = std::chrono::steady_clock::now();
-  const auto pause = terminal_ ? std::chrono::milliseconds(50) : std::chrono::milliseconds(1000);
+  const auto pause = terminal_ ? std::chrono::milliseconds(50) : std::chrono::milliseconds(2000);
   if (!new_stage && now - shown_at_ < pause) return;
 
   stage_ = stage;

@@ -8,7 +8,7 @@
 namespace geocloth {
 
 /// Says on standard error how far a long command is: a bar that redraws itself on a terminal, otherwise a plain line
-/// when a stage starts and then at most one a second; nothing when quiet. Use from one thread.
+/// when a stage starts and then at most one in two seconds; nothing when quiet. Use from one thread.
 class ProgressDisplay {
  public:
   ProgressDisplay(std::string command, bool quiet);
