@@ -105,10 +105,10 @@ const Break kBreaks[] = {
      [](ClothAsset& a) {
        a.source.part.push_back({"none", 0, static_cast<uint32_t>(a.source.triangle.size()), 0});
      }},
-    {"part material", "source.part[0].material", [](ClothAsset& a) { a.source.part[0].material = 9; }},
+    {"part material", "source.part.material[0]", [](ClothAsset& a) { a.source.part[0].material = 9; }},
     {"material colour", "source.material[0]", [](ClothAsset& a) { a.source.material[0].base_color[1] = 2; }},
     {"material roughness", "source.material[0]", [](ClothAsset& a) { a.source.material[0].roughness = kNan; }},
-    {"material image", "source.material[0]", [](ClothAsset& a) { a.source.material[0].base_color_image = 5; }},
+    {"material image", "source.material.image[0]", [](ClothAsset& a) { a.source.material[0].base_color_image = 5; }},
     {"material cutoff", "source.material[0]", [](ClothAsset& a) { a.source.material[0].alpha_cutoff = -1; }},
     {"material modes", "source.material[2]", [](ClothAsset& a) { a.source.material[2].alpha_mask = true; }},
     {"image type", "source.image[0]", [](ClothAsset& a) { a.source.image[0].mime_type = "image/jpeg"; }},

@@ -34,8 +34,9 @@ void check_size(const char* array, std::size_t size, std::size_t expected) {
   }
 }
 
-void check_index(const std::string& what, std::size_t index, std::size_t count) {
-  if (index >= count) refuse(what, "is " + std::to_string(index) + " of " + std::to_string(count));
+/// @param array, at  name the element; put together only when it is needed
+void check_index(const char* array, std::size_t at, std::size_t index, std::size_t count) {
+  if (index >= count) refuse(element(array, at), "is " + std::to_string(index) + " of " + std::to_string(count));
 }
 
 bool is_coordinate(const Vec3& p) {
@@ -65,7 +66,7 @@ void check_image(const ClothAsset& asset) {
 void check_pixels(const ClothAsset& asset) {
   for (uint32_t i = 0; i < asset.pixel_count(); ++i) {
     if (asset.valid(i)) {
-      check_index(element("chart", i), asset.chart[i], asset.chart_count);
+      check_index("chart", i, asset.chart[i], asset.chart_count);
       if (!is_coordinate(asset.rest_position[i])) refuse(element("rest_position", i), "is not a finite position");
       if (!(asset.area[i] > 0 && std::isfinite(asset.area[i]))) refuse(element("area", i), "is not a positive area");
     } else if (asset.rest_position[i] != Vec3{} || asset.area[i] != 0) {
@@ -126,15 +127,15 @@ void check_splits(const ClothAsset& asset) {
       refuse("splits row " + std::to_string(row), "has fewer than two pixels");
     }
     for (uint32_t k = begin; k < end; ++k) {
-      const std::string what = element("splits.pixel", k);
+      const auto refuse_pixel = [k](const char* problem) { refuse(element("splits.pixel", k), problem); };
       const uint32_t pixel = table.pixel[k];
-      check_index(what, pixel, asset.pixel_count());
-      if (!asset.valid(pixel)) refuse(what, "is not a valid pixel");
-      if (used[pixel]) refuse(what, "stands in two rows");
+      check_index("splits.pixel", k, pixel, asset.pixel_count());
+      if (!asset.valid(pixel)) refuse_pixel("is not a valid pixel");
+      if (used[pixel]) refuse_pixel("stands in two rows");
       used[pixel] = true;
-      if (k > begin && pixel <= table.pixel[k - 1]) refuse(what, "is not in ascending order");
+      if (k > begin && pixel <= table.pixel[k - 1]) refuse_pixel("is not in ascending order");
       if (asset.rest_position[pixel] != asset.rest_position[table.pixel[begin]]) {
-        refuse(what, "has another rest position than the first copy");
+        refuse_pixel("has another rest position than the first copy");
       }
     }
     if (row > 0 && table.pixel[begin] <= first_before) {
@@ -148,7 +149,7 @@ void check_seam_bends(const ClothAsset& asset) {
   for (std::size_t i = 0; i < asset.seam_bends.size(); ++i) {
     const SeamBend& bend = asset.seam_bends[i];
     for (const uint32_t pixel : {bend.a, bend.middle, bend.b}) {
-      check_index(element("seam_bends", i), pixel, asset.pixel_count());
+      check_index("seam_bends", i, pixel, asset.pixel_count());
       if (!asset.valid(pixel)) refuse(element("seam_bends", i), "names a pixel that is not valid");
     }
     if (bend.a == bend.b || bend.a == bend.middle || bend.b == bend.middle) {
@@ -171,7 +172,7 @@ void check_source_vertices(const SourceMesh& source) {
     if (!(std::abs(length(source.normal[i]) - 1) <= kUnitTolerance)) {
       refuse(element("source.normal", i), "is not of unit length");
     }
-    check_index(element("source.source_vertex", i), source.source_vertex[i], source.source_vertex_count);
+    check_index("source.source_vertex", i, source.source_vertex[i], source.source_vertex_count);
   }
   for (std::size_t i = 0; i < source.uv.size(); ++i) {
     if (!std::isfinite(source.uv[i].x) || !std::isfinite(source.uv[i].y)) {
@@ -182,7 +183,7 @@ void check_source_vertices(const SourceMesh& source) {
 
 void check_parts(const SourceMesh& source) {
   for (std::size_t i = 0; i < source.triangle.size(); ++i) {
-    for (const uint32_t v : source.triangle[i]) check_index(element("source.triangle", i), v, source.position.size());
+    for (const uint32_t v : source.triangle[i]) check_index("source.triangle", i, v, source.position.size());
   }
   std::size_t next = 0;
   for (std::size_t i = 0; i < source.part.size(); ++i) {
@@ -190,7 +191,7 @@ void check_parts(const SourceMesh& source) {
     if (part.first_triangle != next) refuse(element("source.part", i), "does not begin where the part before ends");
     if (part.triangle_count == 0) refuse(element("source.part", i), "has no triangles");
     next += part.triangle_count;
-    check_index(element("source.part", i) + ".material", part.material, source.material.size());
+    check_index("source.part.material", i, part.material, source.material.size());
   }
   if (next != source.triangle.size() || next == 0) refuse("source.part", "does not cover all triangles");
 }
@@ -208,7 +209,7 @@ void check_materials(const SourceMesh& source) {
     }
     if (material.alpha_mask && material.alpha_blend) refuse(what, "is both masked and blended");
     for (const auto& image : {material.base_color_image, material.normal_image, material.metallic_roughness_image}) {
-      if (image) check_index(what + " image", *image, source.image.size());
+      if (image) check_index("source.material.image", i, *image, source.image.size());
     }
   }
 }
@@ -231,7 +232,7 @@ void check_binding(const ClothAsset& asset) {
   for (std::size_t i = 0; i < asset.binding.size(); ++i) {
     const Binding& binding = asset.binding[i];
     for (const uint32_t pixel : binding.pixel) {
-      check_index(element("binding", i), pixel, asset.pixel_count());
+      check_index("binding", i, pixel, asset.pixel_count());
       if (!asset.valid(pixel)) refuse(element("binding", i), "names a pixel that is not valid");
     }
     const float sum = binding.weight[0] + binding.weight[1] + binding.weight[2];
@@ -243,7 +244,7 @@ void check_binding(const ClothAsset& asset) {
 void check_vertex_groups(const ClothAsset& asset) {
   for (std::size_t g = 0; g < asset.vertex_groups.size(); ++g) {
     for (const uint32_t v : asset.vertex_groups[g].source_vertex) {
-      check_index(element("vertex_groups", g), v, asset.source.source_vertex_count);
+      check_index("vertex_groups", g, v, asset.source.source_vertex_count);
     }
   }
 }
