@@ -32,8 +32,8 @@ std::vector<int64_t> integers(std::string_view text) {
   for (std::size_t at = text.find_first_not_of(kBlank); at != std::string_view::npos;) {
     const std::size_t end = std::min(text.find_first_of(kBlank, at), text.size());
     int64_t value = 0;
-    std::from_chars(text.data() + at, text.data() + end, value);
-    out.push_back(value);
+    const auto [stop, error] = std::from_chars(text.data() + at, text.data() + end, value);
+    out.push_back(error == std::errc() && stop == text.data() + end ? value : INT64_MIN);
     at = text.find_first_not_of(kBlank, end);
   }
   return out;
@@ -113,8 +113,22 @@ class DaeReader {
       static_cast<void>(number(child, "count", 0));
       static_cast<void>(number(child, "stride", 0));
       if (name == "input" && number(child, "offset", 0) > 64) bad("<input> has an offset beyond 64");
+      if (name == "p" || name == "h" || name == "v" || name == "vcount") check_integers(child);
       if (name == "vcount") check_polygon_sizes(child);
       walk(child);
+    }
+  }
+
+  /// assimp reads such a list without end when something else is in it.
+  void check_integers(pugi::xml_node node) const {
+    for (const pugi::xml_node text : node.children()) {
+      const std::string_view value = text.value();
+      if (text.type() != pugi::node_pcdata || value.find_first_not_of("0123456789- \t\r\n") != std::string_view::npos) {
+        bad(tag(node) + " holds something that is no integer");
+      }
+    }
+    for (const int64_t i : integers(node.text().get())) {
+      if (i < -1 || i > static_cast<int64_t>(kMaxElements)) bad(tag(node) + " holds an impossible number");
     }
   }
 

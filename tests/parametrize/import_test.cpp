@@ -99,7 +99,6 @@ void put(std::string& out, T value) {
 }
 
 // --- glTF samples
-// ------------------------------------------------------------------------------------------------------
 
 struct Gltf {
   Json json;
@@ -159,7 +158,6 @@ const std::string kSquareObj =
     "o bottom\nv 2 0 0\nf 1 3 -3\n";
 
 // --- OBJ
-// ---------------------------------------------------------------------------------------------------------------
 
 TEST_F(Import, ObjKeepsTheNumbersOfItsVertices) {
   const TriangleMesh mesh = read("a.obj", kSquareObj);
@@ -236,7 +234,6 @@ TEST_F(Import, MissingMaterialOrPictureIsNoError) {
 }
 
 // --- polygons
-// ------------------------------------------------------------------------------------------------------------
 
 double area(const TriangleMesh& mesh) {
   double sum = 0;
@@ -302,7 +299,6 @@ TEST_F(Import, ManyCornersAndDegeneratePolygons) {
 }
 
 // --- glTF
-// ----------------------------------------------------------------------------------------------------------------
 
 TEST_F(Import, GlbWithNodeTransformAndTextureCoordinates) {
   const TriangleMesh mesh = read("a.glb", square().glb());
@@ -475,7 +471,6 @@ TEST_F(Import, DeeplyNestedJsonIsRefused) {
 }
 
 // --- PLY, STL
-// --------------------------------------------------------------------------------------------------------------
 
 std::string binary_ply(bool big) {
   std::string out = std::string("ply\nformat binary_") + (big ? "big" : "little") +
@@ -545,8 +540,204 @@ TEST_F(Import, Stl) {
   }
 }
 
+// --- DAE, FBX
+
+/// The square in inches, z up: two triangles in the x-z plane of the result.
+const std::string kDae = R"(<?xml version="1.0"?>
+<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+<asset><unit name="inch" meter="0.0254"/><up_axis>Z_UP</up_axis></asset>
+<library_geometries><geometry id="g"><mesh>
+<source id="p"><float_array id="pa" count="12">0 0 0 1 0 0 1 1 0 0 1 0</float_array><technique_common>
+<accessor source="#pa" count="4" stride="3"><param name="X" type="float"/><param name="Y" type="float"/>
+<param name="Z" type="float"/></accessor></technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
+<polylist count="1"><input semantic="VERTEX" source="#v" offset="0"/><vcount>4</vcount><p>0 1 2 3</p></polylist>
+</mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="s"><node id="a"><translate>10 0 0</translate>
+<instance_geometry url="#g"/></node></visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#s"/></scene>
+</COLLADA>
+)";
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+  text.replace(text.find(what), what.size(), by);
+  return text;
+}
+
+TEST_F(Import, DaeInItsUnitWithItsUpAxis) {
+  const TriangleMesh mesh = read("a.dae", kDae);
+  ASSERT_EQ(mesh.position.size(), 4U);
+  EXPECT_THAT(mesh.polygon, ElementsAre(0, 0));
+  EXPECT_NEAR(mesh.position[2][0], 11 * 0.0254, 1e-6);
+  EXPECT_NEAR(mesh.position[2][1], 0, 1e-6);
+  EXPECT_NEAR(mesh.position[2][2], -0.0254, 1e-6);
+  EXPECT_NEAR(read("a.dae", kDae, {.scale = 2.0}).position[2][0], 22, 1e-5);
+}
+
+TEST_F(Import, BrokenDaeIsRefused) {
+  expect_every_truncation_refused("a.dae", kDae, 1);
+  const auto message = [&](const std::string& what, const std::string& by) {
+    return std::string(refusal("a.dae", replaced(kDae, what, by)).what());
+  };
+  EXPECT_THAT(message(R"(count="12")", R"(count="99999999999")"), HasSubstr("count"));
+  EXPECT_THAT(message(R"(stride="3")", R"(stride="300")"), HasSubstr("accessor"));
+  EXPECT_THAT(message("0 1 2 3<", "0 1 x 3<"), HasSubstr("integer"));
+  EXPECT_THAT(message("<instance_geometry", R"(<instance_node url="#a"/><instance_geometry)"), HasSubstr("circle"));
+  EXPECT_THAT(message("0 1 2 3<", "0 1 2 4<"), HasSubstr("a.dae"));
+}
+
+// Forty library nodes, each twice the one before.
+TEST_F(Import, DaeThatUnfoldsWithoutEnd) {
+  std::string nodes = R"(<library_nodes><node id="n0"><instance_geometry url="#g"/></node>)";
+  for (int i = 1; i <= 40; ++i) {
+    const std::string below = R"(<instance_node url="#n)" + std::to_string(i - 1) + R"("/>)";
+    nodes.append(R"(<node id="n)").append(std::to_string(i)).append(R"(">)").append(below).append(below);
+    nodes.append("</node>");
+  }
+  nodes.append("</library_nodes><library_visual");
+  const std::string bytes = replaced(replaced(kDae, R"(<instance_geometry url="#g"/></node></visual)",
+                                              R"(<instance_node url="#n40"/></node></visual)"),
+                                     "<library_visual", nodes);
+  EXPECT_THAT(refusal("a.dae", bytes).what(), HasSubstr("unfold"));
+}
+
+const std::string kFbx = R"(; FBX 7.4.0 project file
+FBXHeaderExtension:  {
+  FBXHeaderVersion: 1003
+  FBXVersion: 7400
+}
+GlobalSettings:  {
+  Version: 1000
+  Properties70:  {
+    P: "UpAxis", "int", "Integer", "",1
+    P: "UpAxisSign", "int", "Integer", "",1
+    P: "FrontAxis", "int", "Integer", "",2
+    P: "FrontAxisSign", "int", "Integer", "",1
+    P: "CoordAxis", "int", "Integer", "",0
+    P: "CoordAxisSign", "int", "Integer", "",1
+    P: "UnitScaleFactor", "double", "Number", "",2.5
+  }
+}
+Objects:  {
+  Geometry: 1000, "Geometry::square", "Mesh" {
+    Vertices: *12 {
+      a: 0,0,0,1,0,0,1,1,0,0,1,0
+    }
+    PolygonVertexIndex: *4 {
+      a: 0,1,2,-4
+    }
+    GeometryVersion: 124
+  }
+  Model: 2000, "Model::square", "Mesh" {
+    Version: 232
+    Properties70:  {
+      P: "Lcl Translation", "Lcl Translation", "", "A",10,0,0
+    }
+  }
+}
+Connections:  {
+  C: "OO",2000,0
+  C: "OO",1000,2000
+}
+)";
+
+TEST_F(Import, FbxInItsUnit) {
+  const TriangleMesh mesh = read("a.fbx", kFbx);
+  ASSERT_EQ(mesh.position.size(), 4U);
+  EXPECT_THAT(mesh.polygon, ElementsAre(0, 0));
+  EXPECT_NEAR(mesh.position[2][0], 11 * 0.025, 1e-6);
+  EXPECT_NEAR(mesh.position[2][1], 0.025, 1e-6);
+  EXPECT_NEAR(read("a.fbx", kFbx, {.scale = 1.0}).position[2][0], 11, 1e-6);
+}
+
+TEST_F(Import, FbxWithZUp) {
+  std::string text = replaced(kFbx, R"("UpAxis", "int", "Integer", "",1)", R"("UpAxis", "int", "Integer", "",2)");
+  text = replaced(text, R"("FrontAxis", "int", "Integer", "",2)", R"("FrontAxis", "int", "Integer", "",1)");
+  text = replaced(text, R"("FrontAxisSign", "int", "Integer", "",1)", R"("FrontAxisSign", "int", "Integer", "",-1)");
+  const TriangleMesh mesh = read("a.fbx", text, {.scale = 1.0});
+  EXPECT_NEAR(mesh.position[2][0], 11, 1e-6);
+  EXPECT_NEAR(mesh.position[2][1], 0, 1e-6);
+  EXPECT_NEAR(mesh.position[2][2], -1, 1e-6);
+}
+
+TEST_F(Import, FbxWithACircleOfConnections) {
+  const std::string more = "C: \"OO\",2000,0\n  C: \"OO\",2000,1000";
+  EXPECT_THAT(refusal("a.fbx", replaced(kFbx, R"(C: "OO",2000,0)", more)).what(), HasSubstr("circle"));
+}
+
+using FbxRecord = std::function<std::string(std::size_t)>;
+
+/// One record of the binary form that begins at byte `at`: name, values already encoded, records inside.
+std::string fbx_record(std::size_t at, const std::string& name, uint32_t count, const std::string& values,
+                       const std::vector<FbxRecord>& inside = {}) {
+  std::string body = values;
+  const std::size_t head = 13 + name.size();
+  for (const auto& make : inside) body += make(at + head + body.size());
+  if (!inside.empty()) body.append(13, '\0');
+  std::string out;
+  put(out, static_cast<uint32_t>(at + head + body.size()));
+  put(out, count);
+  put(out, static_cast<uint32_t>(values.size()));
+  out.push_back(static_cast<char>(name.size()));
+  return out + name + body;
+}
+
+std::string fbx_text(const std::string& text) {
+  std::string out = "S";
+  put(out, static_cast<uint32_t>(text.size()));
+  return out + text;
+}
+
+std::string fbx_id(int64_t id) {
+  std::string out = "L";
+  put(out, id);
+  return out;
+}
+
+template <typename T>
+std::string fbx_array(char type, const std::vector<T>& values) {
+  std::string out(1, type);
+  put(out, static_cast<uint32_t>(values.size()));
+  put(out, uint32_t{0});
+  put(out, static_cast<uint32_t>(values.size() * sizeof(T)));
+  for (const T v : values) put(out, v);
+  return out;
+}
+
+std::string binary_fbx() {
+  std::string out("Kaydara FBX Binary  \0\x1a\0", 23);
+  put(out, uint32_t{7400});
+  const auto leaf = [](const std::string& name, uint32_t count, const std::string& values) -> FbxRecord {
+    return [=](std::size_t at) { return fbx_record(at, name, count, values); };
+  };
+  const std::string zero_one("\0\x01", 2), version("I\xe8\x1c\0\0", 5);
+  out += fbx_record(out.size(), "FBXHeaderExtension", 0, "", {leaf("FBXVersion", 1, version)});
+  const auto geometry = [&](std::size_t at) {
+    return fbx_record(at, "Geometry", 3, fbx_id(1000) + fbx_text("square" + zero_one + "Geometry") + fbx_text("Mesh"),
+                      {leaf("Vertices", 1, fbx_array<double>('d', {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0})),
+                       leaf("PolygonVertexIndex", 1, fbx_array<int32_t>('i', {0, 1, 2, -4}))});
+  };
+  const auto model = [&](std::size_t at) {
+    return fbx_record(at, "Model", 3, fbx_id(2000) + fbx_text("square" + zero_one + "Model") + fbx_text("Mesh"),
+                      {leaf("Version", 1, version)});
+  };
+  out += fbx_record(out.size(), "Objects", 0, "", {geometry, model});
+  out += fbx_record(out.size(), "Connections", 0, "",
+                    {leaf("C", 3, fbx_text("OO") + fbx_id(2000) + fbx_id(0)),
+                     leaf("C", 3, fbx_text("OO") + fbx_id(1000) + fbx_id(2000))});
+  return out + std::string(13 + 64, '\0');
+}
+
+TEST_F(Import, BinaryFbx) {
+  const std::string bytes = binary_fbx();
+  const TriangleMesh mesh = read("a.fbx", bytes);
+  EXPECT_EQ(mesh.position.size(), 4U);
+  EXPECT_EQ(mesh.triangle.size(), 2U);
+  expect_every_truncation_refused("a.fbx", bytes, 64);
+  survive_damage("a.fbx", bytes, 150);
+}
+
 // --- what is no mesh
-// ---------------------------------------------------------------------------------------------------------
 
 TEST_F(Import, MissingFileFolderAndUnknownEnding) {
   const auto code_of = [](const std::filesystem::path& path) {
