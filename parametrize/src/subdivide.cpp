@@ -14,6 +14,9 @@
 namespace geocloth {
 namespace {
 
+// A needle is long without having area, so that its length says nothing about how many pieces are sensible.
+constexpr size_t kMostAdded = 50'000;
+
 /// Replaces a triangle by two to four; middle[i] lies on the edge from corner i, kNone where that is not split.
 void split_triangle(const Triangle& corner, const std::array<uint32_t, 3>& middle, const std::vector<Point3>& position,
                     std::vector<Triangle>& out) {
@@ -44,16 +47,22 @@ void split_triangle(const Triangle& corner, const std::array<uint32_t, 3>& middl
   }
 }
 
-/// Halves every edge that is too long; false if there was none.
-bool halve_once(SubdividedSurface& surface, double longest) {
+/// Halves every edge that is too long; false if there was none, or there were so many that needles must be the cause.
+bool halve_once(SubdividedSurface& surface, double longest, size_t most_triangles) {
   CutSurface& cut = surface.cut;
   const std::vector<uint32_t> opposite = opposite_half_edges(cut.triangle);
+  const auto is_long = [&](uint32_t h) {
+    return distance(cut.position[tail(cut.triangle, h)], cut.position[head(cut.triangle, h)]) > longest;
+  };
+  size_t splits = 0;  // each half-edge that is split makes a triangle
+  for (uint32_t h = 0; h < opposite.size(); ++h) splits += is_long(h) ? 1U : 0U;
+  if (splits == 0 || cut.triangle.size() + splits > most_triangles) return false;
   std::vector<uint32_t> middle(opposite.size(), kNone);
   std::map<std::array<uint32_t, 2>, uint32_t> point_between;
   for (uint32_t h = 0; h < opposite.size(); ++h) {
     if (opposite[h] != kNone && opposite[h] < h) continue;
     const uint32_t a = tail(cut.triangle, h), b = head(cut.triangle, h);
-    if (!(distance(cut.position[a], cut.position[b]) > longest)) continue;
+    if (!is_long(h)) continue;
     middle[h] = static_cast<uint32_t>(cut.position.size());
     if (opposite[h] != kNone) middle[opposite[h]] = middle[h];
     const auto [low, high] = std::minmax({cut.point[a], cut.point[b]});
@@ -63,7 +72,6 @@ bool halve_once(SubdividedSurface& surface, double longest) {
     cut.point.push_back(at->second);
     cut.clean_vertex.push_back(kNone);
   }
-  if (point_between.empty()) return false;
   std::vector<Triangle> triangle;
   std::vector<uint32_t> component, clean_triangle;
   for (size_t t = 0; t < cut.triangle.size(); ++t) {
@@ -83,7 +91,8 @@ SubdividedSurface subdivide_long_edges(const CutSurface& cut, double longest) {
   SubdividedSurface surface{cut, {}};
   surface.clean_triangle.resize(cut.triangle.size());
   for (uint32_t t = 0; t < cut.triangle.size(); ++t) surface.clean_triangle[t] = t;
-  while (halve_once(surface, longest)) {
+  const size_t most_triangles = kMostAdded + 2 * cut.triangle.size();
+  while (halve_once(surface, longest, most_triangles)) {
   }
   return surface;
 }

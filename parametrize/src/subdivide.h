@@ -13,7 +13,8 @@ struct SubdividedSurface {
   std::vector<uint32_t> clean_triangle;
 };
 
-/// Halves edges until none is longer than `longest` [m]. The surface stays the same; a map of it gets more freedom.
+/// Halves edges until none is longer than `longest` [m], or the number of triangles would grow out of proportion. The
+/// surface stays the same; a map of it gets more freedom.
 [[nodiscard]] SubdividedSurface subdivide_long_edges(const CutSurface& cut, double longest);
 
 }  // namespace geocloth
