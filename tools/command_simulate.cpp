@@ -151,14 +151,13 @@ void play(const Options& options, Simulation& simulation) {
 }
 
 void run(const Options& options) {
-  name_file_in_errors(options.input, [&] {
-    Simulation simulation(load_scene(options), solver_settings(options));
-    if (options.check) {
-      print_check(options, simulation);
-    } else {
-      play(options, simulation);
-    }
-  });
+  Simulation simulation =
+      name_file_in_errors(options.input, [&] { return Simulation(load_scene(options), solver_settings(options)); });
+  if (options.check) {
+    print_check(options, simulation);
+  } else {
+    play(options, simulation);
+  }
 }
 
 }  // namespace
