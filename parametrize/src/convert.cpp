@@ -53,6 +53,16 @@ class Stages {
       known->second += seconds;
     }
   }
+  /// A stage that runs again for another layout adds to its time.
+  void add(const char* name, double seconds) {
+    const auto known =
+        std::find_if(seconds_.begin(), seconds_.end(), [&](const auto& stage) { return stage.first == name; });
+    if (known == seconds_.end()) {
+      seconds_.emplace_back(name, seconds);
+    } else {
+      known->second += seconds;
+    }
+  }
   void show(const char* name, double fraction) const {
     if (progress_) progress_(name, fraction);
   }
@@ -97,7 +107,8 @@ std::vector<std::string> warnings(const ConvertReport& report, const ClothAsset&
   constexpr double kStrongStretch = 5;  // one way against the other
   if (q.anisotropy_p95 > kStrongStretch) {
     out.push_back("parts of the image are stretched " + rounded(q.anisotropy_p95) +
-                  " times more one way than the other; the cloth will feel uneven there");
+                  " times more one way than the other; the cloth will feel uneven there" +
+                  (asset.layout == Layout::square ? " (--layout panels keeps shapes better)" : ""));
   }
   constexpr double kCoarseDecibel = 50;
   if (q.psnr_db < kCoarseDecibel) {

@@ -116,8 +116,9 @@ TriangleMesh joined(const TriangleMesh& a, const TriangleMesh& b) {
   return make_mesh(a.name + "_" + b.name, mesh.position, mesh.triangle);
 }
 
-ConvertOptions small() {
+ConvertOptions small(Layout layout = Layout::square) {
   ConvertOptions options;
+  options.flatten.layout = layout;
   options.flatten.resolution = 40;
   return options;
 }
@@ -129,14 +130,16 @@ struct Shape {
   int64_t euler;
 };
 
-class Convert : public testing::TestWithParam<Shape> {};
+class Convert : public testing::TestWithParam<std::tuple<Shape, Layout>> {};
 
 TEST_P(Convert, KeepsTheTopologyAndBindsExactly) {
-  const ConvertResult result = convert(GetParam().make(), small());
+  const auto& [shape, layout] = GetParam();
+  const TriangleMesh mesh = shape.make();
+  const ConvertResult result = convert(mesh, small(layout));
   const ConvertReport& report = result.report;
-  EXPECT_EQ(report.welded.components, GetParam().components);
-  EXPECT_EQ(report.welded.boundary_loops, GetParam().loops);
-  EXPECT_EQ(report.welded.euler_characteristic, GetParam().euler);
+  EXPECT_EQ(report.welded.components, shape.components);
+  EXPECT_EQ(report.welded.boundary_loops, shape.loops);
+  EXPECT_EQ(report.welded.euler_characteristic, shape.euler);
   EXPECT_EQ(report.quality.flipped, 0U);
   EXPECT_EQ(report.quality.copy_gap, 0);
   EXPECT_LE(report.quality.binding_error, 1e-6);
@@ -145,7 +148,6 @@ TEST_P(Convert, KeepsTheTopologyAndBindsExactly) {
   EXPECT_NO_THROW(static_cast<void>(encode_asset(result.asset)));
   const double area = std::accumulate(result.asset.area.begin(), result.asset.area.end(), 0.0);
   double source_area = 0;
-  const TriangleMesh mesh = GetParam().make();
   for (const Triangle& t : mesh.triangle) {
     const Point3 &a = mesh.position[t[0]], &b = mesh.position[t[1]], &c = mesh.position[t[2]];
     const Point3 u{b[0] - a[0], b[1] - a[1], b[2] - a[2]}, v{c[0] - a[0], c[1] - a[1], c[2] - a[2]};
@@ -156,26 +158,30 @@ TEST_P(Convert, KeepsTheTopologyAndBindsExactly) {
 
 INSTANTIATE_TEST_SUITE_P(
     Shapes, Convert,
-    testing::Values(Shape{"sheet", [] { return sheet(); }, 1, 1, 1}, Shape{"tube", tube, 1, 2, 0},
-                    Shape{"sphere", sphere, 1, 0, 2}, Shape{"torus", torus, 1, 0, 0},
-                    Shape{"two_parts",
-                          [] {
-                            return joined(sheet(), sheet({3, 0, 0}));
-                          },
-                          2, 2, 2},
-                    // A pocket sewn on by its upper edge, which lies on an inner edge row of the shirt.
-                    Shape{"pocket",
-                          [] {
-                            return joined(sheet(), sheet({0, -0.5, 0}, {1, 0, 0}, {0, -0.5, 0.5}));
-                          },
-                          1, 1, 1},
-                    // Two cones that touch in one point are one component of the tied surface.
-                    Shape{"bow_tie",
-                          [] {
-                            return joined(sheet(), sheet({1, -1, 0}));
-                          },
-                          1, 1, 1}),
-    [](const auto& instance) { return std::string(instance.param.name); });
+    testing::Combine(
+        testing::Values(Shape{"sheet", [] { return sheet(); }, 1, 1, 1}, Shape{"tube", tube, 1, 2, 0},
+                        Shape{"sphere", sphere, 1, 0, 2}, Shape{"torus", torus, 1, 0, 0},
+                        Shape{"two_parts",
+                              [] {
+                                return joined(sheet(), sheet({3, 0, 0}));
+                              },
+                              2, 2, 2},
+                        // A pocket sewn on by its upper edge, which lies on an inner edge row of the shirt.
+                        Shape{"pocket",
+                              [] {
+                                return joined(sheet(), sheet({0, -0.5, 0}, {1, 0, 0}, {0, -0.5, 0.5}));
+                              },
+                              1, 1, 1},
+                        // Two sheets that touch in one point are one component of the tied surface.
+                        Shape{"bow_tie",
+                              [] {
+                                return joined(sheet(), sheet({1, -1, 0}));
+                              },
+                              1, 1, 1}),
+        testing::Values(Layout::square, Layout::panels)),
+    [](const auto& instance) {
+      return std::string(std::get<0>(instance.param).name) + "_" + to_string(std::get<1>(instance.param));
+    });
 
 TEST(ConvertReport, HasEveryKey) {
   const auto json = nlohmann::json::parse(to_json(convert(tube(), small())));
@@ -221,6 +227,18 @@ TEST(ConvertReport, HasEveryKey) {
   EXPECT_EQ(json["image"]["layout"], "square");
   EXPECT_EQ(json["welded"]["boundary_loops"], 2);
   EXPECT_EQ(json["source"]["faces"], 480);
+}
+
+TEST(ConvertReport, CountsTheTimeOfBothLayoutsWhereSquaresTakeOver) {
+  // Panels have no pixels for the seams of a closed surface at this resolution.
+  ConvertOptions options = small(Layout::panels);
+  options.flatten.resolution = 8;
+  const ConvertResult result = convert(torus(), options);
+  std::set<std::string> stages;
+  for (const auto& [stage, seconds] : result.report.seconds) {
+    EXPECT_TRUE(stages.insert(stage).second) << stage << " stands twice";
+    EXPECT_LE(seconds, result.report.seconds.back().second);
+  }
 }
 
 TEST(ConvertReport, WarnsOfAnImplausibleSize) {
@@ -365,13 +383,15 @@ TEST(Verify, RefusesFlipsOverlapsCrossingsAndGaps) {
 
 // ------------------------------------------------------------------------------------------------ real garments
 
-class SharedGarment : public testing::TestWithParam<const char*> {};
+class SharedGarment : public testing::TestWithParam<std::tuple<const char*, Layout>> {};
 
 TEST_P(SharedGarment, Converts) {
   const std::filesystem::path path =
-      std::filesystem::path(GEOCLOTH_SOURCE_DIR) / ".." / "shared" / "meshes" / "garments" / GetParam();
+      std::filesystem::path(GEOCLOTH_SOURCE_DIR) / ".." / "shared" / "meshes" / "garments" / std::get<0>(GetParam());
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not here";
-  const ConvertResult result = convert(path);
+  ConvertOptions options;
+  options.flatten.layout = std::get<1>(GetParam());
+  const ConvertResult result = convert(path, options);
   const ConvertReport& r = result.report;
   EXPECT_EQ(r.welded.components, r.represented.components);
   EXPECT_EQ(r.welded.boundary_loops, r.represented.boundary_loops);
@@ -381,8 +401,14 @@ TEST_P(SharedGarment, Converts) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Garments, SharedGarment,
-                         testing::Values("newton_unisex_shirt.obj", "mh_tee_shorts.obj", "kaykit_knight_cape.glb",
-                                         "codimipc_circle_skirt.obj", "diffcloth_dress_5k.obj", "sf_sweater.glb"));
+                         testing::Combine(testing::Values("newton_unisex_shirt.obj", "mh_tee_shorts.obj",
+                                                          "kaykit_knight_cape.glb", "codimipc_circle_skirt.obj",
+                                                          "diffcloth_dress_5k.obj", "sf_sweater.glb"),
+                                          testing::Values(Layout::square, Layout::panels)),
+                         [](const auto& instance) {
+                           const std::string name = std::get<0>(instance.param);
+                           return name.substr(0, name.find('.')) + "_" + to_string(std::get<1>(instance.param));
+                         });
 
 }  // namespace
 }  // namespace geocloth
