@@ -219,9 +219,10 @@ Container parse(std::span<const std::byte> bytes, const std::string& name) {
     throw Error(ErrorCode::unsupported,
                 name + ": is binary glTF of version " + std::to_string(read_u32(bytes, 4)) + "; version 2 is read");
   }
-  if (read_u32(bytes, 8) != bytes.size()) {
-    throw broken("has " + std::to_string(bytes.size()) + " bytes, but its header says " +
-                 std::to_string(read_u32(bytes, 8)) + "; copy or make it again");
+  if (const std::size_t size = read_u32(bytes, 8); size != bytes.size()) {
+    const std::string sizes = std::to_string(bytes.size()) + " of " + std::to_string(size) + " bytes";
+    throw broken((bytes.size() < size ? "is truncated: has " : "has more than its header says: ") + sizes +
+                 "; copy or make it again");
   }
   const std::size_t json_size = read_u32(bytes, kHeaderSize);
   if (read_u32(bytes, kHeaderSize + 4) != kJsonChunk) throw broken("does not begin with a JSON chunk");
