@@ -196,6 +196,7 @@ class MeshBuilder {
     add_materials();
     if (format_ == Format::obj) add_obj_vertices();
     for (const Placement& placement : placements) add_part(placement);
+    sort_groups();
     return std::move(mesh_);
   }
 
@@ -259,6 +260,8 @@ class MeshBuilder {
     if (count == 0) return;
     const std::string name = mesh.mName.length > 0 ? mesh.mName.C_Str() : placement.node->mName.C_Str();
     mesh_.part.push_back({name, material_[mesh.mMaterialIndex], first, count});
+    // Parts and bones are what a file has for naming points.
+    add_group(name, number);
     add_bones(mesh, number);
   }
 
@@ -335,14 +338,19 @@ class MeshBuilder {
   }
 
   void add_group(const std::string& name, const std::vector<uint32_t>& members) {
-    if (members.empty()) return;
-    auto it = std::find_if(mesh_.vertex_groups.begin(), mesh_.vertex_groups.end(),
-                           [&](const ClothAsset::VertexGroup& g) { return g.name == name; });
-    if (it == mesh_.vertex_groups.end()) it = mesh_.vertex_groups.insert(it, {name, {}});
-    std::vector<uint32_t>& all = it->source_vertex;
+    if (members.empty() || name.empty()) return;
+    const auto [it, fresh] = group_.try_emplace(name, mesh_.vertex_groups.size());
+    if (fresh) mesh_.vertex_groups.push_back({name, {}});
+    std::vector<uint32_t>& all = mesh_.vertex_groups[it->second].source_vertex;
     all.insert(all.end(), members.begin(), members.end());
-    std::sort(all.begin(), all.end());
-    all.erase(std::unique(all.begin(), all.end()), all.end());
+  }
+
+  void sort_groups() {
+    for (ClothAsset::VertexGroup& group : mesh_.vertex_groups) {
+      std::vector<uint32_t>& all = group.source_vertex;
+      std::sort(all.begin(), all.end());
+      all.erase(std::unique(all.begin(), all.end()), all.end());
+    }
   }
 
   // --- materials ---------------------------------------------------------------------------------------------------
@@ -438,6 +446,7 @@ class MeshBuilder {
   uint32_t polygon_count_ = 0;
   std::vector<uint32_t> material_;  ///< per material of the scene: its number in mesh_
   std::map<std::string, std::optional<uint32_t>> image_;
+  std::map<std::string, std::size_t> group_;
   std::vector<Point3> corner_position_;
   std::vector<Triangle> cut_;
 };

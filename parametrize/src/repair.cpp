@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geocloth/asset/disjoint_sets.h"
 #include "geocloth/asset/error.h"
 #include "point_math.h"
 #include "sheets.h"
@@ -72,6 +73,19 @@ void drop_unused_points(Soup& soup, std::vector<uint32_t>& source_point) {
   for (uint32_t& p : source_point) p = p == kNone ? kNone : number[p];
 }
 
+/// Connected parts of the file of which no face is left: nothing but faces without area.
+uint64_t count_lost_parts(const TriangleMesh& mesh, const std::vector<uint32_t>& point, const CleanSurface& surface) {
+  DisjointSets parts(point.size());
+  for (const Triangle& t : mesh.triangle) {
+    parts.join(point[t[0]], point[t[1]]);
+    parts.join(point[t[1]], point[t[2]]);
+  }
+  std::vector<uint8_t> state(point.size(), 0);  // 1: a part, 2: something of it is left
+  for (const Triangle& t : mesh.triangle) state[parts.find(point[t[0]])] = 1;
+  for (const uint32_t s : surface.source_triangle) state[parts.find(point[mesh.triangle[s][0]])] = 2;
+  return static_cast<uint64_t>(std::count(state.begin(), state.end(), 1));
+}
+
 uint64_t count_merged(const std::vector<uint32_t>& point, std::size_t points) {
   const auto used = point.size() - static_cast<std::size_t>(std::count(point.begin(), point.end(), kNone));
   return used - points;
@@ -115,6 +129,7 @@ RepairResult repair_mesh(const TriangleMesh& mesh, const RepairOptions& options,
   }
   report(0.6);
 
+  const std::vector<uint32_t> welded_point = welded.point;
   drop_unused_points(soup, welded.point);
   SheetRepairs sheets;
   result.surface = make_manifold(soup, parts_of(mesh), sheets);
@@ -123,6 +138,7 @@ RepairResult repair_mesh(const TriangleMesh& mesh, const RepairOptions& options,
   count("detached_sheets", sheets.detached_sheets);
   count("torn_edges", sheets.torn_edges);
   count("bow_ties", sheets.bow_ties);
+  count("lost_parts", count_lost_parts(mesh, welded_point, result.surface));
   result.cleaned = measure_topology(point_triangles(result.surface), result.surface.point_count);
   report(1);
   return result;

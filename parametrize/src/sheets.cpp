@@ -12,6 +12,7 @@
 #include <numeric>
 #include <set>
 
+#include "geocloth/asset/disjoint_sets.h"
 #include "point_math.h"
 
 namespace geocloth {
@@ -21,23 +22,6 @@ namespace {
 uint32_t next_side(uint32_t side) {
   return side % 3 == 2 ? side - 2 : side + 1;
 }
-
-class DisjointSets {
- public:
-  explicit DisjointSets(std::size_t size) : parent_(size) { std::iota(parent_.begin(), parent_.end(), 0U); }
-  uint32_t find(uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(uint32_t a, uint32_t b) {
-    a = find(a);
-    b = find(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<uint32_t> parent_;
-};
 
 /// Disjoint sets of faces that know which of them run the same way round.
 class OrientedSets {

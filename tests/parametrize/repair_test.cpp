@@ -117,6 +117,14 @@ TEST(Repair, RefusesAMeshWithoutArea) {
   EXPECT_THROW(static_cast<void>(repair_mesh(TriangleMesh{})), Error);
 }
 
+TEST(Repair, CountsAPartThatHasNoArea) {
+  TriangleMesh mesh = sheet(2, 2);
+  append(mesh, make_mesh({{5, 0, 0}, {6, 0, 0}, {7, 0, 0}}, {{0, 1, 2}}));
+  const RepairResult r = repair(mesh);
+  EXPECT_EQ(repaired(r, "lost_parts"), 1U);
+  EXPECT_EQ(r.surface.source_point[9], kNone);
+}
+
 // Importers leave every quad apart from its neighbours at texture seams; cloth must not fall to pieces there.
 TEST(Repair, WeldsUnweldedQuads) {
   const TriangleMesh whole = sheet(5, 4);

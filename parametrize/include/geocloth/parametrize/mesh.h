@@ -28,11 +28,12 @@ struct TriangleMesh {
   std::vector<Point3> position;               ///< vertices of the file, in the file's order [m]
   std::vector<Triangle> triangle;             ///< indices into position; may be degenerate or duplicated
   std::vector<uint32_t> polygon;              ///< per triangle: number of the polygon of the file it was cut from
-  std::vector<std::array<Point2, 3>> uv;      ///< per triangle corner, or empty when the file has none
+  std::vector<std::array<Point2, 3>> uv;      ///< per triangle corner, v down as in glTF; empty when the file has none
   std::vector<std::array<Point3, 3>> normal;  ///< per triangle corner, unit length, or empty
   std::vector<SourcePart> part;               ///< ranges of `triangle`, ascending, covering all of it
   std::vector<SourceMaterial> material;
   std::vector<SourceImage> image;
+  /// Vertices of each named part, and those that each bone moves more than anything else.
   std::vector<ClothAsset::VertexGroup> vertex_groups;
 };
 
@@ -53,8 +54,8 @@ struct CleanSurface {
 
 /// One kind of repair and how often it was done.
 struct Repair {
-  std::string kind;  ///< e.g. "welded_vertices", "degenerate_faces", "duplicate_faces", "flipped_faces",
-                     ///< "detached_sheets", "bow_ties", "t_junctions", "torn_edges"
+  std::string kind;  ///< "welded_vertices", "degenerate_faces", "duplicate_faces", "t_junctions", "zero_area_faces",
+                     ///< "flipped_faces", "detached_sheets", "torn_edges", "bow_ties", "lost_parts"
   uint64_t count = 0;
 };
 
