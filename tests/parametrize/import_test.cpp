@@ -63,7 +63,7 @@ class Import : public ::testing::Test {
   /// Beginnings of the file are refused (every one of a short file, every third of a long one); a text may lose what
   /// comes after its last word.
   void expect_truncations_refused(const std::string& name, const std::string& bytes, std::size_t spare = 0) const {
-    for (std::size_t n = 0; n + spare<bytes.size(); n += bytes.size()> 300 ? 3 : 1) {
+    for (std::size_t n = 0; n + spare<bytes.size(); n += bytes.size()> 300 ? 3U : 1U) {
       try {
         static_cast<void>(read(name, bytes.substr(0, n)));
         ADD_FAILURE() << name << " was read from its first " << n << " of " << bytes.size() << " bytes";
