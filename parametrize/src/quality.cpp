@@ -200,33 +200,55 @@ struct Deviation {
   double rms = 0, max = 0;
 };
 
+/// Calls visit(point) for area-uniform samples of a triangle, row by row and back, so that each lies near the last.
+/// @param uniform  gives numbers in [0, 1)
+template <class Uniform, class Visit>
+void sample_triangle(const Point3& a, const Point3& b, const Point3& c, std::size_t count, const Uniform& uniform,
+                     const Visit& visit) {
+  const auto rows = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(count))));
+  for (std::size_t row = 0; row < rows; ++row) {
+    const std::size_t columns = (row + 1) * count / rows - row * count / rows;
+    for (std::size_t k = 0; k < columns; ++k) {
+      const std::size_t column = row % 2 == 0 ? k : columns - 1 - k;
+      const double root = std::sqrt((static_cast<double>(row) + uniform()) / static_cast<double>(rows));
+      const double w = (static_cast<double>(column) + uniform()) / static_cast<double>(columns);
+      visit(a * (1 - root) + b * (root * (1 - w)) + c * (root * w));
+    }
+  }
+}
+
 /// Distances of area-uniform samples of one surface from another. Samples go along the triangles, so that each query
 /// starts from the answer of one nearby.
 Deviation deviation(const Surface& from, const Surface& to) {
-  std::vector<double> area_up_to(from.triangle.size());
+  const auto area_of = [&](const Triangle& v) {
+    return triangle_area(from.position[v[0]], from.position[v[1]], from.position[v[2]]);
+  };
   double total = 0;
-  for (std::size_t t = 0; t < from.triangle.size(); ++t) {
-    const Triangle& v = from.triangle[t];
-    area_up_to[t] = total += triangle_area(from.position[v[0]], from.position[v[1]], from.position[v[2]]);
-  }
+  for (const Triangle& t : from.triangle) total += area_of(t);
   const TriangleTree tree(to.position, to.triangle);
   std::mt19937 random(20021);  // own arithmetic on its output: distributions differ between libraries
   const auto uniform = [&] { return static_cast<double>(random()) / 4294967296.0; };
   Deviation result;
   double squares = 0;
-  std::size_t t = 0;
   std::optional<TriangleTree::Place> place;
-  for (std::size_t i = 0; i < kSamples; ++i) {
-    const double target = total * (static_cast<double>(i) + uniform()) / kSamples;  // stratified
-    while (t + 1 < area_up_to.size() && area_up_to[t] < target) ++t;
-    const double root = std::sqrt(uniform()), w = uniform();
-    const Triangle& v = from.triangle[t];
-    const Point3 sample =
-        from.position[v[0]] * (1 - root) + from.position[v[1]] * (root * (1 - w)) + from.position[v[2]] * (root * w);
+  const auto visit = [&](const Point3& sample) {
     place = place ? tree.nearest(sample, *place) : tree.nearest(sample);
     const double d = distance(sample, place->point);
     squares += d * d;
     result.max = std::max(result.max, d);
+  };
+  // Sample i stands for the area from i to i + 1 of kSamples, at a random place therein.
+  std::size_t done = 0;
+  double target = uniform(), up_to = 0;
+  for (const Triangle& t : from.triangle) {
+    up_to += area_of(t) * (kSamples / total);
+    std::size_t count = 0;
+    while (done < kSamples && (target < up_to || &t == &from.triangle.back())) {
+      ++done;
+      ++count;
+      target = static_cast<double>(done) + uniform();
+    }
+    sample_triangle(from.position[t[0]], from.position[t[1]], from.position[t[2]], count, uniform, visit);
   }
   result.rms = std::sqrt(squares / kSamples);
   return result;
