@@ -240,7 +240,9 @@ class CutGraphFinder {
     touched_.clear();
   }
 
+  /// Cuts the way from v back to where the flood started; v stays a cut end.
   void cut_back_from(uint32_t v) {
+    required_[v] = 1;
     for (; parent_[v] != kNone; v = from(parent_[v])) set_cut(parent_[v], true);
   }
 
@@ -436,7 +438,7 @@ class CutGraphFinder {
   CutGraph graph_;
   std::vector<uint32_t> first_half_edge_;  // per vertex
   std::vector<char> fixed_;                // per half-edge: border or tied
-  std::vector<char> required_;             // per vertex: its point has other vertices
+  std::vector<char> required_;             // per vertex: its point has other vertices, or a sphere's cut ends here
   std::vector<uint32_t> degree_;           // per vertex: cut edges around it
   std::vector<uint32_t> region_;           // per triangle
   std::vector<uint32_t> region_seed_;

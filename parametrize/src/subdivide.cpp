@@ -15,7 +15,7 @@ namespace geocloth {
 namespace {
 
 // A needle is long without having area, so that its length says nothing about how many pieces are sensible.
-constexpr size_t kMostAdded = 50'000;
+constexpr size_t kMostAdded = 20'000;
 
 /// Replaces a triangle by two to four; middle[i] lies on the edge from corner i, kNone where that is not split.
 void split_triangle(const Triangle& corner, const std::array<uint32_t, 3>& middle, const std::vector<Point3>& position,

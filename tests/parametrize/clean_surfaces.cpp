@@ -163,6 +163,20 @@ CleanSurface cylinder_with_belt(uint32_t around, uint32_t along) {
   return finish(std::move(s.position), std::move(s.triangle), std::move(point));
 }
 
+CleanSurface sphere_with_fin() {
+  CleanSurface s = sphere(8, 6);
+  std::vector<uint32_t> point = s.point;
+  const auto first = static_cast<uint32_t>(s.position.size());
+  for (const uint32_t below : {9U, 10U}) {
+    s.position.push_back(s.position[below]);
+    point.push_back(below);
+  }
+  s.position.push_back({2, 0, 2});
+  point.push_back(first);
+  s.triangle.push_back({first, first + 1, first + 2});
+  return finish(std::move(s.position), std::move(s.triangle), std::move(point));
+}
+
 CleanSurface touching_spheres() {
   CleanSurface s = sphere(8, 6);
   const auto count = static_cast<uint32_t>(s.position.size());
@@ -304,6 +318,7 @@ std::vector<NamedSurface> surfaces_of_every_topology() {
           {"sheet_with_flap", sheet_with_flap(9, 7)},
           {"cylinder_with_belt", cylinder_with_belt(16, 9)},
           {"touching_spheres", touching_spheres()},
+          {"sphere_with_fin", sphere_with_fin()},
           {"holes", sheet_with_holes(3, 2, false)},
           {"touching_holes", sheet_with_holes(4, 4, true)},
           {"shirt", shirt(6)}};

@@ -29,6 +29,8 @@ CleanSurface moebius(uint32_t around, uint32_t across);
 CleanSurface sheet_with_flap(uint32_t nx, uint32_t ny);
 /// A tube with a ring of cloth sewn all around its middle.
 CleanSurface cylinder_with_belt(uint32_t around, uint32_t along);
+/// A sphere with a triangle that stands on one of its edges: the only tie is a slit of one edge.
+CleanSurface sphere_with_fin();
 /// Two spheres that share one point.
 CleanSurface touching_spheres();
 /// A sheet with square holes in it, holes_x times holes_y of them, joined corner to corner when `touching`.

@@ -12,32 +12,7 @@
 namespace geocloth {
 namespace {
 
-struct Case {
-  const char* name;
-  CleanSurface surface;
-};
-void PrintTo(const Case& c, std::ostream* out) {
-  *out << c.name;
-}
-
-std::vector<Case> cases() {
-  return {{"disk", test::disk(9, 7)},
-          {"cylinder", test::cylinder(16, 9)},
-          {"torus", test::torus(12, 16)},
-          {"coarse_torus", test::torus(3, 3)},
-          {"sphere", test::sphere(12, 8)},
-          {"tetrahedron", test::tetrahedron()},
-          {"single_triangle", test::single_triangle()},
-          {"moebius", test::moebius(24, 5)},
-          {"sheet_with_flap", test::sheet_with_flap(9, 7)},
-          {"cylinder_with_belt", test::cylinder_with_belt(16, 9)},
-          {"touching_spheres", test::touching_spheres()},
-          {"holes", test::sheet_with_holes(3, 2, false)},
-          {"touching_holes", test::sheet_with_holes(4, 4, true)},
-          {"shirt", test::shirt(6)}};
-}
-
-class Cut : public ::testing::TestWithParam<Case> {};
+class Cut : public ::testing::TestWithParam<test::NamedSurface> {};
 
 std::vector<Triangle> over_points(const std::vector<Triangle>& triangle, const std::vector<uint32_t>& point) {
   std::vector<Triangle> result;
@@ -142,7 +117,7 @@ TEST_P(Cut, IsDeterministic) {
   EXPECT_EQ(a.clean_vertex, b.clean_vertex);
 }
 
-INSTANTIATE_TEST_SUITE_P(Surfaces, Cut, ::testing::ValuesIn(cases()),
+INSTANTIATE_TEST_SUITE_P(Surfaces, Cut, ::testing::ValuesIn(test::surfaces_of_every_topology()),
                          [](const auto& test) { return std::string(test.param.name); });
 
 double cut_length(const CutSurface& cut) {
