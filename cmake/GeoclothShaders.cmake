@@ -20,5 +20,5 @@ function(geocloth_add_shaders target)
       COMMENT "Shader ${name}" VERBATIM)
     target_sources(${target} PRIVATE ${out}/${symbol}.h)
   endforeach()
-  target_include_directories(${target} PRIVATE ${out})
+  target_include_directories(${target} SYSTEM PRIVATE ${out})  # system: nobody wants them checked for style
 endfunction()

@@ -37,6 +37,7 @@ std::vector<DeviceInfo> vulkan_devices() {
     const vk::raii::Instance instance = vulkan::create_instance(loader, nullptr);
     const std::vector<vulkan::Candidate> candidates = vulkan::list_candidates(instance);
     std::vector<DeviceInfo> devices;
+    devices.reserve(candidates.size());
     for (const vulkan::Candidate& candidate : candidates) devices.push_back(candidate.info);
     if (const auto automatic = vulkan::find_fitting(candidates, {.real_gpu = true}))
       devices[*automatic].chosen_automatically = true;

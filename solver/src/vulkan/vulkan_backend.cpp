@@ -49,6 +49,7 @@ std::vector<Batch> one_by_one(const std::vector<Batch>& batches) {
 std::vector<Batch> frame_batches(const std::vector<ScheduleOptions>& schedules, uint32_t substeps) {
   const auto each = [&](auto schedule) {
     std::vector<std::vector<PassStep>> result;
+    result.reserve(schedules.size());
     for (const ScheduleOptions& options : schedules) result.push_back(schedule(options));
     return result;
   };
