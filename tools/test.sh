@@ -52,8 +52,9 @@ lint_holds() {
 check "build release" build release
 check "clang-format" format_holds
 count_tests build/release
-check "build sanitize" build sanitize --target geocloth_sanitized_tests
-count_tests build/sanitize -L sanitize
+check "build sanitize" build sanitize --target tests/asset/all tests/fuzz/all tests/parametrize/all program_test
+count_tests build/sanitize -L '^(asset|parametrize|fuzz)$' -E '^SharedMeshes'
+count_tests build/sanitize -R '^(Convert|Inspect|Simulate|Interrupt)[/.]'
 check "clang-tidy" lint_holds
 
 echo "$passed passed, $failed failed"
