@@ -480,13 +480,23 @@ class Developer {
       up[1] += (h2 * (b[0] - a[0]) - h1 * (d[0] - a[0])) / 2;
       area += signed_area(a, b, d);
     }
-    constexpr double kLevel = 0.1;
-    if (std::hypot(up[0], up[1]) < kLevel * area) up = long_axis(c);
+    constexpr double kLevel = 0.1;  // slope below which a panel counts as level
+    constexpr double kSlender = 6;  // ribbons and trims: their grain runs along them
+    const LongAxis axis = long_axis(c);
+    if (std::hypot(up[0], up[1]) < kLevel * area || axis.ratio > kSlender) {
+      // The end that is higher stays up.
+      const bool turn = up[0] * axis.direction[0] + up[1] * axis.direction[1] < 0;
+      up = turn ? Point2{-axis.direction[0], -axis.direction[1]} : axis.direction;
+    }
     const double l = std::hypot(up[0], up[1]);
     for (Point2& p : c.uv) p = {(p[0] * up[1] - p[1] * up[0]) / l, (p[0] * up[0] + p[1] * up[1]) / l};
   }
 
-  static Point2 long_axis(const Chart& c) {
+  struct LongAxis {
+    Point2 direction;
+    double ratio;  // of the spreads along it and across
+  };
+  static LongAxis long_axis(const Chart& c) {
     double mx = 0, my = 0, xx = 0, xy = 0, yy = 0;
     const auto n = static_cast<double>(c.uv.size());
     for (const Point2& p : c.uv) {
@@ -499,7 +509,8 @@ class Developer {
       yy += (p[1] - my) * (p[1] - my);
     }
     const double angle = 0.5 * std::atan2(2 * xy, xx - yy);
-    return {std::cos(angle), std::sin(angle)};
+    const double mean = (xx + yy) / 2, spread = std::hypot((xx - yy) / 2, xy);
+    return {{std::cos(angle), std::sin(angle)}, std::sqrt((mean + spread) / std::max(mean - spread, 1e-12 * mean))};
   }
 
   const CutSurface& cut_;

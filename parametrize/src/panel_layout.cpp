@@ -30,15 +30,19 @@ constexpr double kLeastChartArea = 6;    // [pixels] a smaller chart is enlarged
 constexpr uint32_t kLeastLoopSteps = 4;  // a closed chain without sharp turns
 constexpr double kLeastCut = 5;          // [pixels] shorter cut extensions are not worth their pixels
 constexpr double kEnlargement = 1.15;
+constexpr double kShift = 1.03;
+constexpr double kMostEnlargement = 5;
 constexpr int kRounds = 24;
 
 /// Everything about the charts that does not change while the numbers of steps are searched for.
 struct Plan {
   DevelopedSurface developed;
   std::vector<Outline> outlines;
-  double spacing = 0;           // [m]
-  std::vector<double> scale;    // per chart: pixels per metre
-  std::vector<uint32_t> steps;  // per seam
+  double spacing = 0;            // [m]
+  std::vector<uint32_t> steps;   // per seam
+  std::vector<double> natural;   // per chart: pixels per metre that its size asks for
+  std::vector<double> enlarged;  // per chart: by this factor, to make room for its outline
+  [[nodiscard]] double scale(size_t chart) const { return natural[chart] * enlarged[chart]; }
 };
 
 std::vector<double> chart_areas(const CutSurface& cut) {
@@ -65,7 +69,7 @@ std::vector<std::vector<double>> segment_lengths(const Plan& plan) {
       length.resize(segments, 0);
       for (size_t i = 0; i < segments; ++i) {
         const double run =
-            plan.scale[c] * planar_distance(plan.developed.uv[path.vertex[i]], plan.developed.uv[path.vertex[i + 1]]);
+            plan.scale(c) * planar_distance(plan.developed.uv[path.vertex[i]], plan.developed.uv[path.vertex[i + 1]]);
         double& longest = length[path.reversed ? segments - 1 - i : i];
         longest = std::max(longest, run);
       }
@@ -115,7 +119,8 @@ Plan make_plan(const CutSurface& cut, const FlattenOptions& options, const Progr
   plan.spacing = choose_spacing(area, plan.outlines, options);
   for (const double a : area) {
     const double pixels = a / (plan.spacing * plan.spacing);
-    plan.scale.push_back(std::max(1.0, std::sqrt(kLeastChartArea / pixels)) / plan.spacing);
+    plan.natural.push_back(std::max(1.0, std::sqrt(kLeastChartArea / pixels)) / plan.spacing);
+    plan.enlarged.push_back(1.0);
   }
   plan.steps = least_seam_steps(plan.developed.cut, plan.outlines);
   for (const Outline& outline : plan.outlines) {
@@ -166,7 +171,7 @@ std::vector<ChainRun> chain_runs(const Plan& plan, size_t chart, const std::vect
   const size_t n = samples.size();
   const auto place = [&](size_t i) -> Point2 {
     const Point2& p = uv[samples[i % n]];
-    return {p[0] * plan.scale[chart], -p[1] * plan.scale[chart]};
+    return {p[0] * plan.scale(chart), -p[1] * plan.scale(chart)};
   };
   std::vector<ChainRun> runs;
   size_t first = 0;
@@ -205,28 +210,36 @@ struct Stuck {
 };
 
 struct Chains {
-  std::vector<std::vector<std::vector<Pixel>>> chart;  // per chart and run
+  std::vector<std::vector<ChainRun>> asked;  // per chart
+  std::vector<ChainResult> found;            // per chart
   std::vector<Stuck> stuck;
 };
 
-Chains place_chains(const Plan& plan, const std::vector<SampledOutline>& sampled, const std::vector<Point2>& uv) {
+/// @param before  of the round before: charts that did not change since keep what they had
+Chains place_chains(const Plan& plan, const std::vector<SampledOutline>& sampled, const std::vector<Point2>& uv,
+                    Chains before) {
   Chains chains;
   for (size_t c = 0; c < plan.outlines.size(); ++c) {
-    const std::vector<uint32_t> samples = sample_vertices(sampled[c]);
-    ChainResult result = place_chain(chain_runs(plan, c, samples, uv));
-    if (result.failed.empty() && chain_area(result.run) <= 0) {
+    std::vector<ChainRun> runs = chain_runs(plan, c, sample_vertices(sampled[c]), uv);
+    const bool known = c < before.asked.size() && before.asked[c] == runs;
+    ChainResult result = known ? std::move(before.found[c]) : place_chain(runs);
+    if (!known && result.failed.empty() && chain_area(result.run) <= 0) {
       for (uint32_t r = 0; r < plan.outlines[c].path.size(); ++r) result.failed.push_back({r, 0});
     }
     for (const auto& [run, least_steps] : result.failed) {
       chains.stuck.push_back({c, plan.outlines[c].path[run].seam, least_steps});
     }
-    chains.chart.push_back(std::move(result.run));
+    chains.asked.push_back(std::move(runs));
+    chains.found.push_back(std::move(result));
   }
   return chains;
 }
 
-/// A run is stuck because its ends came to lie further apart than it has steps, or because there is too little room.
-void make_room(Plan& plan, const std::vector<Stuck>& stuck, std::vector<size_t> crowded) {
+/// A run is stuck because its ends came to lie further apart than it has steps, or because there is too little room; a
+/// pinched chart only has to fall differently on the lattice.
+/// @returns false when a chart has become so large beside the others that panels make no sense
+bool make_room(Plan& plan, const std::vector<Stuck>& stuck, const std::vector<size_t>& pinched) {
+  std::vector<size_t> crowded;
   for (const Stuck& s : stuck) {
     if (plan.steps[s.seam] < s.least_steps) {
       plan.steps[s.seam] = s.least_steps;
@@ -234,19 +247,20 @@ void make_room(Plan& plan, const std::vector<Stuck>& stuck, std::vector<size_t> 
       crowded.push_back(s.chart);
     }
   }
-  std::sort(crowded.begin(), crowded.end());
   crowded.erase(std::unique(crowded.begin(), crowded.end()), crowded.end());
-  for (const size_t c : crowded) plan.scale[c] *= kEnlargement;
+  for (const size_t c : crowded) plan.enlarged[c] *= kEnlargement;
+  for (const size_t c : pinched) plan.enlarged[c] *= kShift;
   raise_steps(plan);
+  return *std::max_element(plan.enlarged.begin(), plan.enlarged.end()) <= kMostEnlargement;
 }
 
 /// Charts whose inside would repeat an edge of the welded mesh; asked when every chart has its chain.
 std::vector<size_t> pinched_charts(const Chains& chains, const std::vector<SampledOutline>& sampled,
                                    const RefinedMesh& mesh) {
   std::vector<PointChain> charts;
-  for (size_t c = 0; c < chains.chart.size(); ++c) {
+  for (size_t c = 0; c < chains.found.size(); ++c) {
     PointChain chain;
-    for (const std::vector<Pixel>& run : chains.chart[c]) {
+    for (const std::vector<Pixel>& run : chains.found[c].run) {
       chain.pixel.insert(chain.pixel.end(), run.begin(), run.end() - 1);
     }
     for (const uint32_t v : sample_vertices(sampled[c])) chain.point.push_back(mesh.point[v]);
@@ -269,7 +283,7 @@ FlatChart make_chart(const Plan& plan, size_t c, const SampledOutline& sampled,
   FlatChart chart;
   chart.width = static_cast<uint32_t>(high[0] - low[0] + 1);
   chart.height = static_cast<uint32_t>(high[1] - low[1] + 1);
-  chart.spacing = 1 / plan.scale[c];
+  chart.spacing = 1 / plan.scale(c);
   const std::vector<uint32_t> samples = sample_vertices(sampled);
   size_t i = 0;
   for (const std::vector<Pixel>& run : runs) {
@@ -279,7 +293,7 @@ FlatChart make_chart(const Plan& plan, size_t c, const SampledOutline& sampled,
     }
   }
   for (const uint32_t v : chart_vertices) {
-    uv[v] = {uv[v][0] * plan.scale[c] - low[0], -uv[v][1] * plan.scale[c] - low[1]};
+    uv[v] = {uv[v][0] * plan.scale(c) - low[0], -uv[v][1] * plan.scale(c) - low[1]};
   }
   return chart;
 }
@@ -296,16 +310,15 @@ FlatSurface lay_out_panels(const CutSurface& cut, const FlattenOptions& options,
     mesh = make_refined_mesh(plan.developed.cut);
     sampled = insert_seam_samples(mesh, plan.outlines, plan.steps, segment_lengths(plan));
     uv = refined_coordinates(plan, mesh, sampled);
-    chains = place_chains(plan, sampled, uv);
+    chains = place_chains(plan, sampled, uv, std::move(chains));
     const std::vector<size_t> pinched =
         chains.stuck.empty() ? pinched_charts(chains, sampled, mesh) : std::vector<size_t>{};
     if (chains.stuck.empty() && pinched.empty()) break;
-    if (round == kRounds) {
+    if (round == kRounds || !make_room(plan, chains.stuck, pinched)) {
       throw Error(ErrorCode::verification, "no pixels could be found for " + std::to_string(chains.stuck.size()) +
                                                " runs of seams and " + std::to_string(pinched.size()) +
                                                " narrow charts; raise the resolution or try --layout square");
     }
-    make_room(plan, chains.stuck, pinched);
   }
 
   FlatSurface flat;
@@ -319,7 +332,7 @@ FlatSurface lay_out_panels(const CutSurface& cut, const FlattenOptions& options,
   }
   std::vector<std::array<uint32_t, 2>> size;
   for (size_t c = 0; c < plan.outlines.size(); ++c) {
-    flat.charts.push_back(make_chart(plan, c, sampled[c], chains.chart[c], uv, vertices[c]));
+    flat.charts.push_back(make_chart(plan, c, sampled[c], chains.found[c].run, uv, vertices[c]));
     size.push_back({flat.charts[c].width, flat.charts[c].height});
   }
   const Packing packing = pack_rectangles(size);

@@ -189,7 +189,11 @@ void take_way(Occupancy& occupied, const std::vector<Pixel>& way) {
 /// The way of a stretch as a whole or, where that comes back to itself (a run around a narrow spike), as two halves of
 /// which the second keeps clear of the first. Takes its pixels when it succeeds.
 std::vector<Pixel> place_way(const Stretch& stretch, Occupancy& occupied) {
-  for (const int32_t radius : {2, 3, 5, 8}) {
+  const Pixel &a = stretch.from, &b = stretch.to;
+  const int32_t apart = std::max(std::abs(b[0] - a[0]), std::abs(b[1] - a[1]));
+  if (static_cast<size_t>(apart) > stretch.steps()) return {};
+  const bool whole = stretch.steps() + 1 == stretch.run.target.size();
+  for (const int32_t radius : whole ? std::vector<int32_t>{2, 3, 6} : std::vector<int32_t>{2, 4}) {
     std::vector<Pixel> way = find_way(stretch, occupied, radius);
     if (way.empty() || !simple(way)) continue;
     take_way(occupied, way);
@@ -238,7 +242,7 @@ ChainResult place_chain(std::span<const ChainRun> outline) {
   std::iota(order.begin(), order.end(), 0U);
   std::stable_sort(order.begin(), order.end(),
                    [&](uint32_t a, uint32_t b) { return outline[a].target.size() > outline[b].target.size(); });
-  constexpr int kAttempts = 5;
+  constexpr int kAttempts = 3;
   ChainResult best;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     ChainResult result = place_in_order(outline, order);

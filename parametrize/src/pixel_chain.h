@@ -17,6 +17,7 @@ using Pixel = std::array<int32_t, 2>;  ///< column, row (downwards)
 struct ChainRun {
   std::vector<Point2> target;  ///< [pixels] sample by sample, node to node; v down
   std::vector<Point2> inward;  ///< per sample: unit vector into the chart
+  bool operator==(const ChainRun&) const = default;
 };
 
 /// What came of it: for every run its pixels (as many as targets), or the runs that found no way.
