@@ -97,13 +97,13 @@ class MeshReader {
   }
 
   void add_targets(const Json& primitive, const std::vector<Vec3>& positions) {
-    static const Json kNone = Json::array();
-    const Json& targets = Reader::find(primitive, "targets") ? reader_.array(primitive, "targets") : kNone;
-    if (mesh.part.size() == 1) frames.resize(targets.size() + 1);
-    if (frames.size() != targets.size() + 1) reader_.refuse("the primitives of a mesh differ in morph targets");
+    const Json* targets = Reader::find(primitive, "targets") ? &reader_.array(primitive, "targets") : nullptr;
+    const std::size_t target_count = targets == nullptr ? 0 : targets->size();
+    if (mesh.part.size() == 1) frames.resize(target_count + 1);
+    if (frames.size() != target_count + 1) reader_.refuse("the primitives of a mesh differ in morph targets");
     append(frames[0], positions);
-    for (std::size_t k = 0; k < targets.size(); ++k) {
-      const auto deltas = reader_.floats<Vec3>(targets[k], "POSITION");
+    for (std::size_t k = 0; k < target_count; ++k) {
+      const auto deltas = reader_.floats<Vec3>((*targets)[k], "POSITION");
       if (deltas.size() != positions.size()) reader_.refuse("a morph target has another size than its mesh");
       for (std::size_t i = 0; i < deltas.size(); ++i) frames[k + 1].push_back(positions[i] + deltas[i]);
     }

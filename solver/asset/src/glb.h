@@ -69,7 +69,7 @@ class Builder {
 };
 
 /// The two chunks of a file. The binary chunk is a part of the bytes given.
-struct Container {
+struct Container {  // NOLINT(bugprone-exception-escape): nlohmann's move does not throw, whatever the tool reads in it
   Json json;
   std::span<const std::byte> binary;
 };

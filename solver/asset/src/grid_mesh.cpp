@@ -31,7 +31,8 @@ GridMesh make_grid_mesh(const ClothAsset& asset, const std::vector<Vec3>& positi
     vertex[pixel] = static_cast<uint32_t>(mesh.pixel.size());
     mesh.pixel.push_back(pixel);
     mesh.position.push_back(position[pixel]);
-    const auto x = static_cast<float>(pixel % asset.width), y = static_cast<float>(pixel / asset.width);
+    const uint32_t column = pixel % asset.width, row = pixel / asset.width;
+    const auto x = static_cast<float>(column), y = static_cast<float>(row);
     const auto last_x = static_cast<float>(asset.width - 1), last_y = static_cast<float>(asset.height - 1);
     mesh.uv.push_back({x / last_x, 1 - y / last_y});  // a cell exists, so neither side is one pixel
   }
