@@ -211,13 +211,12 @@ CommandRun add_render(CLI::App& app) {
   add_picture_options(app, options->render);
   options->frame_option = add_number<uint32_t>(app, "--frame", "N", options->frame, 0, kMaxFrames, "frame",
                                                "which frame of a motion a picture shows", "the last");
-  CLI::Option* sheet = add_number<uint32_t>(
-      app, "--sheet", "N", options->sheet, 1, kMaxSheet, "pictures",
-      "a contact sheet of so many moments, or views of an asset; --size is that of each", "none");
+  CLI::Option* sheet =
+      add_number<uint32_t>(app, "--sheet", "N", options->sheet, 1, kMaxSheet, "pictures",
+                           "a contact sheet of so many moments, or views of an asset; --size is that of each", "none");
   sheet->excludes(options->frame_option);
-  options->frame_rate_option =
-      add_number<double>(app, "--frame-rate", "R", options->frame_rate, 0.1, 1000, "1/s", "of a film of a motion",
-                         "what the cache says, 60 for a .pc2");
+  options->frame_rate_option = add_number<double>(app, "--frame-rate", "R", options->frame_rate, 0.1, 1000, "1/s",
+                                                  "of a film of a motion", "what the cache says, 60 for a .pc2");
   add_text(app, "--device", "NAME", options->render.device, "part of the name of a Vulkan device that can draw",
            "default the best one");
   add_quiet(app, options->quiet);

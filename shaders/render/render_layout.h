@@ -38,28 +38,28 @@ struct FrameParams {
 
 // Constant over a draw: push constants.
 struct ClothDraw {
-  vec4 base_color;    // linear
-  vec4 origin;        // [m] added to the positions of the image
-  uint width;         // of the position image [pixels]
-  uint mode;          // kDraw*
-  uint shadow_pass;   // 1: project for the light
-  float scale;        // of the garment in its scene
-  float alpha_cutoff; // below it there is nothing
-  float strain_range; // strain at the end of the heat scale
+  vec4 base_color;     // linear
+  vec4 origin;         // [m] added to the positions of the image
+  uint width;          // of the position image [pixels]
+  uint mode;           // kDraw*
+  uint shadow_pass;    // 1: project for the light
+  float scale;         // of the garment in its scene
+  float alpha_cutoff;  // below it there is nothing
+  float strain_range;  // strain at the end of the heat scale
 };
 
 struct SolidDraw {
   mat4 model;
-  vec4 base_color;    // linear
-  uint shadow_pass;   // 1: project for the light
-  uint ground;        // 1: a plane with a grid that fades out
-  float grid_scale;   // [m] per unit of the mesh
-  float grid_step;    // [m]
+  vec4 base_color;   // linear
+  uint shadow_pass;  // 1: project for the light
+  uint ground;       // 1: a plane with a grid that fades out
+  float grid_scale;  // [m] per unit of the mesh
+  float grid_step;   // [m]
 };
 
 struct RibbonDraw {
-  vec4 origin;  // [m]
-  uint width;   // of the position image [pixels]
+  vec4 origin;      // [m]
+  uint width;       // of the position image [pixels]
   float thickness;  // [pixels]
 };
 

@@ -15,7 +15,7 @@ struct SheetOptions {
   uint32_t charts_x = 1, charts_y = 1;  ///< at least one cell per chart
   uint32_t gap = 1;                     ///< empty pixels between charts
   bool horizontal = false;              ///< false: in the xy plane, facing +z; true: in the xz plane, facing +y
-  Vec3 center{};                          ///< [m] centre of the sheet
+  Vec3 center{};                        ///< [m] centre of the sheet
   float jitter = 0.F;                   ///< interior points are moved in plane by up to this share of the spacing
 };
 
@@ -31,7 +31,7 @@ struct TubeOptions {
   uint32_t nx = 24, ny = 16;  ///< points around (>= 3) and along (>= 2)
   float radius = 0.2F;        ///< [m]
   float height = 0.5F;        ///< [m]
-  Vec3 center{};                ///< [m]
+  Vec3 center{};              ///< [m]
 };
 [[nodiscard]] ClothAsset make_tube(const TubeOptions& options);
 
