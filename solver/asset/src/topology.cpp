@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "geocloth/asset/disjoint_sets.h"
 #include "geocloth/asset/error.h"
 
 namespace geocloth {
@@ -20,19 +21,6 @@ struct Side {
   uint32_t face;
   uint8_t corner;
   bool ascending;  ///< runs from the smaller vertex to the larger
-};
-
-class DisjointSets {
- public:
-  explicit DisjointSets(std::size_t size) : parent_(size) { std::iota(parent_.begin(), parent_.end(), 0U); }
-  uint32_t find(uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(uint32_t a, uint32_t b) { parent_[find(a)] = find(b); }
-
- private:
-  std::vector<uint32_t> parent_;
 };
 
 /// Disjoint sets whose members stand in one of two relations to their root: same way round, or turned.
