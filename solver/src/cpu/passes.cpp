@@ -161,7 +161,11 @@ template <size_t stride, bool accumulate>
 void project_line(const SpringLine line, uint32_t count, const SpringParams& params) {
   // Copied to locals, for floats that a reference leads to might be among those that are written.
   const float inverse_dt2 = params.inverse_dt2, share = params.share, kept = params.kept_multiplier;
+#ifdef __clang__
+#pragma clang loop vectorize(assume_safety)
+#else
 #pragma GCC ivdep
+#endif
   for (size_t k = 0; k < count; ++k) {
     const size_t i = k * stride;
     const float sum = accumulate ? kept * line.multiplier[i] : 0.F;
