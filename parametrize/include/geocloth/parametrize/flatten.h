@@ -43,11 +43,12 @@ struct FlattenOptions {
 };
 
 /// Lays every component out in the plane and packs the charts.
-/// Layout square: a square per component; the outline is divided so that all runs of a seam get the same whole number
-/// of pixels (>= 3), nodes on pixels, cut ends never on a corner; a vertex is inserted for every outline pixel; edges
-/// that join two outline vertices are split. The interior starts from mean-value coordinates on the convex outline
-/// (Floater 1997, 2003: no flips) and is improved for stretch without flips. Where a square cannot hold a part (long
-/// tubes) the cut is extended to the vertex of greatest stretch (Gu et al. 2002, section 4).
+/// Layout square: a square per component (its sides differ by a pixel at most); the outline is divided so that all runs
+/// of a seam get the same whole number of pixel steps, at least as many as the welded grid needs to be a proper mesh;
+/// nodes lie on pixels, cut ends never on a corner; a vertex is inserted for every outline pixel. Triangles that are
+/// large beside the pixels are subdivided. The interior starts from a convex embedding with positive weights (Floater
+/// 1997, 2003: no flips) and is improved for stretch without flips. Where a square cannot hold a part (long tubes) the
+/// cut is extended to the vertices of greatest stretch (Gu et al. 2002, section 4).
 /// @throws Error(limit) when the atlas would exceed kMaxImageSide, Error(unsupported) for a layout that does not exist
 [[nodiscard]] FlatSurface flatten(const CleanSurface& clean, const CutSurface& cut, const FlattenOptions& options,
                                   const Progress& progress = {});
