@@ -15,6 +15,7 @@
 #include "render/renderer.h"
 #include "render/solid_mesh.h"
 #include "support/make_sheet.h"
+#include "support/vulkan_test.h"
 
 namespace geocloth {
 namespace {
@@ -124,18 +125,27 @@ TEST(SolidMesh, lies_on_the_collider_and_faces_outwards) {
   }
 }
 
-class Render : public testing::Test {
+/// Every renderer is watched by the validation layers to its end.
+class Render : public test::VulkanTest {
  protected:
-  // A device that can draw is there wherever the tests run (lavapipe); the layers watch every call.
-  void SetUp() override { setenv("GEOCLOTH_VULKAN_VALIDATION", "1", 1); }
-
-  Picture draw(const Stage& stage, const RenderOptions& options, std::span<const Collider> colliders = {}) {
-    Renderer renderer(stage.scene, options);
-    const ClothState state = stage.state();
-    Picture picture = renderer.render(colliders, {&state, 1});
-    EXPECT_THAT(renderer.validation_messages(), IsEmpty());
-    return picture;
+  void TearDown() override {
+    for (const auto& log : logs_) EXPECT_THAT(log->messages(), IsEmpty());
+    VulkanTest::TearDown();
   }
+
+  Renderer make_renderer(const RenderScene& scene, const RenderOptions& options, Solver* solver = nullptr) {
+    Renderer renderer(scene, options, solver);
+    logs_.push_back(renderer.validation_log());
+    return renderer;
+  }
+
+  Picture draw(const Stage& stage, const RenderOptions& options) {
+    const ClothState state = stage.state();
+    return make_renderer(stage.scene, options).render({}, {&state, 1});
+  }
+
+ private:
+  std::vector<std::shared_ptr<const ValidationLog>> logs_;
 };
 
 TEST_F(Render, every_way_of_showing_gives_another_picture) {
@@ -174,14 +184,14 @@ TEST_F(Render, vertices_are_where_the_binding_says) {
   const Picture drawn = draw(stage, small());
   Playback reference = play_vertices({stage.asset->source}, {{expected}}, 60);
   const std::vector<PlayedCloth> state = reference.state(0);
-  Renderer renderer(reference.scene, small());
+  Renderer renderer = make_renderer(reference.scene, small());
   const ClothState states{state[0].position, state[0].normal};
   const Picture wanted = renderer.render({}, {&states, 1});
   // Normals come about differently, so colours may; the silhouette may not.
   const Picture empty = [&] {
     RenderScene nothing = reference.scene;
     nothing.cloths.clear();
-    return Renderer(nothing, small()).render({}, {});
+    return make_renderer(nothing, small()).render({}, {});
   }();
   size_t covered = 0, differing = 0;
   for (size_t i = 0; i < wanted.pixel.size(); ++i) {
@@ -207,7 +217,7 @@ TEST_F(Render, the_inner_side_is_darker_than_the_outer_one) {
 TEST_F(Render, the_camera_leaves_a_border_round_the_garment) {
   const Stage stage(test::make_tube({.nx = 24, .ny = 16, .radius = 0.2F, .height = 0.5F, .center = {3, 7, -2}}));
   RenderOptions options = small();
-  Renderer renderer(stage.scene, options);
+  Renderer renderer = make_renderer(stage.scene, options);
   const ClothState state = stage.state();
   const Picture with = renderer.render({}, {&state, 1});
   size_t covered = 0;
@@ -230,8 +240,8 @@ TEST_F(Render, cloth_throws_a_shadow_on_the_ground) {
   RenderScene nothing = scene;
   nothing.cloths.clear();
   const ClothState state = stage.state();
-  const Picture with = Renderer(scene, options).render({}, {&state, 1});
-  const Picture without = Renderer(nothing, options).render({}, {});
+  const Picture with = make_renderer(scene, options).render({}, {&state, 1});
+  const Picture without = make_renderer(nothing, options).render({}, {});
   size_t darker = 0;
   for (size_t i = 0; i < with.pixel.size(); ++i) {
     const Color a = with.pixel[i], b = without.pixel[i];
@@ -252,12 +262,11 @@ TEST_F(Render, every_collider_is_drawn_where_it_is) {
   for (const ColliderShape& shape : shapes) {
     Collider collider{.name = "c", .shape = shape, .friction = 0, .pose = {}};
     scene.colliders = {collider};
-    Renderer renderer(scene, small());
+    Renderer renderer = make_renderer(scene, small());
     const Picture here = renderer.render({&collider, 1});
     collider.pose.translate = {0.6F, 0, 0};
     const Picture there = renderer.render({&collider, 1});
     EXPECT_NE(here.at(160, 120), there.at(160, 120));
-    EXPECT_THAT(renderer.validation_messages(), IsEmpty());
   }
 }
 
@@ -275,7 +284,7 @@ TEST_F(Render, a_texture_colours_the_garment) {
 
   sheet.source.image[0].bytes.resize(20);  // what remains is drawn plain, and said
   const Stage broken(sheet);
-  const Renderer renderer(broken.scene, small());
+  const Renderer renderer = make_renderer(broken.scene, small());
   EXPECT_THAT(renderer.warnings(), testing::ElementsAre(HasSubstr("red")));
 }
 
@@ -292,7 +301,7 @@ TEST_F(Render, strain_shows_stretch_red_and_compression_blue) {
 
 TEST_F(Render, refuses_a_state_of_another_size) {
   const Stage stage(test::make_sheet({}));
-  Renderer renderer(stage.scene, small());
+  Renderer renderer = make_renderer(stage.scene, small());
   EXPECT_THROW(static_cast<void>(renderer.render({}, {})), Error);
   const ClothState state{std::span(stage.position).first(3), stage.normal};
   EXPECT_THROW(static_cast<void>(renderer.render({}, {&state, 1})), Error);
@@ -313,13 +322,15 @@ TEST_F(Render, draws_from_the_images_of_a_solver_on_vulkan) {
   settings.substeps = 4;
   settings.backend = Backend::vulkan;
   Solver vulkan({&cloth, 1}, settings);
+  watch(vulkan);
   settings.backend = Backend::cpu;
   Solver cpu({&cloth, 1}, settings);
   const std::vector<uint32_t>& top = stage.asset->splits.pixel;  // hangs by its seam
   std::vector<Pin> pins;
   for (const uint32_t pixel : top) pins.push_back({pixel, stage.asset->rest_position[pixel]});
 
-  Renderer direct(stage.scene, small(), &vulkan), uploaded(stage.scene, small(), &cpu);
+  Renderer direct = make_renderer(stage.scene, small(), &vulkan);
+  Renderer uploaded = make_renderer(stage.scene, small(), &cpu);
   EXPECT_TRUE(direct.draws_from_solver());
   EXPECT_FALSE(uploaded.draws_from_solver());
   for (Solver* solver : {&vulkan, &cpu}) solver->set_pins(0, pins);
@@ -332,9 +343,6 @@ TEST_F(Render, draws_from_the_images_of_a_solver_on_vulkan) {
     vulkan.step();
     cpu.step();
   }
-  EXPECT_THAT(direct.validation_messages(), IsEmpty());
-  EXPECT_THAT(validation_log(vulkan)->messages(), IsEmpty());
-  EXPECT_THAT(uploaded.validation_messages(), IsEmpty());
 }
 
 }  // namespace

@@ -430,8 +430,8 @@ const std::string& Renderer::device() const {
   return impl_->context().info().name;
 }
 
-std::vector<std::string> Renderer::validation_messages() const {
-  return impl_->context().validation_log()->messages();
+std::shared_ptr<const ValidationLog> Renderer::validation_log() const {
+  return impl_->context().validation_log();
 }
 
 }  // namespace geocloth

@@ -13,6 +13,8 @@
 
 namespace geocloth {
 
+class ValidationLog;
+
 /// A garment to draw.
 struct RenderCloth {
   std::shared_ptr<const ClothAsset> asset;  ///< outlives the renderer's construction only
@@ -65,8 +67,8 @@ class Renderer {
   [[nodiscard]] const std::vector<std::string>& warnings() const;
   /// The device's name.
   [[nodiscard]] const std::string& device() const;
-  /// Messages of the validation layers (see vulkan_interop.h).
-  [[nodiscard]] std::vector<std::string> validation_messages() const;
+  /// Messages of the validation layers (see vulkan_interop.h); outlives the renderer.
+  [[nodiscard]] std::shared_ptr<const ValidationLog> validation_log() const;
 
  private:
   class Impl;

@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <array>
 #include <map>
-#include <numeric>
 
+#include "geocloth/asset/disjoint_sets.h"
 #include "geocloth/asset/grid_mesh.h"
 
 namespace geocloth {
@@ -19,24 +19,6 @@ using PixelPair = std::array<uint32_t, 2>;
 PixelPair ascending(uint32_t a, uint32_t b) {
   return {std::min(a, b), std::max(a, b)};
 }
-
-class DisjointSets {
- public:
-  explicit DisjointSets(size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0U); }
-  uint32_t find(uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  /// The smaller number stays the representative, so that the numbering does not depend on the order of the joins.
-  void join(uint32_t a, uint32_t b) {
-    a = find(a);
-    b = find(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<uint32_t> parent_;
-};
 
 std::vector<OutlineEdge> outline_edges(const ClothAsset& asset) {
   struct Side {
