@@ -184,6 +184,7 @@ CommandRun add_simulate(CLI::App& app) {
            "default the first of the backend");
   add_number<uint32_t>(app, "--threads", "N", options->threads, 1, kMaxThreads, "threads",
                        "for the cpu backend; the result does not depend on it", "all of the machine's");
+  add_picture_options(app, options->pictures);
   CLI::Option* report = add_text(
       app, "--report", "R.json", options->report,
       "write times, stretch, energy and checks as JSON; checks every substep, which costs time", "default none");

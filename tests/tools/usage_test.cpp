@@ -106,6 +106,13 @@ TEST(Usage, EveryCommandHelpSaysTheDefaultOfEveryOption) {
   }
 }
 
+TEST(Usage, WhateverDrawsTakesTheSameOptions) {
+  for (const char* command : {"simulate", "render"}) {
+    const std::string help = run_program({command, "--help"}).out;
+    for (const char* option : {"--camera", "--size", "--show"}) EXPECT_THAT(help, HasSubstr(option)) << command;
+  }
+}
+
 TEST(Usage, HelpSaysUnitRangeAndDefaultOfANumber) {
   EXPECT_THAT(run_program({"convert", "--help"}).out, HasSubstr("pixels; from 8 to 4096; default 128"));
 }
