@@ -4,7 +4,7 @@
 # runs what reads foreign files again under the address and undefined-behaviour sanitizers, checks format and lint.
 # The last line is `N passed, N failed`; the exit status says the same.
 set -u
-cd "$(dirname "$0")/.."
+cd "$(dirname "$0")/.." || exit 1
 
 tools/install_packages.sh test || exit 1
 export GEOCLOTH_REQUIRE_DEVICE=1 CTEST_OUTPUT_ON_FAILURE=1

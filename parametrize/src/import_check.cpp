@@ -27,11 +27,11 @@ T read_le(std::string_view bytes, std::size_t at) {
 
 std::vector<std::string_view> words(std::string_view line) {
   std::vector<std::string_view> out;
-  constexpr std::string_view blank = " \t\r\n\v\f";
-  for (std::size_t at = line.find_first_not_of(blank); at != std::string_view::npos;) {
-    const std::size_t end = std::min(line.find_first_of(blank, at), line.size());
+  constexpr std::string_view kBlank = " \t\r\n\v\f";
+  for (std::size_t at = line.find_first_not_of(kBlank); at != std::string_view::npos;) {
+    const std::size_t end = std::min(line.find_first_of(kBlank, at), line.size());
     out.push_back(line.substr(at, end - at));
-    at = line.find_first_not_of(blank, end);
+    at = line.find_first_not_of(kBlank, end);
   }
   return out;
 }
@@ -176,10 +176,10 @@ class PlyChecker {
   }
 
   std::string_view next_text(const PlyElement& element, std::size_t i) {
-    constexpr std::string_view blank = " \t\r\n\v\f";
-    const std::size_t begin = bytes_.find_first_not_of(blank, at_);
+    constexpr std::string_view kBlank = " \t\r\n\v\f";
+    const std::size_t begin = bytes_.find_first_not_of(kBlank, at_);
     if (begin == std::string_view::npos) cut_off(element, i);
-    const std::size_t end = std::min(bytes_.find_first_of(blank, begin), bytes_.size());
+    const std::size_t end = std::min(bytes_.find_first_of(kBlank, begin), bytes_.size());
     at_ = end;
     return bytes_.substr(begin, end - begin);
   }
@@ -242,7 +242,7 @@ void check_stl(const std::filesystem::path& file, std::string_view bytes) {
 }
 
 void check_hierarchy(const std::filesystem::path& file, std::vector<std::array<uint64_t, 2>> edges) {
-  constexpr uint64_t most_nodes = 1'000'000, most_levels = 512;
+  constexpr uint64_t kMostNodes = 1'000'000, kMostLevels = 512;
   std::sort(edges.begin(), edges.end());
   std::map<uint64_t, uint64_t> parents;
   for (const auto& [parent, child] : edges) {
@@ -262,7 +262,7 @@ void check_hierarchy(const std::filesystem::path& file, std::vector<std::array<u
   std::size_t done = 0;
   for (; done < ready.size(); ++done) {
     const Unfolded self = unfolded[ready[done]];
-    if (self.count > most_nodes || self.depth > most_levels) {
+    if (self.count > kMostNodes || self.depth > kMostLevels) {
       fail(file, ErrorCode::limit, "its nodes nest more than 512 levels deep, or unfold to more than a million");
     }
     const std::array<uint64_t, 2> first{ready[done], 0};
@@ -270,7 +270,7 @@ void check_hierarchy(const std::filesystem::path& file, std::vector<std::array<u
          ++it) {
       const uint64_t child = (*it)[1];
       Unfolded& below = unfolded[child];
-      below = {std::min(below.count + self.count, most_nodes + 1), std::max(below.depth, self.depth + 1)};
+      below = {std::min(below.count + self.count, kMostNodes + 1), std::max(below.depth, self.depth + 1)};
       if (--parents[child] == 0) ready.push_back(child);
     }
   }

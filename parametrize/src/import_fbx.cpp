@@ -70,8 +70,8 @@ class FbxChecker {
 
   /// A record C with the values "OO", child, parent.
   void read_connection(std::string_view values) {
-    constexpr std::string_view kind("S\2\0\0\0OO", 7);
-    if (!values.starts_with(kind) || values.size() < 25 || values[7] != 'L' || values[16] != 'L') return;
+    constexpr std::string_view kObjectLink("S\2\0\0\0OO", 7);
+    if (!values.starts_with(kObjectLink) || values.size() < 25 || values[7] != 'L' || values[16] != 'L') return;
     connections.push_back({read_le<uint64_t>(values, 17), read_le<uint64_t>(values, 8)});
   }
 
