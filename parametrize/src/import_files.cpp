@@ -40,12 +40,12 @@ bool is_file(const std::filesystem::path& path) {
 
 /// @returns false when the text is no base64
 bool decode_base64(std::string_view text, std::vector<std::byte>& out) {
-  constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   while (text.ends_with('=')) text.remove_suffix(1);
   out.reserve(text.size() / 4 * 3 + 2);
   uint32_t bits = 0, count = 0;
   for (const char c : text) {
-    const std::size_t digit = digits.find(c);
+    const std::size_t digit = kDigits.find(c);
     if (digit == std::string_view::npos) return false;
     bits = (bits << 6U | static_cast<uint32_t>(digit)) & 0xFFFFFFU;
     count += 6;
@@ -99,12 +99,12 @@ std::optional<std::string> picture_type(const std::vector<uint8_t>& bytes) {
 }
 
 std::optional<std::vector<uint8_t>> read_picture(const std::filesystem::path& mesh_file, std::string_view reference) {
-  constexpr std::uintmax_t max_bytes = std::uintmax_t{256} << 20U;
+  constexpr std::uintmax_t kMaxBytes = std::uintmax_t{256} << 20U;
   const std::filesystem::path file = resolve(mesh_file, reference);
   std::error_code error;
-  if (!is_file(file) || std::filesystem::file_size(file, error) > max_bytes || error) return std::nullopt;
+  if (!is_file(file) || std::filesystem::file_size(file, error) > kMaxBytes || error) return std::nullopt;
   try {
-    const std::vector<std::byte> raw = read_file(file, max_bytes);
+    const std::vector<std::byte> raw = read_file(file, kMaxBytes);
     std::vector<uint8_t> bytes(raw.size());
     std::transform(raw.begin(), raw.end(), bytes.begin(), [](std::byte b) { return static_cast<uint8_t>(b); });
     if (!picture_type(bytes)) return std::nullopt;

@@ -153,8 +153,8 @@ class SheetMaker {
   }
 
   void list_pairs(std::span<const Side> faces, std::vector<Pair>& pairs) const {
-    constexpr std::size_t most = 128;  // beyond it this is no garment, and pairs are too many to look at
-    if (faces.size() > most) faces = faces.first(most);
+    constexpr std::size_t kMostFaces = 128;  // beyond it this is no garment, and pairs are too many to look at
+    if (faces.size() > kMostFaces) faces = faces.first(kMostFaces);
     const Point3 &low = soup_.position[faces[0].edge >> 32U], &high = soup_.position[faces[0].edge & 0xFFFFFFFFU];
     std::vector<Point3> wings;
     for (const Side& face : faces) wings.push_back(wing(face.side, low, high));
