@@ -30,23 +30,26 @@ vec3 unit_or(vec3 v, vec3 otherwise) {
   return squared > 1e-24 ? v * inversesqrt(squared) : otherwise;
 }
 
-// One structural spring's strain where it is the largest so far.
-void take_spring(uint pixel, uint other, vec3 here, vec3 rest_here, inout float strain) {
+float spring_strain(uint other, vec3 here, vec3 rest_here) {
   float rest = distance(texelFetch(rest_image, texel_of(other, draw.width), 0).xyz, rest_here) * draw.scale;
   float now = distance(fetch_position(other, draw.width), here);
-  float s = rest > 0.0 ? now / rest - 1.0 : 0.0;
-  if (abs(s) > abs(strain)) strain = s;
+  return rest > 0.0 ? now / rest - 1.0 : 0.0;
 }
 
+// The larger of the strains along weft and warp, each the mean of the springs on both sides: where cloth is pulled in one
+// direction and gives in the other, it is the pull that one wants to see.
 float largest_strain(uint pixel, vec3 here) {
   vec4 rest = texelFetch(rest_image, texel_of(pixel, draw.width), 0);
   uint springs = uint(rest.w);
-  float strain = 0.0;
-  if ((springs & kRestRight) != 0u) take_spring(pixel, pixel + 1u, here, rest.xyz, strain);
-  if ((springs & kRestDown) != 0u) take_spring(pixel, pixel + draw.width, here, rest.xyz, strain);
-  if ((springs & kRestLeft) != 0u) take_spring(pixel, pixel - 1u, here, rest.xyz, strain);
-  if ((springs & kRestUp) != 0u) take_spring(pixel, pixel - draw.width, here, rest.xyz, strain);
-  return strain;
+  vec2 sum = vec2(0.0), count = vec2(0.0);
+  if ((springs & kRestRight) != 0u) { sum.x += spring_strain(pixel + 1u, here, rest.xyz); count.x += 1.0; }
+  if ((springs & kRestLeft) != 0u) { sum.x += spring_strain(pixel - 1u, here, rest.xyz); count.x += 1.0; }
+  if ((springs & kRestDown) != 0u) { sum.y += spring_strain(pixel + draw.width, here, rest.xyz); count.y += 1.0; }
+  if ((springs & kRestUp) != 0u) { sum.y += spring_strain(pixel - draw.width, here, rest.xyz); count.y += 1.0; }
+  vec2 strain = sum / max(count, vec2(1.0));
+  if (count.x == 0.0) return strain.y;
+  if (count.y == 0.0) return strain.x;
+  return max(strain.x, strain.y);
 }
 
 void main() {

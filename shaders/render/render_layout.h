@@ -18,7 +18,7 @@ struct mat4 {
 const uint kDrawMaterial = 0u;  // base colour and texture of the source material
 const uint kDrawColor = 1u;     // colour of the vertex
 const uint kDrawGrid = 2u;      // base colour, lines where a coordinate of the image is whole
-const uint kDrawStrain = 3u;    // heat colour of the structural springs
+const uint kDrawStrain = 3u;    // heat colour of the structural springs' strain
 
 // Bits of the fourth component of a rest pixel: which structural springs end there.
 const uint kRestRight = 1u;

@@ -38,7 +38,7 @@ struct RenderOptions {
   Show show = Show::cloth;
   CameraChoice camera;
   std::string device;          ///< part of a device's name; empty: any that can draw
-  float strain_range = 0.05F;  ///< strain at the ends of the heat scale
+  float strain_range = 0.10F;  ///< strain at the ends of the heat scale
 };
 
 }  // namespace geocloth
