@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// `geocloth render` and the pictures of `geocloth simulate`, as their users call them.
+#include <algorithm>
+#include <cstdlib>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "geocloth/asset/asset_file.h"
+#include "render/picture.h"
+#include "support/make_sheet.h"
+#include "support/run_program.h"
+
+namespace geocloth::test {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+class CommandRender : public testing::Test {
+ protected:
+  void SetUp() override {
+    SheetOptions sheet;
+    sheet.nx = sheet.ny = 12;
+    write_asset(make_sheet(sheet), asset_);
+    if (run_program({"render", asset_, "-o", folder_ / "probe.png", "--size", "32x32", "-q"}).status != 0)
+      GTEST_SKIP() << "no Vulkan device that can draw";
+    std::filesystem::remove(folder_ / "probe.png");
+  }
+
+  ProgramResult render(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "render");
+    arguments.insert(arguments.end(), {"--size", "96x64", "-q"});
+    return run_program(arguments);
+  }
+  /// One line about `about`, status 1, and no file beside the inputs.
+  void expect_refused(const std::vector<std::string>& arguments, const std::string& about) {
+    const std::vector<std::string> before = folder_.entries();
+    const ProgramResult result = render(arguments);
+    EXPECT_EQ(result.status, 1);
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_THAT(result.err, HasSubstr(about));
+    EXPECT_EQ(folder_.entries(), before);
+  }
+  static bool has_ffmpeg() { return std::system("ffmpeg -version > /dev/null 2>&1") == 0; }
+
+  TemporaryFolder folder_;
+  std::string asset_ = folder_ / "sheet.glb";
+};
+
+TEST_F(CommandRender, draws_an_asset_in_every_way) {
+  for (const char* show : {"cloth", "grid", "strain", "charts", "seams"}) {
+    const std::string picture = folder_ / (std::string(show) + ".png");
+    EXPECT_EQ(render({asset_, "-o", picture, "--show", show}).status, 0) << show;
+    EXPECT_EQ(read_picture(picture).width, 96U) << show;
+  }
+}
+
+TEST_F(CommandRender, a_sheet_of_views_is_larger_than_one_view) {
+  ASSERT_EQ(render({asset_, "-o", folder_ / "sheet.png", "--sheet", "6"}).status, 0);
+  const Picture sheet = read_picture(folder_ / "sheet.png");
+  EXPECT_GT(sheet.width * sheet.height, 6U * 96 * 64);
+}
+
+TEST_F(CommandRender, plays_what_simulate_wrote) {
+  const ProgramResult result = run_program({"simulate", asset_, "-o", folder_ / "a.glb", "-o", folder_ / "a.pc2", "-o",
+                                            folder_ / "a.mdd", "--frames", "3", "-q"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(render({folder_ / "a.glb", "-o", folder_ / "glb.png", "--frame", "2"}).status, 0);
+  EXPECT_EQ(render({folder_ / "a.pc2", "--asset", asset_, "-o", folder_ / "pc2.png", "--frame", "2"}).status, 0);
+  EXPECT_EQ(render({folder_ / "a.mdd", "--asset", asset_, "-o", folder_ / "mdd.png", "--frame", "2"}).status, 0);
+  EXPECT_EQ(read_picture(folder_ / "pc2.png").pixel, read_picture(folder_ / "mdd.png").pixel);
+
+  expect_refused({folder_ / "a.pc2", "-o", folder_ / "x.png"}, "--asset");
+  expect_refused({folder_ / "a.glb", "-o", folder_ / "x.png", "--frame", "4"}, "the last one is 3");
+  expect_refused({folder_ / "a.glb", "-o", folder_ / "x.png", "--show", "grid"}, "--show");
+  SheetOptions other;
+  other.nx = 5;
+  write_asset(make_sheet(other), folder_ / "other.glb");
+  expect_refused({folder_ / "a.pc2", "--asset", folder_ / "other.glb", "-o", folder_ / "x.png"}, "144 points");
+}
+
+TEST_F(CommandRender, simulate_numbers_its_pictures_from_one) {
+  ASSERT_EQ(run_program({"simulate", asset_, "-o", folder_ / "p.png", "--frames", "2", "--size", "64x64", "-q"}).status,
+            0);
+  EXPECT_THAT(folder_.entries(), ElementsAre("p_0001.png", "p_0002.png", "sheet.glb"));
+}
+
+TEST_F(CommandRender, both_backends_draw_the_same_pictures) {
+  for (const char* backend : {"cpu", "vulkan"}) {
+    const ProgramResult result = run_program({"simulate", asset_, "-o", folder_ / (std::string(backend) + ".png"),
+                                              "--frames", "3", "--size", "96x64", "--backend", backend, "-q"});
+    ASSERT_EQ(result.status, 0) << result.err;
+  }
+  const Picture cpu = read_picture(folder_ / "cpu_0003.png"), vulkan = read_picture(folder_ / "vulkan_0003.png");
+  size_t differing = 0;
+  for (size_t i = 0; i < cpu.pixel.size(); ++i) differing += cpu.pixel[i] == vulkan.pixel[i] ? 0U : 1U;
+  EXPECT_LT(differing, cpu.pixel.size() / 50);
+}
+
+TEST_F(CommandRender, an_interrupted_film_leaves_nothing) {
+  if (!has_ffmpeg()) GTEST_SKIP() << "ffmpeg is not installed";
+  const ProgramResult result = run_program({"simulate", asset_, "-o", folder_ / "a.mp4", "-o", folder_ / "b.png",
+                                            "--frames", "100000", "--size", "64x64", "-q"},
+                                           std::chrono::milliseconds(1500));
+  EXPECT_EQ(result.status, 130) << result.err;
+  EXPECT_THAT(folder_.entries(), ElementsAre("sheet.glb"));
+}
+
+TEST_F(CommandRender, bad_input_is_one_line_and_no_file) {
+  expect_refused({folder_ / "missing.glb", "-o", folder_ / "x.png"}, "missing.glb");
+  expect_refused({folder_.write("text.glb", "no mesh"), "-o", folder_ / "x.png"}, "text.glb");
+  expect_refused({folder_.write("empty.pc2", ""), "--asset", asset_, "-o", folder_ / "x.png"}, "empty.pc2");
+  expect_refused({asset_, "-o", folder_ / "nowhere/x.png"}, "nowhere");
+  expect_refused({asset_, "-o", folder_ / "x.png", "--device", "Voodoo 2"}, "Voodoo 2");
+  const std::string whole = read_text(asset_);
+  for (size_t length = 0; length < whole.size(); length += whole.size() / 7)
+    expect_refused({folder_.write("cut.glb", whole.substr(0, length)), "-o", folder_ / "x.png"}, "cut.glb");
+}
+
+}  // namespace
+}  // namespace geocloth::test
