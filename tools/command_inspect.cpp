@@ -57,7 +57,7 @@ Summary summarize(const ClothAsset& asset) {
     summary.area += static_cast<double>(asset.area[pixel]);
     ++summary.valid_pixels;
     for (uint32_t bit = 0; bit < kSpringCount; ++bit) {
-      summary.springs[bit] += (asset.spring_mask[pixel] >> bit) & 1U;
+      summary.springs[bit] += static_cast<uint32_t>(asset.spring_mask[pixel] >> bit) & 1U;
     }
   }
   summary.split_pixels = static_cast<uint32_t>(asset.splits.pixel.size());

@@ -149,6 +149,7 @@ void draw_shots(const Options& options, const Playback& playback, const std::vec
     drawn = shots[i].frame;
     renderer.set_camera(shots[i].camera);
     std::vector<ClothState> states;
+    states.reserve(state.size());
     for (const PlayedCloth& cloth : state) states.push_back({cloth.position, cloth.normal});
     take(renderer.render({}, states), shots[i]);
     progress.show("picture", static_cast<double>(i + 1) / static_cast<double>(shots.size()));

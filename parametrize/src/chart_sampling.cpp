@@ -49,7 +49,7 @@ std::pair<Point3, double> nearest_in_triangle(const std::array<Point2, 3>& t, co
 
 }  // namespace
 
-PlaneLocator::PlaneLocator(const FlatSurface& flat, const FlatChart& chart, std::vector<uint32_t> triangles)
+PlaneLocator::PlaneLocator(const FlatSurface& flat, const FlatChart& chart, const std::vector<uint32_t>& triangles)
     : flat_(flat),
       width_(static_cast<int32_t>(chart.width) + 2 * kMargin),
       height_(static_cast<int32_t>(chart.height) + 2 * kMargin),

@@ -17,7 +17,7 @@ struct PlanePlace {
 class PlaneLocator {
  public:
   /// @param triangles  the chart's triangles, at least one
-  PlaneLocator(const FlatSurface& flat, const FlatChart& chart, std::vector<uint32_t> triangles);
+  PlaneLocator(const FlatSurface& flat, const FlatChart& chart, const std::vector<uint32_t>& triangles);
 
   [[nodiscard]] PlanePlace locate(const Point2& place) const;
 

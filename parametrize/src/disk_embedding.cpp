@@ -164,7 +164,8 @@ struct DiskEmbedding::Impl {
       sum += squared_length[t][i] * (plane[(i + 1) % 3] + plane[(i + 2) % 3] - plane[i]);
     }
     const double stretch = sum / (16 * flat * flat);
-    return std::isfinite(stretch) && stretch > 0 ? stretch : kInfinity;
+    if (!std::isfinite(stretch) || stretch <= 0) return kInfinity;
+    return stretch;
   }
 };
 

@@ -319,10 +319,10 @@ class GltfReader {
   }
 
   static std::size_t components_of(std::string_view type) {
-    constexpr std::array<std::pair<std::string_view, std::size_t>, 7> kinds{
+    constexpr std::array<std::pair<std::string_view, std::size_t>, 7> kKinds{
         {{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}, {"MAT2", 4}, {"MAT3", 9}, {"MAT4", 16}}};
-    const auto it = std::find_if(kinds.begin(), kinds.end(), [&](const auto& kind) { return kind.first == type; });
-    return it == kinds.end() ? 0 : it->second;
+    const auto it = std::find_if(kKinds.begin(), kKinds.end(), [&](const auto& kind) { return kind.first == type; });
+    return it == kKinds.end() ? 0 : it->second;
   }
 
   /// The bytes of `count` elements in a view.

@@ -210,12 +210,12 @@ uint32_t decode_obj_vertex(float x, float y) {
 }
 
 std::string clean_mtl(std::string_view text) {
-  constexpr std::string_view known[] = {"newmtl", "Kd", "d", "Tr", "Pr", "Pm", "map_Kd", "norm", "map_d"};
+  constexpr std::string_view kKnown[] = {"newmtl", "Kd", "d", "Tr", "Pr", "Pm", "map_Kd", "norm", "map_d"};
   std::string out;
   for_each_line(text, [&](std::size_t, std::string_view line) {
     const std::string_view keyword = next_word(line);
     const std::string value = printable(line);
-    for (const std::string_view k : known) {
+    for (const std::string_view k : kKnown) {
       if (k == keyword && !value.empty()) out.append(k).append(" ").append(value).push_back('\n');
     }
   });

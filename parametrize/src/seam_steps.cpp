@@ -7,13 +7,8 @@
 namespace geocloth {
 
 std::vector<uint32_t> least_seam_steps(const CutSurface& cut, std::span<const Outline> outlines) {
-  struct Ends {
-    std::pair<uint32_t, uint32_t> points;
-    uint32_t seam;
-    auto operator<=>(const Ends&) const = default;
-  };
   std::vector<uint32_t> least;
-  std::vector<Ends> ends;
+  std::vector<std::pair<std::pair<uint32_t, uint32_t>, uint32_t>> ends;  // both end points of a seam, the seam
   for (const Outline& outline : outlines) {
     for (size_t i = 0; i < outline.path.size(); ++i) {
       const OutlinePath& path = outline.path[i];
@@ -29,8 +24,8 @@ std::vector<uint32_t> least_seam_steps(const CutSurface& cut, std::span<const Ou
   std::sort(ends.begin(), ends.end());
   ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
   for (size_t i = 0; i + 1 < ends.size(); ++i) {
-    if (ends[i].points != ends[i + 1].points) continue;
-    for (const size_t k : {i, i + 1}) least[ends[k].seam] = std::max(least[ends[k].seam], 2U);
+    if (ends[i].first != ends[i + 1].first) continue;
+    for (const size_t k : {i, i + 1}) least[ends[k].second] = std::max(least[ends[k].second], 2U);
   }
   return least;
 }

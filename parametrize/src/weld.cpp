@@ -61,14 +61,14 @@ std::vector<NearPair> near_pairs(const std::vector<Point3>& place, double tolera
     if (d <= tolerance) pairs.push_back({d, std::min(order[i], order[j]), std::max(order[i], order[j])});
   };
   // Cells at (0,0,0..1) follow directly; each of the other four columns ahead has a cursor that only moves forward.
-  constexpr std::array<std::array<int64_t, 2>, 4> ahead{{{0, 1}, {1, -1}, {1, 0}, {1, 1}}};
+  constexpr std::array<std::array<int64_t, 2>, 4> kAhead{{{0, 1}, {1, -1}, {1, 0}, {1, 1}}};
   std::array<std::size_t, 4> cursor{};
   for (std::size_t i = 0; i < order.size(); ++i) {
     const Cell& c = cell[order[i]];
     const Cell last{c[0], c[1], c[2] + 1};
     for (std::size_t j = i + 1; j < order.size() && cell[order[j]] <= last; ++j) compare(i, j);
-    for (std::size_t k = 0; k < ahead.size(); ++k) {
-      const Cell from{c[0] + ahead[k][0], c[1] + ahead[k][1], c[2] - 1}, to{from[0], from[1], c[2] + 1};
+    for (std::size_t k = 0; k < kAhead.size(); ++k) {
+      const Cell from{c[0] + kAhead[k][0], c[1] + kAhead[k][1], c[2] - 1}, to{from[0], from[1], c[2] + 1};
       while (cursor[k] < order.size() && cell[order[cursor[k]]] < from) ++cursor[k];
       for (std::size_t j = cursor[k]; j < order.size() && cell[order[j]] <= to; ++j) compare(i, j);
     }

@@ -14,7 +14,7 @@
 namespace geocloth {
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 std::string number(double value) {
   std::array<char, 32> text{};

@@ -16,7 +16,6 @@ namespace {
 
 constexpr double kAirDensity = 1.204;  ///< [kg/m^3] at 20 degrees Celsius
 
-using shader::vec3;
 using shader::vec4;
 
 vec4 point4(const Vec3& p, float w) {

@@ -64,21 +64,23 @@ std::vector<ClothVertex> source_vertices(const RenderCloth& cloth) {
 
 std::vector<ClothVertex> grid_vertices(const ClothAsset& asset) {
   std::vector<ClothVertex> vertices(asset.pixel_count());
-  for (uint32_t pixel = 0; pixel < asset.pixel_count(); ++pixel)
+  for (uint32_t pixel = 0; pixel < asset.pixel_count(); ++pixel) {
+    const uint32_t column = pixel % asset.width, row = pixel / asset.width;
     vertices[pixel] = {.pixel = {pixel, pixel, pixel},
                        .weight = {1, 0, 0},
                        .offset = {},
                        .normal = {0, 0, 1},
                        .uv = {},
-                       .grid = {static_cast<float>(pixel % asset.width), static_cast<float>(pixel / asset.width)},
+                       .grid = {static_cast<float>(column), static_cast<float>(row)},
                        .color = distinct_color(asset.valid(pixel) ? asset.chart[pixel] : 0U)};
+  }
   return vertices;
 }
 
 std::vector<RibbonInstance> seam_ribbons(const ClothAsset& asset) {
   std::vector<RibbonInstance> ribbons;
   for (const OutlineEdge& edge : find_seam_lines(asset).edge)
-    ribbons.push_back({{edge.a, edge.b}, edge.seam == kNoSeam ? kFreeBorder : distinct_color(edge.seam)});
+    ribbons.push_back({{edge.a, edge.b}, edge.seam == kNoSeam ? kFreeBorder : seam_color(edge.seam)});
   return ribbons;
 }
 

@@ -51,7 +51,7 @@ std::vector<Vec3> smooth_normals(const SourceMesh& source, const std::vector<uin
 
 }  // namespace
 
-Playback play_asset(std::shared_ptr<const ClothAsset> asset) {
+Playback play_asset(const std::shared_ptr<const ClothAsset>& asset) {
   Playback playback;
   playback.scene.subject = bounds_of(asset->source.position);
   playback.scene.cloths = {make_render_cloth(asset)};

@@ -23,7 +23,7 @@ struct Playback {
 };
 
 /// An asset as it came out of the conversion.
-[[nodiscard]] Playback play_asset(std::shared_ptr<const ClothAsset> asset);
+[[nodiscard]] Playback play_asset(const std::shared_ptr<const ClothAsset>& asset);
 
 /// A cache of vertex positions of source meshes: every vertex becomes a pixel of its own, so that the same shader draws
 /// it. Normals are smooth over vertices that shared position and normal in the source mesh.

@@ -27,7 +27,7 @@ std::filesystem::path find_program(std::string_view name) {
   std::string_view folders = path == nullptr ? std::string_view() : path;
   while (!folders.empty()) {
     const size_t end = folders.find(':');
-    const std::filesystem::path candidate = std::filesystem::path(folders.substr(0, end)) / name;
+    std::filesystem::path candidate = std::filesystem::path(folders.substr(0, end)) / name;
     if (access(candidate.c_str(), X_OK) == 0 && !std::filesystem::is_directory(candidate)) return candidate;
     folders = end == std::string_view::npos ? std::string_view() : folders.substr(end + 1);
   }
@@ -68,6 +68,7 @@ struct VideoWriter::Encoder {
     if (complaints == nullptr || socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
       throw Error(ErrorCode::io, fmt::format("ffmpeg cannot be started: {}", std::strerror(errno)));
     std::vector<char*> argv;
+    argv.reserve(args.size() + 1);
     for (std::string& arg : args) argv.push_back(arg.data());
     argv.push_back(nullptr);
     const pid_t parent = getpid();
