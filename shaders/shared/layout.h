@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // How the state of one cloth lies in memory, for both backends.
 //
+// clang-format off
 // Per pixel, row by row, pixel (0,0) at the top left (Vulkan: images of width x height; cpu: arrays):
-//   position   rgba32f   xyz [m] relative to SimulationData::origin, w = inverse mass [1/kg]; w = 0: pinned or not
-//   valid previous   rgba32f   xyz position at the start of the substep; velocity = (position - previous) / dt carry
-//   rgba32f   xyz what rounding took away when the position was predicted (compensated sum) normal     rgba32f   xyz
-//   unit normal (zero where not valid), w = its length before it was made a unit springs    rgba32f   one image for
-//   each family: (rest length a [m], compliance a [m/N], rest b, compliance b), for
+//   position   rgba32f   xyz [m] relative to SimulationData::origin, w = inverse mass [1/kg]; 0: pinned or not valid
+//   previous   rgba32f   xyz position at the start of the substep; velocity = (position - previous) / dt
+//   carry      rgba32f   xyz what rounding took away when the position was predicted (compensated sum)
+//   normal     rgba32f   xyz unit normal (zero where not valid), w = its length before it was made a unit
+//   springs    rgba32f   one image for each family: (rest length a [m], compliance a [m/N], rest b, compliance b), for
 //                        the two forward springs a, b of the family; rest length 0: no spring
 //                        structural: right, down; shear: down-right, down-left; bending: right two, down two
+//                        bending with a rigidity (lib/bend.h): rest and compliance of the bends over the same pixels;
+//                        compliance 0: no bend
 //   cell       r32ui     CellBit of cloth_asset.h
+// clang-format on
 // Buffers: see the structs below. `pixel` is always y * width + x.
 #ifndef GEOCLOTH_SHARED_LAYOUT_H
 #define GEOCLOTH_SHARED_LAYOUT_H
@@ -114,12 +118,17 @@ struct Attachment {
 };
 const uint kNoAnchor = 0xFFFFFFFFu;
 
-// A bending spring across a seam. Springs of one colour share no pixel; a colour is a contiguous range.
+// Bending across a seam, by a spring from a to b or by the curvature at the middle (lib/bend.h). Those of one colour
+// share no pixel; a colour is a contiguous range.
 struct SeamSpring {
   uint a;
+  uint middle;
   uint b;
-  float rest;        // [m]
-  float compliance;  // [m/N]
+  float rest;          // [m] of the spring, or of the curvature
+  float compliance;    // [m/N]
+  float chord;         // for the curvature: share of b in the chord at the middle
+  float middle_share;  // and share of the middle point's mass that its pixel carries
+  float unused0;
 };
 
 // A collider in its local frame, centred on the origin.
@@ -159,7 +168,7 @@ struct PassConstants {
 static_assert(sizeof(ClothParams) == 112 && offsetof(ClothParams, gravity_step) == 16 &&
               offsetof(ClothParams, dt) == 48);
 static_assert(sizeof(Wave) == 32 && sizeof(Substep) == 16 + 32 * kWindWaves);
-static_assert(sizeof(PinTarget) == 32 && sizeof(Attachment) == 8 && sizeof(SeamSpring) == 16);
+static_assert(sizeof(PinTarget) == 32 && sizeof(Attachment) == 8 && sizeof(SeamSpring) == 32);
 static_assert(sizeof(ColliderShape) == 48 && sizeof(ColliderPose) == 48 && sizeof(PassConstants) == 24);
 }  // namespace geocloth::shader
 #endif

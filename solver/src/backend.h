@@ -24,7 +24,7 @@ struct ClothData {
   std::vector<uint32_t> seam_color_offset;     ///< colours + 1 entries; empty without seam bends
   std::vector<uint32_t> split_offset;          ///< rows + 1 entries; empty without rows
   std::vector<uint32_t> split_pixel;
-  bool bending = false;            ///< some bending spring or seam bend is there
+  Bending bending = Bending::none;
   bool attachments = false;        ///< max_stretch > 0
   uint64_t springs_per_sweep = 0;  ///< springs and seam bends that one relaxation step projects
 

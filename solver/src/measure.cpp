@@ -27,10 +27,40 @@ double spring_energy(const Vec3& a, const Vec3& b, float rest, float compliance)
   return 0.5 * stretch * stretch / static_cast<double>(compliance);
 }
 
+/// Energy of one bend (lib/bend.h); a compliance of 0 is none.
+double bend_energy(const Vec3& a, const Vec3& middle, const Vec3& b, double chord, float rest, float compliance) {
+  if (!(compliance > 0)) return 0;
+  const auto out = [chord](float pa, float pm, float pb) {
+    return (1 - chord) * (static_cast<double>(pa) - pm) + chord * (static_cast<double>(pb) - pm);
+  };
+  const double e = std::hypot(out(a.x, middle.x, b.x), out(a.y, middle.y, b.y), out(a.z, middle.z, b.z));
+  return 0.5 * (e - static_cast<double>(rest)) * (e - static_cast<double>(rest)) / static_cast<double>(compliance);
+}
+
+double curvature_energy(const ClothData& data, std::span<const Vec3> x) {
+  double energy = 0;
+  for (uint32_t p = 0; p < data.pixel_count(); ++p) {
+    const shader::vec4& bend = data.springs[2][p];
+    if (bend.y > 0) {
+      const double h1 = data.springs[0][p].x, h2 = data.springs[0][p + 1].x;
+      energy += bend_energy(x[p], x[p + 1], x[p + 2], h1 / (h1 + h2), bend.x, bend.y);
+    }
+    if (bend.w > 0) {
+      const uint32_t middle = p + data.width;
+      const double h1 = data.springs[0][p].z, h2 = data.springs[0][middle].z;
+      energy += bend_energy(x[p], x[middle], x[middle + data.width], h1 / (h1 + h2), bend.z, bend.w);
+    }
+  }
+  for (const shader::SeamSpring& s : data.seam_bends) {
+    energy += bend_energy(x[s.a], x[s.middle], x[s.b], static_cast<double>(s.chord), s.rest, s.compliance);
+  }
+  return energy;
+}
+
 double elastic_energy(const ClothData& data, std::span<const Vec3> x) {
   double energy = 0;
   for (uint32_t p = 0; p < data.pixel_count(); ++p) {
-    for (uint32_t c = 0; c < kSpringCount; ++c) {
+    for (uint32_t c = 0; c < kSpringCount - 2; ++c) {  // the seeds' bending springs are constraints and store none
       const shader::vec4& s = data.springs[c / 2][p];
       const float rest = c % 2 == 0 ? s.x : s.z;
       if (!(rest > 0)) continue;
@@ -38,8 +68,7 @@ double elastic_energy(const ClothData& data, std::span<const Vec3> x) {
       energy += spring_energy(x[p], x[static_cast<size_t>(q)], rest, c % 2 == 0 ? s.y : s.w);
     }
   }
-  for (const shader::SeamSpring& s : data.seam_bends) energy += spring_energy(x[s.a], x[s.b], s.rest, s.compliance);
-  return energy;
+  return data.bending == Bending::curvature ? energy + curvature_energy(data, x) : energy;
 }
 
 }  // namespace

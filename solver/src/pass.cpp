@@ -4,6 +4,7 @@
 
 #include "pass.h"
 
+#include "lib/bend_groups.h"
 #include "shared/layout.h"
 
 namespace geocloth {
@@ -20,16 +21,24 @@ void add_normals(std::vector<PassStep>& steps, const ScheduleOptions& options) {
   if (options.splits) steps.push_back({Pass::normals_stitch});
 }
 
+void add_bending(std::vector<PassStep>& steps, const ScheduleOptions& options, uint32_t relaxation) {
+  if (options.bending == Bending::none) return;
+  const bool springs = options.bending == Bending::springs;
+  if (springs) {
+    add_family(steps, Pass::bending, 2 * kGroupsPerFamily, relaxation);
+  } else {
+    for (uint32_t g = 0; g < shader::kBendGroups; ++g) steps.push_back({Pass::curvature, g, relaxation});
+  }
+  for (uint32_t color = 0; color < options.seam_colors; ++color) {
+    steps.push_back({springs ? Pass::seam_bends : Pass::seam_curvature, color, relaxation});
+  }
+}
+
 void add_relaxation(std::vector<PassStep>& steps, const ScheduleOptions& options, uint32_t relaxation) {
   add_family(steps, Pass::structural, 0, relaxation);
   if (options.splits) steps.push_back({Pass::stitch, 0, relaxation});
   add_family(steps, Pass::shear, kGroupsPerFamily, relaxation);
-  if (options.bending) {
-    add_family(steps, Pass::bending, 2 * kGroupsPerFamily, relaxation);
-    for (uint32_t color = 0; color < options.seam_colors; ++color) {
-      steps.push_back({Pass::seam_bends, color, relaxation});
-    }
-  }
+  add_bending(steps, options, relaxation);
   if (options.splits) steps.push_back({Pass::stitch, 0, relaxation});
 }
 

@@ -19,6 +19,8 @@ enum class Pass : uint8_t {
   shear,           ///< per spring, groups 4..7
   bending,         ///< per spring, groups 8..11
   seam_bends,      ///< per seam bend, one group for each colour
+  curvature,       ///< per bend over three pixels in a row, groups 0..5 of lib/bend_groups.h
+  seam_curvature,  ///< per seam bend, one group for each colour
   stitch,          ///< per split row: mass-weighted mean of the copies, written to every copy
   limit,           ///< per pixel: long-range attachment; copies are equal before it and so they are after it
   collide,         ///< per pixel: largest speed, then colliders with friction; writes position and previous
@@ -31,7 +33,7 @@ struct PassInfo {
   std::string_view name;
   std::string_view shader;  ///< file in shaders/cloth/
 };
-inline constexpr std::array<PassInfo, 13> kPasses{{
+inline constexpr std::array<PassInfo, 15> kPasses{{
     {Pass::normals, "normals", "normals.comp"},
     {Pass::normals_stitch, "normals_stitch", "normals_stitch.comp"},
     {Pass::predict, "predict", "predict.comp"},
@@ -40,6 +42,8 @@ inline constexpr std::array<PassInfo, 13> kPasses{{
     {Pass::shear, "shear", "springs.comp"},
     {Pass::bending, "bending", "springs.comp"},
     {Pass::seam_bends, "seam_bends", "seam_bends.comp"},
+    {Pass::curvature, "curvature", "curvature.comp"},
+    {Pass::seam_curvature, "seam_curvature", "seam_curvature.comp"},
     {Pass::stitch, "stitch", "stitch.comp"},
     {Pass::limit, "limit", "limit.comp"},
     {Pass::collide, "collide", "collide.comp"},
@@ -53,17 +57,24 @@ inline constexpr std::array<PassInfo, 13> kPasses{{
 /// One entry of a schedule: a pass over all of a cloth, or one group of springs of it.
 struct PassStep {
   Pass pass;
-  uint32_t group = 0;       ///< spring group 0..11, or the colour of the seam bends
+  uint32_t group = 0;       ///< spring group 0..11, group 0..5 of the curvatures, or the colour of the seam bends
   uint32_t relaxation = 0;  ///< 0..relaxation_steps - 1
+};
+
+/// How the cloth resists bending.
+enum class Bending : uint8_t {
+  none,
+  springs,   ///< the seeds' way, over two pixels: passes bending and seam_bends
+  curvature  ///< with a rigidity: passes curvature and seam_curvature
 };
 
 /// What a schedule depends on besides the pass list. Passes that would do nothing are left out.
 struct ScheduleOptions {
   uint32_t relaxation_steps = 1;
-  bool air = false;          ///< wind or drag acts: normals are needed in every substep
-  bool pins = false;         ///< the cloth has pins in this frame
-  bool splits = false;       ///< the split-vertex table has rows
-  bool bending = false;      ///< some bending spring has a finite compliance
+  bool air = false;     ///< wind or drag acts: normals are needed in every substep
+  bool pins = false;    ///< the cloth has pins in this frame
+  bool splits = false;  ///< the split-vertex table has rows
+  Bending bending = Bending::none;
   bool attachments = false;  ///< max_stretch > 0 and pins
   bool collide = false;      ///< colliders, or max_speed > 0
   bool check = false;        ///< measure copies and colliders after every substep
@@ -73,8 +84,8 @@ struct ScheduleOptions {
 };
 
 /// The passes of one substep in their order:
-///   [normals] predict pins { structural, stitch, shear, bending, seam bends, stitch } x relaxation limit collide
-///   [check]
+///   [normals] predict pins { structural, stitch, shear, bending or curvature, over seams too, stitch } x relaxation
+///   limit collide [check]
 [[nodiscard]] std::vector<PassStep> substep_schedule(const ScheduleOptions& options);
 
 /// The passes after the last substep of a frame: normals.

@@ -3,6 +3,7 @@
 // of substeps and the way the cloth is cut into charts.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -104,45 +105,68 @@ TEST(HangingStrip, IsAsLongCutAcrossAsUncut) {
   EXPECT_NEAR(hanging_elongation(8, 29, material, 4), uncut, 0.06 * uncut);
 }
 
+double component(const Vec3& a, size_t k) {
+  return static_cast<double>(k == 0 ? a.x : k == 1 ? a.y : a.z);
+}
+
+/// Linear and angular momentum about the centre of mass, with what they are measured by: the sums without signs.
 struct Momentum {
-  double x = 0, y = 0, z = 0;  ///< linear
-  double angular_z = 0;
+  std::array<double, 3> linear{}, angular{};
+  double linear_scale = 0, angular_scale = 0;
 };
 Momentum momentum_of(Solver& solver, const ClothDesc& cloth) {
   const std::vector<Vec3> x = test::positions_of(solver), v = test::velocities_of(solver);
   const std::vector<double> mass = test::masses_of(cloth);
-  Momentum sum;
+  std::array<double, 3> center{}, mean{};
+  double total = 0;
   for (size_t p = 0; p < x.size(); ++p) {
-    sum.x += mass[p] * v[p].x;
-    sum.y += mass[p] * v[p].y;
-    sum.z += mass[p] * v[p].z;
-    sum.angular_z += mass[p] * (static_cast<double>(x[p].x) * v[p].y - static_cast<double>(x[p].y) * v[p].x);
+    total += mass[p];
+    for (size_t k = 0; k < 3; ++k) {
+      center[k] += mass[p] * component(x[p], k);
+      mean[k] += mass[p] * component(v[p], k);
+    }
+  }
+  Momentum sum;
+  sum.linear = mean;
+  for (size_t p = 0; p < x.size(); ++p) {
+    std::array<double, 3> r{}, u{};
+    for (size_t k = 0; k < 3; ++k) {
+      r[k] = component(x[p], k) - center[k] / total;
+      u[k] = component(v[p], k) - mean[k] / total;
+    }
+    for (size_t k = 0; k < 3; ++k)
+      sum.angular[k] += mass[p] * (r[(k + 1) % 3] * u[(k + 2) % 3] - r[(k + 2) % 3] * u[(k + 1) % 3]);
+    sum.linear_scale += mass[p] * static_cast<double>(length(v[p]));
+    sum.angular_scale += mass[p] * std::hypot(r[0], r[1], r[2]) * std::hypot(u[0], u[1], u[2]);
   }
   return sum;
 }
 
 class Cutting : public ::testing::TestWithParam<std::pair<uint32_t, uint32_t>> {};
 
+// 8 substeps of 1/60 s. The step is as dissipative as a backward Euler step: a spin of w [1/s] loses the share w^2 dt a
+// second, here 2e-4; and positions are rounded to 3e-8 m, which at many substeps is a larger error of the velocity.
 TEST_P(Cutting, KeepsMomentumOfCloth_ThatFliesFreely) {
   const auto [charts_x, charts_y] = GetParam();
-  const ClothDesc cloth = test::describe(
-      make_sheet({.nx = 17, .ny = 17, .charts_x = charts_x, .charts_y = charts_y, .jitter = 0.2F}), test::undamped());
+  const ClothDesc cloth =
+      test::describe(make_sheet({.nx = 17, .ny = 17, .charts_x = charts_x, .charts_y = charts_y}), test::undamped());
   SolverSettings settings = test::cpu_settings();
   settings.gravity = {};
+  settings.substeps = 8;
   Solver solver(std::vector{cloth}, settings);
   const std::vector<Vec3> x = test::positions_of(solver);
   std::vector<Vec3> v(x.size());
-  for (size_t p = 0; p < x.size(); ++p) {
-    if (cloth.asset->valid(static_cast<uint32_t>(p))) v[p] = {1 - 2 * x[p].y + x[p].x, 2 * x[p].x, 3 * x[p].y * x[p].x};
+  for (size_t p = 0; p < x.size(); ++p) {  // flies, spins and flaps
+    if (cloth.asset->valid(static_cast<uint32_t>(p))) v[p] = {1 - 0.3F * x[p].y, 0.3F * x[p].x, 0.5F * x[p].y * x[p].x};
   }
   solver.write_state(0, x, v);
   const Momentum before = momentum_of(solver, cloth);
-  test::run(solver, 60);
+  test::run(solver, 15);
   const Momentum after = momentum_of(solver, cloth);
-  EXPECT_NEAR(after.x, before.x, 1e-4);
-  EXPECT_NEAR(after.y, before.y, 1e-4);
-  EXPECT_NEAR(after.z, before.z, 1e-4);
-  EXPECT_NEAR(after.angular_z, before.angular_z, 0.02 * std::abs(before.angular_z));
+  for (size_t k = 0; k < 3; ++k) {
+    EXPECT_NEAR(after.linear[k], before.linear[k], 1e-4 * before.linear_scale) << k;
+    EXPECT_NEAR(after.angular[k], before.angular[k], 1e-4 * before.angular_scale) << k;
+  }
   EXPECT_EQ(solver.statistics().copy_gap, 0.0);
 }
 

@@ -24,6 +24,7 @@ inline ColliderPose collider_pose(ColliderSet set, uint pose, uint i) {
 
 }  // namespace geocloth::shader
 
+#include "cpu/curvature.h"
 #include "lib/collide.h"
 #include "lib/limit.h"
 #include "lib/normal.h"
@@ -356,6 +357,10 @@ void run_pass(const PassStep& step, const PassContext& context, ClothState& stat
       return SpringPass(context, state, step).run();
     case Pass::seam_bends:
       return seam_bends(context, state, step);
+    case Pass::curvature:
+      return curvature(context, state, step);
+    case Pass::seam_curvature:
+      return seam_curvature(context, state, step);
     case Pass::stitch:
       return stitch(context, state);
     case Pass::limit:

@@ -6,7 +6,9 @@
 #include "check_colliders_comp.h"
 #include "check_copies_comp.h"
 #include "collide_comp.h"
+#include "curvature_comp.h"
 #include "inverse_mass_comp.h"
+#include "lib/bend_groups.h"
 #include "lib/spring_groups.h"
 #include "limit_comp.h"
 #include "normals_comp.h"
@@ -14,6 +16,7 @@
 #include "pins_comp.h"
 #include "predict_comp.h"
 #include "seam_bends_comp.h"
+#include "seam_curvature_comp.h"
 #include "shared/workgroup.h"
 #include "springs_comp.h"
 #include "stitch_comp.h"
@@ -37,6 +40,10 @@ std::span<const uint32_t> spirv(Pass pass) {
       return springs_comp;
     case Pass::seam_bends:
       return seam_bends_comp;
+    case Pass::curvature:
+      return curvature_comp;
+    case Pass::seam_curvature:
+      return seam_curvature_comp;
     case Pass::stitch:
       return stitch_comp;
     case Pass::limit:
@@ -92,7 +99,7 @@ constexpr uint32_t groups(uint32_t count, uint32_t size) {
 /// Number of entries of a pass that runs over a list.
 uint32_t list_count(const ClothResources& cloth, const PassStep& step, uint32_t pins) {
   if (step.pass == Pass::pins) return pins;
-  if (step.pass == Pass::seam_bends)
+  if (step.pass == Pass::seam_bends || step.pass == Pass::seam_curvature)
     return cloth.seam_color_offset[step.group + 1] - cloth.seam_color_offset[step.group];
   return cloth.split_rows;
 }
@@ -134,6 +141,8 @@ void PassKernels::dispatch(const vk::raii::CommandBuffer& commands, const ClothR
     case Pass::shear:
     case Pass::bending:
       return over_pixels(shader::group_extent(step.group, cloth.width, cloth.height));
+    case Pass::curvature:
+      return over_pixels(shader::bend_extent(step.group, cloth.width, cloth.height));
     case Pass::normals:
     case Pass::predict:
     case Pass::limit:
@@ -141,6 +150,7 @@ void PassKernels::dispatch(const vk::raii::CommandBuffer& commands, const ClothR
     case Pass::check_colliders:
       return over_pixels({cloth.width, cloth.height});
     case Pass::seam_bends:
+    case Pass::seam_curvature:
       constants.first = cloth.seam_color_offset[step.group];
       break;
     case Pass::normals_stitch:

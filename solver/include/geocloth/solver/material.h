@@ -12,7 +12,7 @@ struct Material {
   float stretch_warp = 1000.F;  ///< [N/m] force per width and strain along +v; > 0; larger is stiffer
   float stretch_weft = 1000.F;  ///< [N/m] the same along u
   float shear = 100.F;          ///< [N/m]
-  float bend_warp = 1e-5F;      ///< [N m] bending rigidity along +v; >= 0
+  float bend_warp = 1e-5F;      ///< [N m] bending rigidity of a line along +v; >= 0
   float bend_weft = 1e-5F;      ///< [N m]
   float damping = 1.0F;         ///< [1/s] share of the velocity lost per second; >= 0
   float thickness = 0.002F;     ///< [m] the cloth's middle surface keeps this distance from colliders; >= 0
@@ -22,7 +22,7 @@ struct Material {
 
   /// The seeds' own dimensionless parameters; they depend on the step. Used instead of the physical ones when >= 0.
   float stiffness = -1.F;       ///< 0..1 share of a structural or shear spring's error that one projection removes
-  float bend_stiffness = -1.F;  ///< 0..1 the same for bending springs
+  float bend_stiffness = -1.F;  ///< 0..1 the same for springs over two pixels, in place of the bending rigidity
   float verlet_damping = -1.F;  ///< Zeller's k, 0..1: x + k (x - x_prev)
 };
 

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bending with a rigidity: three pixels in a row, as in the discrete elastica; XPBD as in spring.h.
+//
+//   a --- h1 --- m --- h2 --- b      e = (1 - f) a + f b - m with f = h1 / (h1 + h2): from m to the chord,
+//                                    curvature = 2 |e| / (h1 h2)
+//
+// The energy B A curvature^2 / 2 of the area A with the rigidity B is that of the constraint |e| = rest with the
+// compliance (h1 h2)^2 / (4 B A). The three impulses lie along e and add up to nothing, and so do their moments.
+#ifndef GEOCLOTH_LIB_BEND_H
+#define GEOCLOTH_LIB_BEND_H
+
+#include "vector.h"
+
+#ifdef __cplusplus
+namespace geocloth::shader {
+#endif
+
+struct BendEnds {
+  vec3 a;
+  vec3 middle;
+  vec3 b;
+  float multiplier;
+};
+
+// f above; 0 where a rest length is missing.
+inline float chord_share(float h1, float h2) {
+  precise float h = h1 + h2;
+  precise float f = h > 0.0f ? h1 * (1.0f / (h > 0.0f ? h : 1.0f)) : 0.0f;
+  return f;
+}
+
+// @param wa, wm, wb    inverse masses [1/kg]
+// @param middle_share  share of the middle point's mass that this copy of it carries, 1 without a seam: the whole point
+//                      is what yields, and the copy is moved so far that the stitch moves the point right
+// @param chord         f above
+// @param rest          [m] |e| at rest
+// @param compliance    [m/N] divided by dt^2; 0: no bend, the three stay
+// @param multiplier    sum of the multipliers of earlier relaxation steps of this substep
+inline BendEnds project_bend(vec3 a, float wa, vec3 middle, float wm, vec3 b, float wb, float middle_share, float chord,
+                             float rest, float compliance, float multiplier) {
+  precise float back = 1.0f - chord;
+  precise vec3 e = (a - middle) * back + (b - middle) * chord;
+  precise float l = length3(e);
+  precise float w = wa * back * back + wm * middle_share + wb * chord * chord;
+  bool bent = compliance > 0.0f && l > 1e-12f;
+  precise float error = (l - rest) + compliance * multiplier;
+  precise float change = bent ? error * (1.0f / (bent ? w + compliance : 1.0f)) : 0.0f;
+  precise vec3 step = e * (change * (1.0f / (bent ? l : 1.0f)));
+  precise vec3 moved_a = a - step * (wa * back);
+  precise vec3 moved_middle = middle + step * wm;
+  precise vec3 moved_b = b - step * (wb * chord);
+  precise float sum = multiplier - change;
+  BendEnds r;
+  r.a = moved_a;
+  r.middle = moved_middle;
+  r.b = moved_b;
+  r.multiplier = sum;
+  return r;
+}
+
+#ifdef __cplusplus
+}  // namespace geocloth::shader
+#endif
+
+#endif

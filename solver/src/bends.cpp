@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bending of a sheet: the curvature at a pixel, once along the row and once along the column, weighted with the pixel's
+// own share of the area (shaders/lib/bend.h): B (curvature along warp)^2 / 2 and the same along weft, per area. A plate
+// of these two rigidities alone bends on the bias as Cooper's yarns without torsion do ("The stiffness of woven
+// textiles", 1960): B cos^4 + B' sin^4. At rest only what bends out of the surface counts: a grid line that curves
+// within a flat sheet leaves it flat.
+
+#include "bends.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <vector>
+
+#include "geocloth/asset/grid_mesh.h"
+
+namespace geocloth {
+namespace {
+
+constexpr uint32_t kRowBend = 4, kColumnBend = 5;  ///< components of the bending family
+
+class BendBuilder {
+ public:
+  BendBuilder(const ClothDesc& cloth, const RestShape& rest, ClothData& data)
+      : asset_(*cloth.asset), material_(cloth.material), rest_(rest), data_(data) {
+    if (material_.bend_stiffness < 0) compute_normals(asset_, asset_.rest_position, normal_);
+  }
+
+  void build() {
+    const bool springs = material_.bend_stiffness >= 0;
+    if (springs ? material_.bend_stiffness == 0 : !(std::max(material_.bend_warp, material_.bend_weft) > 0)) return;
+    for (uint32_t p = 0; p < asset_.pixel_count(); ++p) {
+      for (const uint32_t component : {kRowBend, kColumnBend}) {
+        if ((asset_.spring_mask[p] & (1U << component)) != 0)
+          springs ? add_spring(p, component) : add_bend(p, component);
+      }
+    }
+    springs ? add_seam_springs() : add_seam_bends();
+    if (data_.springs_per_sweep > before_) data_.bending = springs ? Bending::springs : Bending::curvature;
+  }
+
+ private:
+  void store(uint32_t p, uint32_t component, double rest, float compliance) {
+    shader::vec4& entry = data_.springs[2][p];
+    (component == kRowBend ? entry.x : entry.z) = static_cast<float>(rest);
+    (component == kRowBend ? entry.y : entry.w) = compliance;
+    ++data_.springs_per_sweep;
+  }
+
+  void add_spring(uint32_t p, uint32_t component) {
+    const double length = rest_.rest_length(p, p + 2 * step_of(component));
+    if (length > 0) store(p, component, length, 0);
+  }
+
+  void add_bend(uint32_t a, uint32_t component) {
+    const uint32_t step = step_of(component), middle = a + step, b = middle + step;
+    const auto along = static_cast<uint8_t>(component == kRowBend ? kSpringRight : kSpringDown);
+    if ((asset_.spring_mask[a] & asset_.spring_mask[middle] & along) == 0) return;
+    if (!(structural_rest(a, component) > 0 && structural_rest(middle, component) > 0)) return;  // they give the chord
+    const shader::SeamSpring bend = make_bend(a, middle, b, rest_.pixel_area(middle), rigidity(component));
+    if (bend.compliance > 0) store(a, component, bend.rest, bend.compliance);
+  }
+
+  [[nodiscard]] uint32_t step_of(uint32_t component) const { return component == kRowBend ? 1 : asset_.width; }
+  [[nodiscard]] double rigidity(uint32_t component) const {
+    return component == kRowBend ? material_.bend_weft : material_.bend_warp;
+  }
+
+  [[nodiscard]] float structural_rest(uint32_t p, uint32_t component) const {
+    const shader::vec4& entry = data_.springs[0][p];
+    return component == kRowBend ? entry.x : entry.z;
+  }
+
+  /// @param area  [m^2] whose curvature it is. Compliance 0 when there is nothing to bend.
+  [[nodiscard]] shader::SeamSpring make_bend(uint32_t a, uint32_t middle, uint32_t b, double area,
+                                             double rigidity) const {
+    shader::SeamSpring bend{};
+    bend.a = a;
+    bend.middle = middle;
+    bend.b = b;
+    const double h1 = rest_.rest_length(a, middle), h2 = rest_.rest_length(middle, b);
+    if (!(h1 > 0 && h2 > 0 && area > 0 && rigidity > 0)) return bend;
+    const double chord = h1 / (h1 + h2);
+    const auto& p = asset_.rest_position;
+    const Vec3 to_a = p[a] - p[middle], to_b = p[b] - p[middle];
+    const double scale = h1 / static_cast<double>(length(to_a));
+    const double out_of_plane = (1 - chord) * static_cast<double>(dot(to_a, normal_[middle])) +
+                                chord * static_cast<double>(dot(to_b, normal_[middle]));
+    const double compliance = h1 * h2 * h1 * h2 / (4 * rigidity * area);
+    bend.rest = static_cast<float>(scale * std::abs(out_of_plane));
+    bend.compliance = static_cast<float>(std::clamp(compliance, static_cast<double>(std::numeric_limits<float>::min()),
+                                                    static_cast<double>(std::numeric_limits<float>::max())));
+    bend.chord = static_cast<float>(chord);
+    bend.middle_share = 1;
+    return bend;
+  }
+
+  void add_seam_springs() {
+    std::vector<shader::SeamSpring> springs;
+    for (const SeamBend& bend : asset_.seam_bends) {
+      const double rest = rest_.rest_length(bend.a, bend.b);
+      if (rest > 0) springs.push_back({bend.a, bend.middle, bend.b, static_cast<float>(rest), 0, 0, 1, 0});
+    }
+    color(springs);
+  }
+
+  /// The area of a bend over a seam is that of a pixel in a row with it. Where the row itself runs along another seam,
+  /// there may be a bend for each of that seam's sides: they share it.
+  void add_seam_bends() {
+    const std::vector<uint32_t> point = first_copies(asset_);
+    std::vector<double> point_area(asset_.pixel_count(), 0);
+    for (uint32_t p = 0; p < asset_.pixel_count(); ++p) point_area[point[p]] += rest_.pixel_area(p);
+    const auto ends = [&](const SeamBend& bend) {
+      return std::array{std::min(point[bend.a], point[bend.b]), point[bend.middle],
+                        std::max(point[bend.a], point[bend.b])};
+    };
+    std::map<std::array<uint32_t, 3>, uint32_t> siblings;
+    for (const SeamBend& bend : asset_.seam_bends) ++siblings[ends(bend)];
+
+    std::vector<shader::SeamSpring> bends;
+    for (const SeamBend& seam : asset_.seam_bends) {
+      const double area = 0.5 * (point_area[point[seam.a]] + point_area[point[seam.b]]) / siblings[ends(seam)];
+      shader::SeamSpring bend = make_bend(seam.a, seam.middle, seam.b, area, seam_rigidity(seam));
+      if (!(bend.compliance > 0)) continue;
+      bend.middle_share = static_cast<float>(std::min(1.0, rest_.pixel_area(seam.middle) / area));
+      bends.push_back(bend);
+    }
+    color(bends);
+  }
+
+  /// Mean of both sides'; each bends along a row or a column of its chart, or, beside a ragged outline, along neither.
+  [[nodiscard]] double seam_rigidity(const SeamBend& seam) const {
+    return 0.5 * (side_rigidity(seam.a, seam.middle) + side_rigidity(seam.b, seam.middle));
+  }
+  [[nodiscard]] double side_rigidity(uint32_t inside, uint32_t middle) const {
+    const Vec3& at = asset_.rest_position[middle];
+    const auto leads_to = [&](SpringBit bit, uint32_t step) {
+      return ((asset_.spring_mask[inside] & bit) != 0 && asset_.rest_position[inside + step] == at) ||
+             (inside >= step && (asset_.spring_mask[inside - step] & bit) != 0 &&
+              asset_.rest_position[inside - step] == at);
+    };
+    if (leads_to(kSpringRight, 1)) return material_.bend_weft;
+    if (leads_to(kSpringDown, asset_.width)) return material_.bend_warp;
+    return 0.5 * (static_cast<double>(material_.bend_warp) + static_cast<double>(material_.bend_weft));
+  }
+
+  /// Sorts by colour: each bend takes the lowest colour that none of its pixels has yet, in order.
+  void color(const std::vector<shader::SeamSpring>& bends) {
+    std::vector<std::vector<uint32_t>> colors_at(asset_.pixel_count());
+    std::vector<std::vector<shader::SeamSpring>> by_color;
+    for (const shader::SeamSpring& bend : bends) {
+      const std::array pixels{bend.a, bend.middle, bend.b};
+      uint32_t color = 0;
+      const auto used = [&](uint32_t p) {
+        return std::find(colors_at[p].begin(), colors_at[p].end(), color) != colors_at[p].end();
+      };
+      while (std::any_of(pixels.begin(), pixels.end(), used)) ++color;
+      for (const uint32_t p : pixels) colors_at[p].push_back(color);
+      if (color == by_color.size()) by_color.emplace_back();
+      by_color[color].push_back(bend);
+    }
+    if (by_color.empty()) return;
+    data_.seam_color_offset.push_back(0);
+    for (const auto& list : by_color) {
+      data_.seam_bends.insert(data_.seam_bends.end(), list.begin(), list.end());
+      data_.seam_color_offset.push_back(static_cast<uint32_t>(data_.seam_bends.size()));
+    }
+    data_.springs_per_sweep += data_.seam_bends.size();
+  }
+
+  const ClothAsset& asset_;
+  const Material& material_;
+  const RestShape& rest_;
+  ClothData& data_;
+  std::vector<Vec3> normal_;  ///< at rest, only with a rigidity
+  uint64_t before_ = data_.springs_per_sweep;
+};
+
+}  // namespace
+
+void add_bends(const ClothDesc& cloth, const RestShape& rest, ClothData& data) {
+  BendBuilder(cloth, rest, data).build();
+}
+
+}  // namespace geocloth
