@@ -100,6 +100,17 @@ bool ChartOutline::holds(const Point2& a, const Point2& b) const {
   return true;
 }
 
+std::vector<std::vector<uint32_t>> row_crossings(const FlatChart& chart) {
+  std::vector<std::vector<uint32_t>> columns(chart.height);
+  for (std::size_t k = 0; k < chart.outline.size(); ++k) {
+    const OutlineSample& a = chart.outline[k];
+    const OutlineSample& b = chart.outline[(k + 1) % chart.outline.size()];
+    if (a.y != b.y) columns[std::min(a.y, b.y)].push_back(a.y < b.y ? a.x : b.x);
+  }
+  for (std::vector<uint32_t>& row : columns) std::sort(row.begin(), row.end());
+  return columns;
+}
+
 std::vector<std::vector<std::array<uint32_t, 2>>> chart_borders(const FlatSurface& flat) {
   using Side = std::array<uint32_t, 2>;
   const auto sorted = [](const Side& s) { return Side{std::min(s[0], s[1]), std::max(s[0], s[1])}; };

@@ -27,6 +27,10 @@ class ChartOutline {
   std::vector<std::vector<uint32_t>> row_;  ///< edges by the pixel rows that they touch
 };
 
+/// Per row of a chart: the columns at which it enters and leaves the outline polygon, ascending. The polygon's edges
+/// join 8-neighbours, so that they cross rows at pixels only.
+[[nodiscard]] std::vector<std::vector<uint32_t>> row_crossings(const FlatChart& chart);
+
 /// Directed border edges (edges of one triangle) of every chart, in the order of the triangles.
 [[nodiscard]] std::vector<std::vector<std::array<uint32_t, 2>>> chart_borders(const FlatSurface& flat);
 

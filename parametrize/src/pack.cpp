@@ -1,126 +1,370 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Skyline packing, bottom left (Jylanki, A Thousand Ways to Pack the Bin, 2010): the upper outline of what is placed is
-// a list of level runs; each rectangle, tallest first, goes where its far edge ends lowest. Several atlas widths are
-// tried.
+// Packing of real outlines: bottom left fill on a bitmap (as in Levy et al., Least Squares Conformal Maps, 2002, but
+// with whole shapes in place of their horizons, so that hollows are filled too). A shape is tried at all columns of a
+// row at once: the columns that one of its runs forbids are a window over the bits taken, and windows whose length is a
+// power of two are kept per row. Several widths, orders and half turns are tried and the best kept; large atlases are
+// packed in blocks of pixels, so that the work stays bounded.
 #include "pack.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <limits>
 #include <numeric>
+#include <random>
 #include <string>
 
+#include "chart_outline.h"
 #include "geocloth/asset/error.h"
 
 namespace geocloth {
 namespace {
 
-constexpr uint32_t kGap = 1;         // [pixels]
-constexpr uint32_t kAlignment = 32;  // widths tried are multiples of it
-constexpr int kWidths = 12;
+constexpr double kMostBlocks = 1U << 18U;   // [blocks] an atlas is packed in blocks of pixels beyond this size
+constexpr uint64_t kMostWork = 30'000'000;  // [words looked at] no further arrangement is tried beyond
+constexpr double kLopsided = 0.05;          // what a lopsided atlas costs, per longer / shorter side - 1
+constexpr double kTurnPays = 0.97;          // half turns must bring the cost down to this share
+constexpr double kWidthStep = 1.02;         // between widths tried
+constexpr int kNarrower = 20, kWider = 35;  // steps from the square root of the area
+constexpr uint32_t kMostTries = 4000;
+constexpr double kThreshold = 0.03;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-class Skyline {
- public:
-  explicit Skyline(uint32_t width) : width_(width), run_{{0, 0, width}} {}
+/// A shape in blocks, with the gap below and to the right of every pixel: two shapes so grown are disjoint exactly when
+/// no two of their pixels are 8-neighbours.
+struct Grown {
+  uint32_t width = 0, height = 0;
+  std::vector<ChartShape::Run> run;  // one or more per row, disjoint, the widest first: they exclude most columns
+};
 
-  /// Places a rectangle that is no wider than the skyline.
-  std::array<uint32_t, 2> place(uint32_t width, uint32_t height) {
-    uint32_t best_y = kNone, best_x = 0;
-    for (size_t i = 0; i < run_.size() && run_[i].x + width <= width_; ++i) {
-      uint32_t y = 0;
-      for (size_t k = i; k < run_.size() && run_[k].x < run_[i].x + width; ++k) y = std::max(y, run_[k].y);
-      if (y < best_y) {
-        best_y = y;
-        best_x = run_[i].x;
+Grown grown(const ChartShape& shape, uint32_t block) {
+  Grown result;
+  result.width = shape.width / block + 1;
+  result.height = shape.height / block + 1;
+  std::vector<std::vector<std::array<uint32_t, 2>>> row(result.height);
+  for (const ChartShape::Run& r : shape.run) {
+    for (uint32_t y = r.row / block; y <= (r.row + 1) / block; ++y) {
+      row[y].push_back({r.first / block, (r.last + 1) / block});
+    }
+  }
+  for (uint32_t y = 0; y < result.height; ++y) {
+    std::sort(row[y].begin(), row[y].end());
+    const size_t first_of_row = result.run.size();
+    for (const auto& [first, last] : row[y]) {
+      if (result.run.size() > first_of_row && first <= result.run.back().last + 1) {
+        result.run.back().last = std::max(result.run.back().last, last);
+      } else {
+        result.run.push_back({y, first, last});
       }
     }
-    raise(best_x, width, best_y + height);
-    return {best_x, best_y};
+  }
+  std::stable_sort(result.run.begin(), result.run.end(),
+                   [](const auto& a, const auto& b) { return a.last - a.first > b.last - b.first; });
+  return result;
+}
+
+ChartShape half_turned(const ChartShape& shape) {
+  ChartShape result = shape;
+  for (ChartShape::Run& r : result.run) {
+    r = {shape.height - 1 - r.row, shape.width - 1 - r.last, shape.width - 1 - r.first};
+  }
+  return result;
+}
+
+/// The blocks taken, for columns 0..width-1 and as many rows as needed.
+class Board {
+ public:
+  explicit Board(uint32_t width) : width_(width), words_((width + 63) / 64) {
+    levels_ = static_cast<uint32_t>(std::bit_width(width));
+  }
+
+  /// The first row, and the first column in it, where the shape fits.
+  std::array<uint32_t, 2> find(const Grown& shape, uint32_t first_row, uint64_t& work) {
+    std::vector<uint64_t> blocked(words_);
+    for (uint32_t y = first_row;; ++y) {
+      forbid_beyond(width_ - shape.width, blocked);
+      bool room = true;
+      for (size_t i = 0; room && i < shape.run.size(); ++i) {
+        if (y + shape.run[i].row >= rows_) continue;
+        forbid(shape.run[i], y, blocked);
+        work += words_;
+        room = std::any_of(blocked.begin(), blocked.end(), [](uint64_t w) { return ~w != 0; });
+      }
+      if (!room) continue;
+      for (uint32_t k = 0; k < words_; ++k) {
+        if (~blocked[k] != 0) return {64 * k + static_cast<uint32_t>(std::countr_one(blocked[k])), y};
+      }
+    }
+  }
+
+  void take(const Grown& shape, const std::array<uint32_t, 2>& corner) {
+    rows_ = std::max(rows_, corner[1] + shape.height);
+    window_.resize(size_t{rows_} * levels_ * words_, 0);
+    for (const ChartShape::Run& r : shape.run) {
+      uint64_t* taken = window(corner[1] + r.row, 0);
+      for (uint32_t x = corner[0] + r.first; x <= corner[0] + r.last; ++x) taken[x / 64] |= uint64_t{1} << (x % 64);
+    }
+    for (uint32_t y = corner[1]; y < corner[1] + shape.height; ++y) {
+      for (uint32_t level = 1; level < levels_; ++level) widen(y, level);
+    }
   }
 
  private:
-  struct Run {
-    uint32_t x, y, width;
-  };
+  /// Bit x of a level: one of the 2^level columns from x on is taken.
+  uint64_t* window(uint32_t row, uint32_t level) { return &window_[(size_t{row} * levels_ + level) * words_]; }
 
-  void raise(uint32_t x, uint32_t width, uint32_t y) {
-    std::vector<Run> next;
-    bool placed = false;
-    for (const Run& r : run_) {
-      const uint32_t end = r.x + r.width;
-      if (r.x < x) next.push_back({r.x, r.y, std::min(end, x) - r.x});
-      if (!placed && end > x) {
-        next.push_back({x, y, width});
-        placed = true;
-      }
-      if (end > x + width) next.push_back({std::max(r.x, x + width), r.y, end - std::max(r.x, x + width)});
-    }
-    run_.clear();
-    for (const Run& r : next) {
-      if (r.width == 0) continue;
-      if (!run_.empty() && run_.back().y == r.y) {
-        run_.back().width += r.width;
-      } else {
-        run_.push_back(r);
-      }
+  /// Bits `by` .. `by` + 63 of a row of words, from word k on; zero beyond its end.
+  [[nodiscard]] uint64_t shifted(const uint64_t* row, uint32_t k, uint32_t by) const {
+    const uint32_t from = k + by / 64, bits = by % 64;
+    const uint64_t low = from < words_ ? row[from] >> bits : 0;
+    const uint64_t high = bits > 0 && from + 1 < words_ ? row[from + 1] << (64 - bits) : 0;
+    return low | high;
+  }
+
+  void widen(uint32_t row, uint32_t level) {
+    const uint64_t* half = window(row, level - 1);
+    uint64_t* whole = window(row, level);
+    for (uint32_t k = 0; k < words_; ++k) whole[k] = half[k] | shifted(half, k, 1U << (level - 1));
+  }
+
+  void forbid_beyond(uint32_t last, std::vector<uint64_t>& blocked) const {
+    for (uint32_t k = 0; k < words_; ++k) {
+      const uint32_t first = 64 * k;
+      const uint32_t free = last + 1 > first ? std::min(last + 1 - first, 64U) : 0;
+      blocked[k] = free == 64 ? 0 : ~uint64_t{0} << free;
     }
   }
 
-  uint32_t width_;
-  std::vector<Run> run_;
+  void forbid(const ChartShape::Run& run, uint32_t y, std::vector<uint64_t>& blocked) {
+    const uint32_t length = run.last - run.first + 1;
+    uint32_t level = 0;
+    while (2U << level <= length) ++level;
+    const uint64_t* taken = window(y + run.row, level);
+    const uint32_t second = run.last + 1 - (1U << level);
+    for (uint32_t k = 0; k < words_; ++k) blocked[k] |= shifted(taken, k, run.first) | shifted(taken, k, second);
+  }
+
+  uint32_t width_, words_, levels_, rows_ = 0;
+  std::vector<uint64_t> window_;
 };
 
-Packing pack_into(std::span<const std::array<uint32_t, 2>> size, const std::vector<uint32_t>& order, uint32_t width) {
-  Packing packing;
-  packing.corner.resize(size.size());
-  Skyline skyline(width + kGap);
-  for (const uint32_t i : order) {
-    packing.corner[i] = skyline.place(size[i][0] + kGap, size[i][1] + kGap);
-    packing.width = std::max(packing.width, packing.corner[i][0] + size[i][0]);
-    packing.height = std::max(packing.height, packing.corner[i][1] + size[i][1]);
+/// In which order shapes are placed, on a board of which width, and how they lie.
+struct Arrangement {
+  std::vector<uint32_t> order;
+  std::vector<uint8_t> turned;  ///< empty: whichever way fits lower
+  uint32_t width = 0;           ///< [blocks]
+};
+
+/// Tries arrangements and keeps the best.
+class Packer {
+ public:
+  explicit Packer(std::span<const ChartShape> shape) : shape_(shape) {
+    double area = 0;
+    uint32_t highest = 0;
+    for (const ChartShape& s : shape) {
+      area += (s.width + 1.0) * (s.height + 1.0);
+      widest_ = std::max(widest_, s.width);
+      highest = std::max(highest, s.height);
+    }
+    if (std::max(widest_, highest) > kMaxImageSide) refuse(std::max(widest_, highest));
+    block_ = static_cast<uint32_t>(std::ceil(std::sqrt(area / kMostBlocks)));
+    for (const ChartShape& s : shape) {
+      upright_.push_back(grown(s, block_));
+      turned_.push_back(grown(half_turned(s), block_));
+      for (const ChartShape::Run& r : upright_.back().run) blocks_ += r.last - r.first + 1.0;
+    }
   }
-  return packing;
-}
+
+  Packing pack() {
+    const std::vector<uint8_t> all_upright(shape_.size(), 0);
+    for (const std::vector<uint8_t>& turned : {all_upright, std::vector<uint8_t>{}}) {
+      for (const std::vector<uint32_t>& order : orders()) {
+        for (const uint32_t width : widths()) {
+          Arrangement arrangement{order, turned, width};
+          if (!std::isfinite(best_cost_) || work_ < kMostWork / 2) try_arrangement(arrangement, best_cost_);
+        }
+      }
+      if (shape_.size() == 1) return best_;
+    }
+    improve();
+    if (std::max(best_.width, best_.height) > kMaxImageSide) refuse(std::max(best_.width, best_.height));
+    return best_;
+  }
+
+ private:
+  [[noreturn]] static void refuse(uint32_t side) {
+    throw Error(ErrorCode::limit, "the atlas would be " + std::to_string(side) + " pixels wide or high, more than " +
+                                      std::to_string(kMaxImageSide) + "; lower the resolution or raise the spacing");
+  }
+
+  [[nodiscard]] uint32_t least_width() const { return widest_ / block_ + 1; }
+
+  /// [blocks] the likeliest first, each once.
+  [[nodiscard]] std::vector<uint32_t> widths() const {
+    std::vector<uint32_t> result;
+    const double side = std::sqrt(blocks_);
+    const auto add = [&](int steps) {
+      const auto wanted = static_cast<uint32_t>(std::ceil(side * std::pow(kWidthStep, steps)));
+      const uint32_t width = std::max(wanted, least_width());
+      if (std::find(result.begin(), result.end(), width) == result.end()) result.push_back(width);
+    };
+    for (int steps = 1; steps <= kWider; ++steps) add(steps);
+    for (int steps = 0; steps >= -kNarrower; --steps) add(steps);
+    return result;
+  }
+
+  [[nodiscard]] std::vector<std::vector<uint32_t>> orders() const {
+    std::vector<uint32_t> order(shape_.size());
+    std::iota(order.begin(), order.end(), 0U);
+    std::vector<std::vector<uint32_t>> result;
+    const auto by = [&](const auto& size) {
+      std::vector<uint32_t> sorted = order;
+      std::stable_sort(sorted.begin(), sorted.end(),
+                       [&](uint32_t a, uint32_t b) { return size(upright_[a]) > size(upright_[b]); });
+      result.push_back(std::move(sorted));
+    };
+    by([](const Grown& g) { return g.height; });
+    by([](const Grown& g) { return uint64_t{g.width} * g.height; });
+    by([](const Grown& g) { return g.width + g.height; });
+    by([](const Grown& g) { return std::max(g.width, g.height); });
+    return result;
+  }
+
+  /// Small changes of the best arrangement, as long as the work allows: they are cheap for few shapes, where the sorted
+  /// orders leave most room. Slightly worse ones are gone through (threshold accepting, Dueck and Scheuer 1990).
+  void improve() {
+    std::mt19937 random(1);
+    const auto below = [&](size_t n) { return static_cast<uint32_t>(random() % n); };
+    Arrangement now = best_arrangement_;
+    double now_cost = best_cost_;
+    for (uint32_t tries = 0; tries < kMostTries && work_ < kMostWork; ++tries) {
+      Arrangement trial = now;
+      const uint32_t kind = below(4), i = below(shape_.size()), k = below(shape_.size());
+      if (kind <= 1) std::swap(trial.order[i], trial.order[k]);
+      if (kind == 1 || kind == 2) trial.turned[k] ^= 1U;
+      if (kind >= 2) trial.width = std::max(least_width(), trial.width + below(trial.width / 8 + 2) - trial.width / 16);
+      const double left = 1 - std::max(static_cast<double>(tries) / kMostTries, static_cast<double>(work_) / kMostWork);
+      const double cost = try_arrangement(trial, now_cost * (1 + kThreshold * left));
+      if (!std::isfinite(cost)) continue;
+      now = std::move(trial);
+      now_cost = cost;
+    }
+  }
+
+  /// Carries an arrangement out, keeps it if it is the best so far, and fills in which shapes it turned.
+  /// @returns its cost, or infinity when that exceeds `bound`
+  double try_arrangement(Arrangement& arrangement, double bound) {
+    const bool choose = arrangement.turned.empty();
+    if (choose) arrangement.turned.assign(shape_.size(), 0);
+    Board board(arrangement.width);
+    Packing packing;
+    packing.corner.resize(shape_.size());
+    uint32_t row = 0;  // of the shape placed last
+    const Grown* last = nullptr;
+    for (const uint32_t i : arrangement.order) {
+      const Grown* lying = arrangement.turned[i] != 0 ? &turned_[i] : &upright_[i];
+      // Where an equal shape did not fit this does not either.
+      std::array<uint32_t, 2> corner = board.find(*lying, last != nullptr && equal(*last, *lying) ? row : 0, work_);
+      if (choose) {
+        const std::array<uint32_t, 2> other = board.find(turned_[i], 0, work_);
+        if (std::array{other[1], other[0]} < std::array{corner[1], corner[0]}) {
+          corner = other;
+          lying = &turned_[i];
+          arrangement.turned[i] = 1;
+        }
+      }
+      row = corner[1];
+      last = lying;
+      board.take(*lying, corner);
+      packing.corner[i] = {corner[0] * block_, corner[1] * block_};
+      packing.width = std::max(packing.width, packing.corner[i][0] + shape_[i].width);
+      packing.height = std::max(packing.height, packing.corner[i][1] + shape_[i].height);
+      if (cost_of(packing) >= bound) return kInfinity;
+    }
+    const auto is_set = [](uint8_t t) { return t != 0; };
+    const bool turns = std::any_of(arrangement.turned.begin(), arrangement.turned.end(), is_set);
+    const double cost = cost_of(packing) / (turns ? kTurnPays : 1);
+    if (cost < best_cost_) {
+      best_cost_ = cost;
+      best_ = std::move(packing);
+      best_.turned = arrangement.turned;
+      best_arrangement_ = arrangement;
+    }
+    if (cost >= bound) return kInfinity;
+    return cost;
+  }
+
+  static bool equal(const Grown& a, const Grown& b) {
+    const auto same_run = [](const ChartShape::Run& p, const ChartShape::Run& q) {
+      return p.row == q.row && p.first == q.first && p.last == q.last;
+    };
+    return std::equal(a.run.begin(), a.run.end(), b.run.begin(), b.run.end(), same_run);
+  }
+
+  /// Grows with every shape that is placed.
+  static double cost_of(const Packing& packing) {
+    const double longer = std::max(packing.width, packing.height), shorter = std::min(packing.width, packing.height);
+    return longer * shorter * (1 + kLopsided * (longer / shorter - 1));
+  }
+
+  std::span<const ChartShape> shape_;
+  std::vector<Grown> upright_, turned_;
+  uint32_t widest_ = 0, block_ = 1;
+  double blocks_ = 0;
+  uint64_t work_ = 0;
+  Packing best_;
+  Arrangement best_arrangement_;
+  double best_cost_ = kInfinity;
+};
 
 }  // namespace
 
-Packing pack_rectangles(std::span<const std::array<uint32_t, 2>> size) {
-  std::vector<uint32_t> order(size.size());
-  std::iota(order.begin(), order.end(), 0U);
-  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
-    return size[a][1] != size[b][1] ? size[a][1] > size[b][1] : size[a][0] > size[b][0];
-  });
-  uint32_t widest = 0;
-  double area = 0;
-  for (const auto& [w, h] : size) {
-    widest = std::max(widest, w);
-    area += (w + kGap) * static_cast<double>(h + kGap);
-  }
-  const auto too_large = [](double side) {
-    return Error(ErrorCode::limit, "the atlas would be " + std::to_string(static_cast<uint64_t>(side)) +
-                                       " pixels wide or high, more than " + std::to_string(kMaxImageSide) +
-                                       "; lower the resolution or raise the spacing");
-  };
-  if (std::max(static_cast<double>(widest), std::sqrt(area)) > kMaxImageSide) {
-    throw too_large(std::max(static_cast<double>(widest), std::sqrt(area)));
-  }
-  if (size.size() == 1) return pack_into(size, order, widest);
+ChartShape rectangle_shape(uint32_t width, uint32_t height) {
+  ChartShape shape{width, height, {}};
+  for (uint32_t y = 0; y < height; ++y) shape.run.push_back({y, 0, width - 1});
+  return shape;
+}
 
-  Packing best;
-  double best_cost = 0;
-  for (int i = 0; i < kWidths; ++i) {
-    const double wanted = std::max(static_cast<double>(widest), std::sqrt(area) * (0.9 + 0.05 * i));
-    const uint32_t width = (static_cast<uint32_t>(std::ceil(wanted)) + kAlignment - 1) / kAlignment * kAlignment;
-    Packing packing = pack_into(size, order, width);
-    // A lopsided atlas is worth a little waste.
-    const double longer = std::max(packing.width, packing.height), shorter = std::min(packing.width, packing.height);
-    const double cost = longer * shorter * (1 + 0.05 * (longer / shorter - 1));
-    if (i == 0 || cost < best_cost) {
-      best_cost = cost;
-      best = std::move(packing);
+ChartShape chart_shape(const FlatChart& chart) {
+  ChartShape shape{chart.width, chart.height, {}};
+  for (const OutlineSample& s : chart.outline) shape.run.push_back({s.y, s.x, s.x});
+  const std::vector<std::vector<uint32_t>> crossing = row_crossings(chart);
+  for (uint32_t y = 0; y < crossing.size(); ++y) {
+    for (size_t k = 0; k + 1 < crossing[y].size(); k += 2) shape.run.push_back({y, crossing[y][k], crossing[y][k + 1]});
+  }
+  return shape;
+}
+
+Packing pack_shapes(std::span<const ChartShape> shape) {
+  return Packer(shape).pack();
+}
+
+void pack_charts(FlatSurface& flat) {
+  std::vector<ChartShape> shape;
+  shape.reserve(flat.charts.size());
+  for (const FlatChart& chart : flat.charts) shape.push_back(chart_shape(chart));
+  const Packing packing = pack_shapes(shape);
+  flat.width = packing.width;
+  flat.height = packing.height;
+  for (size_t c = 0; c < flat.charts.size(); ++c) {
+    FlatChart& chart = flat.charts[c];
+    chart.x0 = packing.corner[c][0];
+    chart.y0 = packing.corner[c][1];
+    if (packing.turned[c] == 0) continue;
+    for (OutlineSample& s : chart.outline) {
+      s.x = chart.width - 1 - s.x;
+      s.y = chart.height - 1 - s.y;
     }
   }
-  if (std::max(best.width, best.height) > kMaxImageSide) throw too_large(std::max(best.width, best.height));
-  return best;
+  std::vector<uint8_t> met(flat.uv.size(), 0);
+  for (size_t t = 0; t < flat.triangle.size(); ++t) {
+    const FlatChart& chart = flat.charts[flat.chart[t]];
+    if (packing.turned[flat.chart[t]] == 0) continue;
+    for (const uint32_t v : flat.triangle[t]) {
+      if (met[v] == 0) flat.uv[v] = {chart.width - 1 - flat.uv[v][0], chart.height - 1 - flat.uv[v][1]};
+      met[v] = 1;
+    }
+  }
 }
 
 }  // namespace geocloth

@@ -330,18 +330,9 @@ FlatSurface lay_out_panels(const CutSurface& cut, const FlattenOptions& options,
       met[v] = 1;
     }
   }
-  std::vector<std::array<uint32_t, 2>> size;
   for (size_t c = 0; c < plan.outlines.size(); ++c) {
     flat.charts.push_back(make_chart(plan, c, sampled[c], chains.found[c].run, uv, vertices[c]));
-    size.push_back({flat.charts[c].width, flat.charts[c].height});
   }
-  const Packing packing = pack_rectangles(size);
-  for (size_t c = 0; c < size.size(); ++c) {
-    flat.charts[c].x0 = packing.corner[c][0];
-    flat.charts[c].y0 = packing.corner[c][1];
-  }
-  flat.width = packing.width;
-  flat.height = packing.height;
   flat.position = std::move(mesh.position);
   flat.uv = std::move(uv);
   flat.triangle = std::move(mesh.triangle);
@@ -350,6 +341,7 @@ FlatSurface lay_out_panels(const CutSurface& cut, const FlattenOptions& options,
   flat.point_count = mesh.point_count;
   flat.clean_vertex = std::move(mesh.clean_vertex);
   flat.clean_triangle = std::move(mesh.clean_triangle);
+  pack_charts(flat);
   if (progress) progress("flatten", 1);
   return flat;
 }

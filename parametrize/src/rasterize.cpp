@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 
+#include "chart_outline.h"
 #include "chart_sampling.h"
 #include "geocloth/asset/error.h"
 #include "point_math.h"
@@ -41,6 +42,20 @@ std::array<double, 2> row_span(const FlatTriangle& t, double v) {
     }
   }
   return {low - kMargin, high + kMargin};
+}
+
+/// The lattice positions from `first` up to but without `end`; none when first >= end.
+struct LatticeSpan {
+  uint32_t first;
+  uint32_t end;
+};
+
+/// Those of 0 .. count - 1 that lie in [low, high].
+LatticeSpan lattice_span(double low, double high, uint32_t count) {
+  const auto within = [count](double x) {
+    return static_cast<uint32_t>(std::clamp(x, 0.0, static_cast<double>(count)));
+  };
+  return {within(std::ceil(low)), within(std::floor(high) + 1)};
 }
 
 /// Does the triangle, of orientation `sign`, own the pixel p?
@@ -113,10 +128,10 @@ class Rasterizer {
   void fill_outlines() {
     for (std::size_t c = 0; c < flat_.charts.size(); ++c) {
       const FlatChart& chart = flat_.charts[c];
+      const std::vector<std::vector<uint32_t>> crossing = row_crossings(chart);
       for (uint32_t y = 0; y < chart.height; ++y) {
-        const std::vector<uint32_t> crossing = crossings(chart, y);
-        for (std::size_t k = 0; k + 1 < crossing.size(); k += 2) {
-          for (uint32_t x = crossing[k]; x <= crossing[k + 1]; ++x) take(pixel_of(chart, x, y), c);
+        for (std::size_t k = 0; k + 1 < crossing[y].size(); k += 2) {
+          for (uint32_t x = crossing[y][k]; x <= crossing[y][k + 1]; ++x) take(pixel_of(chart, x, y), c);
         }
       }
     }
@@ -130,14 +145,15 @@ class Rasterizer {
     const int sign = orientation(t.uv[0], t.uv[1], t.uv[2]);
     if (sign == 0) return;
     const auto [low, high] = std::minmax({t.uv[0][1], t.uv[1][1], t.uv[2][1]});
-    const double last_row = std::min(std::floor(high), chart.height - 1.0);
-    for (double v = std::max(std::ceil(low), 0.0); v <= last_row; ++v) {
+    const LatticeSpan rows = lattice_span(low, high, chart.height);
+    for (uint32_t y = rows.first; y < rows.end; ++y) {
+      const double v = y;
       const auto [left, right] = row_span(t, v);
-      const double last_column = std::min(std::floor(right), chart.width - 1.0);
-      for (double u = std::max(std::ceil(left), 0.0); u <= last_column; ++u) {
-        const Point2 p{u, v};
+      const LatticeSpan columns = lattice_span(left, right, chart.width);
+      for (uint32_t x = columns.first; x < columns.end; ++x) {
+        const Point2 p{static_cast<double>(x), v};
         if (!owns(t, sign, p)) continue;
-        claim(pixel_of(chart, static_cast<uint32_t>(u), static_cast<uint32_t>(v)), c, index, t, p);
+        claim(pixel_of(chart, x, y), c, index, t, p);
       }
     }
   }
@@ -195,19 +211,6 @@ class Rasterizer {
     for (uint32_t y = 0; y < chart.height; ++y) {
       for (uint32_t x = 0; x < chart.width; ++x) visit(x, y, pixel_of(chart, x, y));
     }
-  }
-
-  /// Columns at which a row enters and leaves the outline polygon, ascending. Its edges join 8-neighbours, so that they
-  /// cross rows at pixels only.
-  static std::vector<uint32_t> crossings(const FlatChart& chart, uint32_t y) {
-    std::vector<uint32_t> columns;
-    for (std::size_t k = 0; k < chart.outline.size(); ++k) {
-      const OutlineSample& a = chart.outline[k];
-      const OutlineSample& b = chart.outline[(k + 1) % chart.outline.size()];
-      if (a.y != b.y && std::min(a.y, b.y) == y) columns.push_back(a.y == y ? a.x : b.x);
-    }
-    std::sort(columns.begin(), columns.end());
-    return columns;
   }
 
   void take(std::size_t pixel, std::size_t chart) {

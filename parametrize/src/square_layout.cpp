@@ -264,6 +264,14 @@ std::vector<double> good_stretch(const std::vector<double>& area, double spacing
   return good;
 }
 
+/// An atlas that is too large is refused before the long work.
+void expect_to_fit(const std::vector<Size>& size) {
+  std::vector<ChartShape> shape;
+  shape.reserve(size.size());
+  for (const auto& [width, height] : size) shape.push_back(rectangle_shape(width, height));
+  (void)pack_shapes(shape);
+}
+
 }  // namespace
 
 FlatSurface lay_out_squares(const CutSurface& whole, const FlattenOptions& options, const Progress& progress) {
@@ -274,7 +282,7 @@ FlatSurface lay_out_squares(const CutSurface& whole, const FlattenOptions& optio
   const CutSurface cut = extend_cuts(std::move(fine.cut), good_stretch(area, spacing), progress);
   const std::vector<Outline> outlines = trace_outlines(cut);
   const SquarePlan plan = plan_squares(cut, outlines, area, options);
-  (void)pack_rectangles(plan.size);  // an atlas that is too large is refused before the long work
+  expect_to_fit(plan.size);
 
   RefinedMesh mesh = make_refined_mesh(cut);
   mesh.clean_triangle = std::move(fine.clean_triangle);
@@ -292,15 +300,6 @@ FlatSurface lay_out_squares(const CutSurface& whole, const FlattenOptions& optio
     }
   }
 
-  std::vector<Size> size;
-  for (const FlatChart& chart : flat.charts) size.push_back({chart.width, chart.height});
-  const Packing packing = pack_rectangles(size);
-  for (size_t c = 0; c < size.size(); ++c) {
-    flat.charts[c].x0 = packing.corner[c][0];
-    flat.charts[c].y0 = packing.corner[c][1];
-  }
-  flat.width = packing.width;
-  flat.height = packing.height;
   flat.position = std::move(mesh.position);
   flat.triangle = std::move(mesh.triangle);
   flat.chart = std::move(mesh.component);
@@ -308,6 +307,7 @@ FlatSurface lay_out_squares(const CutSurface& whole, const FlattenOptions& optio
   flat.point_count = mesh.point_count;
   flat.clean_vertex = std::move(mesh.clean_vertex);
   flat.clean_triangle = std::move(mesh.clean_triangle);
+  pack_charts(flat);
   if (progress) progress("flatten", 1);
   return flat;
 }
