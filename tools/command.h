@@ -17,5 +17,6 @@ using CommandRun = std::function<void()>;
 [[nodiscard]] CommandRun add_simulate(CLI::App& app);
 [[nodiscard]] CommandRun add_render(CLI::App& app);
 [[nodiscard]] CommandRun add_devices(CLI::App& app);
+[[nodiscard]] CommandRun add_bench(CLI::App& app);
 
 }  // namespace geocloth

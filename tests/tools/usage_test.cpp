@@ -15,7 +15,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::StartsWith;
 
-const std::vector<std::string> kCommands{"convert", "inspect", "simulate", "render", "devices"};
+const std::vector<std::string> kCommands{"convert", "inspect", "simulate", "render", "devices", "bench"};
 
 std::ptrdiff_t count_lines(const std::string& text) {
   return std::count(text.begin(), text.end(), '\n');
@@ -56,7 +56,9 @@ INSTANTIATE_TEST_SUITE_P(
                     Words{"simulate", "a.glb", "-o", "b.glb", "--frames", "-1"},
                     Words{"simulate", "a.glb", "-o", "b.glb", "--frames", "1e3"},
                     Words{"simulate", "a.glb", "-o", "b.glb", "--threads", "0"},
-                    Words{"simulate", "a.glb", "-o", "b.glb", "--backend", "abacus"}, Words{"devices", "all"}));
+                    Words{"simulate", "a.glb", "-o", "b.glb", "--backend", "abacus"}, Words{"devices", "all"},
+                    Words{"bench", "fast"}, Words{"bench", "--scene", "loom"}, Words{"bench", "--size", "1"},
+                    Words{"bench", "--compare", "a.json"}));
 
 TEST(Usage, UnknownCommandNamesTheNearestOne) {
   EXPECT_THAT(run_program({"convret", "a.obj"}).err, HasSubstr("convert"));

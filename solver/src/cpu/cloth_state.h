@@ -28,6 +28,7 @@ struct ClothState {
   ClothState(ClothData cloth_data, bool accumulate);
 
   [[nodiscard]] size_t pixel_count() const { return static_cast<size_t>(data.width) * data.height; }
+  [[nodiscard]] size_t memory_bytes() const;  ///< of all arrays
   [[nodiscard]] shader::vec4 position_and_mass(size_t i) const { return {position.at(i), inverse_mass[i]}; }
 
   ClothData data;  ///< position and springs have moved to the arrays below

@@ -61,6 +61,7 @@ class CpuBackend final : public SolverBackend {
     statistics.device = cpu::cpu_name();
     statistics.path = "scalar";
     statistics.threads = threads_.count();
+    for (const cpu::ClothState& state : states_) statistics.memory_bytes += state.memory_bytes();
     statistics.copy_gap = static_cast<double>(measures_.copy_gap);
     statistics.penetration = static_cast<double>(measures_.penetration);
     for (const PassInfo& pass : kPasses) {

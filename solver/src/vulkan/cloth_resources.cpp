@@ -72,4 +72,13 @@ ClothResources::ClothResources(const std::shared_ptr<const Context>& context, co
   std::ranges::fill(measures.as<uint32_t>(), 0U);
 }
 
+size_t ClothResources::memory_bytes() const {
+  constexpr size_t kVectorImages = 4 + 3;  // position, previous, carry, normal; springs
+  size_t sum = pixel_count() * (kVectorImages * sizeof(shader::vec4) + sizeof(uint32_t));
+  for (const Buffer* buffer :
+       {&multipliers, &attachments, &seam_bends, &split_offset, &split_pixel, &measures, &inverse_mass})
+    sum += buffer->size();
+  return sum;
+}
+
 }  // namespace geocloth::vulkan

@@ -16,6 +16,7 @@ struct ClothResources {
   ClothResources(const std::shared_ptr<const Context>& context, const ClothData& data, bool multipliers);
 
   [[nodiscard]] uint32_t pixel_count() const { return width * height; }
+  [[nodiscard]] size_t memory_bytes() const;
 
   uint32_t width, height;
   uint32_t split_rows;

@@ -227,6 +227,7 @@ void VulkanBackend::fill_statistics(SolverStatistics& statistics) {
     if (seconds > 0) statistics.passes.push_back({std::string(pass.name), seconds});
   }
   for (const ClothResources& cloth : cloths_) {
+    statistics.memory_bytes += cloth.memory_bytes();
     const std::span<const uint32_t> measures = cloth.measures.as<uint32_t>();
     const auto measure = [&](uint32_t i) { return double{std::bit_cast<float>(measures[i])}; };
     statistics.copy_gap = std::max(statistics.copy_gap, measure(shader::kMeasureCopyGap));

@@ -58,6 +58,7 @@ struct SolverStatistics {
   uint32_t threads = 1;
   uint64_t particles = 0;          ///< valid pixels
   uint64_t springs = 0;            ///< projected once per relaxation step, all families and seam bends
+  uint64_t memory_bytes = 0;       ///< state and constants of all cloths, where the solver runs
   std::vector<PassTiming> passes;  ///< with SolverSettings::timings
   double copy_gap = 0;             ///< [m] largest distance between copies after any substep, with check_copies
   double penetration = 0;  ///< [m] largest depth below a collider's surface after any substep, with check_copies

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The scenes that are measured. Sheets are those of the NvCloth measurements that geocloth compares itself with: N x N
+// points 0.01 m apart, held by their top row, all families of springs projected fully, attachments, no damping. Crowd
+// and garment are made of the default material.
+#include "bench/bench_scene.h"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "geocloth/asset/error.h"
+#include "geocloth/parametrize/convert.h"
+#include "geocloth/solver/scene.h"
+#include "meshes/mesh_file.h"
+#include "support/make_sheet.h"
+
+namespace geocloth {
+namespace {
+
+constexpr float kSpacing = 0.01F;      // [m]
+constexpr float kMaxStretch = 0.002F;  // of the attachments
+constexpr uint32_t kCrowd = 32;
+
+using SheetPtr = std::shared_ptr<const ClothAsset>;
+
+SheetPtr make_sheet(uint32_t points, bool horizontal) {
+  const float side = kSpacing * static_cast<float>(points - 1);
+  return std::make_shared<const ClothAsset>(
+      test::make_sheet({.nx = points, .ny = points, .width = side, .height = side, .horizontal = horizontal}));
+}
+
+Material attached() {
+  Material material;
+  material.damping = 0;
+  material.max_stretch = kMaxStretch;
+  return material;
+}
+
+/// Every projection removes all of its spring's error, as NvCloth's do at stiffness 1.
+Material sheet_material() {
+  Material material = attached();
+  material.stiffness = 1;
+  material.bend_stiffness = 1;
+  return material;
+}
+
+std::vector<Pin> hold(const ClothDesc& cloth, const std::vector<uint32_t>& pixels) {
+  std::vector<Pin> pins;
+  pins.reserve(pixels.size());
+  for (const uint32_t pixel : pixels) {
+    pins.push_back({pixel, apply(cloth.transform, cloth.asset->rest_position[pixel])});
+  }
+  return pins;
+}
+
+std::vector<Pin> hold_group(const ClothDesc& cloth, std::string_view name) {
+  std::vector<uint32_t> pixels;
+  for (const ClothAsset::VertexGroup& group : cloth.asset->vertex_groups) {
+    if (group.name != name) continue;
+    for (const uint32_t vertex : group.source_vertex) pixels.push_back(cloth.asset->binding[vertex].pixel[0]);
+  }
+  return hold(cloth, pixels);
+}
+
+/// Vertical at rest, nothing to meet: throughput without contact.
+BenchScene make_hang(uint32_t size) {
+  const ClothDesc cloth{make_sheet(size, false), sheet_material(), {}};
+  return {{cloth}, {hold_group(cloth, "top")}, {}};
+}
+
+/// Starts level and swings down about its pinned edge onto a ball that pokes through the plane where it would hang.
+BenchScene make_swing(uint32_t size) {
+  const ClothDesc cloth{make_sheet(size, true), sheet_material(), {}};
+  const float side = kSpacing * static_cast<float>(size - 1);
+  const Sphere ball{{0, -0.55F * side, -0.5F * side}, 0.15F * side};
+  return {{cloth}, {hold_group(cloth, "top")}, {{"ball", ball, 0.3F, {}}}};
+}
+
+/// Zeller's cloth: structural and shear springs that are projected fully, one relaxation step, two corners held.
+BenchScene make_zeller(uint32_t size) {
+  Material material;
+  material.stiffness = 1;
+  material.verlet_damping = 0.99F;
+  material.bend_warp = material.bend_weft = 0;
+  const ClothDesc cloth{make_sheet(size, false), material, {}};
+  return {{cloth}, {hold_group(cloth, "corners")}, {}};
+}
+
+/// Many small cloths in one solver.
+BenchScene make_crowd(uint32_t size) {
+  const SheetPtr asset = make_sheet(size, false);
+  const float side = kSpacing * static_cast<float>(size);
+  BenchScene scene;
+  for (uint32_t i = 0; i < kCrowd; ++i) {
+    ClothDesc cloth{asset, attached(), {}};
+    cloth.transform.translate = {1.2F * side * (static_cast<float>(i) - 0.5F * kCrowd), 0, 0};
+    scene.pins.push_back(hold_group(cloth, "top"));
+    scene.cloths.push_back(std::move(cloth));
+  }
+  return scene;
+}
+
+TriangleMesh t_shirt_mesh() {
+  const std::vector<meshes::ObjMesh> garments = meshes::make_garments();
+  const auto shirt = std::find_if(garments.begin(), garments.end(), [](const auto& g) { return g.name == "t_shirt"; });
+  if (shirt == garments.end()) throw Error(ErrorCode::verification, "bench: there is no garment t_shirt any more");
+  TriangleMesh mesh;
+  mesh.name = shirt->name;
+  mesh.position = shirt->position;
+  for (uint32_t f = 0; f < shirt->face.size(); ++f) {
+    const meshes::Face& face = shirt->face[f];
+    for (std::size_t k = 2; k < face.size(); ++k) {
+      mesh.triangle.push_back({face[0], face[k - 1], face[k]});
+      mesh.polygon.push_back(f);
+    }
+  }
+  mesh.part = {{"cloth", 0, 0, static_cast<uint32_t>(mesh.triangle.size())}};
+  mesh.material = {SourceMaterial{}};
+  return mesh;
+}
+
+/// A T-shirt of two panels, held by its collar, with a ball inside: charts with free outlines and seams.
+BenchScene make_garment(uint32_t size) {
+  ConvertOptions options;
+  options.flatten.resolution = size;
+  const ClothDesc cloth{std::make_shared<const ClothAsset>(convert(t_shirt_mesh(), options).asset), attached(), {}};
+  Vec3 low = cloth.asset->source.position.front(), high = low;
+  for (const Vec3& p : cloth.asset->source.position) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+  const Sphere ball{0.5F * (low + high), 0.4F * (high.z - low.z)};
+  return {{cloth},
+          {hold(cloth, select_pixels(*cloth.asset, cloth.transform, WhereBoundary{}))},
+          {{"ball", ball, 0.3F, {}}}};
+}
+
+}  // namespace
+
+const std::vector<BenchSceneKind>& bench_scene_kinds() {
+  static const std::vector<BenchSceneKind> kinds{
+      {"hang",
+       "a sheet that hangs from its top row",
+       {64, 100, 128, 256, 512, 1024},
+       {64, 256},
+       {1, 4, 8, 16, 30},
+       {8},
+       make_hang},
+      {"swing",
+       "a sheet that swings down onto a ball",
+       {64, 100, 128, 256, 512, 1024},
+       {100},
+       {1, 4, 8, 16, 30},
+       {8},
+       make_swing},
+      {"zeller", "structural and shear springs, one substep", {64, 100, 256}, {100}, {1}, {1}, make_zeller},
+      {"crowd", "32 sheets in one solver", {32, 64}, {32}, {8}, {8}, make_crowd},
+      {"garment", "a T-shirt of two panels", {64, 128, 256}, {64}, {4, 8, 16}, {8}, make_garment},
+  };
+  return kinds;
+}
+
+}  // namespace geocloth

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "geocloth/solver/solver.h"
+
+namespace geocloth {
+
+/// What a benchmark simulates: cloths, what holds them, what they meet.
+struct BenchScene {
+  std::vector<ClothDesc> cloths;
+  std::vector<std::vector<Pin>> pins;  ///< of each cloth
+  std::vector<Collider> colliders;
+};
+
+/// A scene that can be made in any size.
+struct BenchSceneKind {
+  std::string_view name;
+  std::string_view summary;
+  std::vector<uint32_t> sizes;        ///< measured when no size is asked for [points a side]
+  std::vector<uint32_t> quick_sizes;  ///< the same with --quick
+  std::vector<uint32_t> substeps;     ///< measured when no number is asked for
+  std::vector<uint32_t> quick_substeps;
+  BenchScene (*make)(uint32_t size);
+};
+[[nodiscard]] const std::vector<BenchSceneKind>& bench_scene_kinds();
+
+}  // namespace geocloth

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// geocloth bench: measures the solver on scenes of its own, in every size and number of substeps that is asked for.
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "bench/bench_report.h"
+#include "bench/bench_run.h"
+#include "bench/bench_scene.h"
+#include "bench/machine.h"
+#include "command.h"
+#include "geocloth/solver/device.h"
+#include "options.h"
+#include "progress.h"
+
+namespace geocloth {
+namespace {
+
+constexpr uint32_t kMinSize = 8;
+constexpr uint32_t kMaxSize = 4096;
+constexpr uint32_t kMaxThreads = 256;
+constexpr uint32_t kMaxSubsteps = 256;
+constexpr BenchBudget kFullBudget{300, 2.0};
+constexpr BenchBudget kQuickBudget{60, 0.5};
+
+struct Options {
+  Backend backend = Backend::automatic;
+  std::string device, scene;
+  uint32_t threads = 0, size = 0, substeps = 0;  ///< 0: not given
+  bool quick = false, json = false, quiet = false;
+  std::vector<std::filesystem::path> compare;
+};
+
+struct Case {
+  const BenchSceneKind* kind;
+  uint32_t size, substeps;
+  Backend backend;
+  uint32_t threads;
+};
+
+std::vector<uint32_t> asked_or(uint32_t asked, const std::vector<uint32_t>& otherwise) {
+  return asked > 0 ? std::vector<uint32_t>{asked} : otherwise;
+}
+
+/// The cpu with one thread and with all, then a device. Nothing asked for: the cpu and a real GPU if there is one.
+std::vector<std::pair<Backend, uint32_t>> backends_of(const Options& options) {
+  std::vector<std::pair<Backend, uint32_t>> backends;
+  const uint32_t cores = std::clamp(std::thread::hardware_concurrency(), 1U, kMaxThreads);
+  if (options.backend != Backend::vulkan && options.device.empty()) {
+    for (const uint32_t threads : asked_or(options.threads, cores > 1 ? std::vector{1U, cores} : std::vector{1U})) {
+      backends.emplace_back(Backend::cpu, threads);
+    }
+  }
+  const std::vector<DeviceInfo> devices = enumerate_devices();
+  const bool gpu = std::any_of(devices.begin(), devices.end(), [](const DeviceInfo& device) {
+    return device.backend == Backend::vulkan && device.chosen_automatically;
+  });
+  if (options.backend == Backend::vulkan || !options.device.empty() || (options.backend == Backend::automatic && gpu)) {
+    backends.emplace_back(Backend::vulkan, 1U);
+  }
+  return backends;
+}
+
+std::vector<Case> cases_of(const Options& options) {
+  std::vector<Case> cases;
+  const auto backends = backends_of(options);
+  for (const BenchSceneKind& kind : bench_scene_kinds()) {
+    if (!options.scene.empty() && options.scene != kind.name) continue;
+    for (const uint32_t size : asked_or(options.size, options.quick ? kind.quick_sizes : kind.sizes)) {
+      for (const uint32_t substeps : asked_or(options.substeps, options.quick ? kind.quick_substeps : kind.substeps)) {
+        for (const auto& [backend, threads] : backends) cases.push_back({&kind, size, substeps, backend, threads});
+      }
+    }
+  }
+  return cases;
+}
+
+/// Lines appear as they are measured; with --json nothing but the JSON.
+void measure(const Options& options) {
+  const MachineInfo machine = measure_machine();
+  const std::vector<Case> cases = cases_of(options);
+  if (!options.json) fmt::print("{}\n{}\n", describe(machine), bench_table_head());
+  std::vector<BenchResult> results;
+  BenchScene scene;
+  ProgressDisplay progress("bench", options.quiet || !options.json);
+  for (size_t i = 0; i < cases.size(); ++i) {
+    const Case& c = cases[i];
+    progress.show("measure", static_cast<double>(i) / static_cast<double>(cases.size()));
+    if (i == 0 || c.kind != cases[i - 1].kind || c.size != cases[i - 1].size) scene = c.kind->make(c.size);
+    SolverSettings settings;
+    settings.backend = c.backend;
+    settings.device = options.device;
+    settings.threads = c.threads;
+    settings.substeps = c.substeps;
+    results.push_back(
+        run_bench(std::string(c.kind->name), scene, settings, options.quick ? kQuickBudget : kFullBudget));
+    if (options.json) continue;
+    fmt::print("{}\n", bench_table_line(results.back()));
+    std::fflush(stdout);
+  }
+  if (options.json) fmt::print("{}", bench_report(machine, results));
+}
+
+}  // namespace
+
+CommandRun add_bench(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  add_choice<Backend>(app, "--backend", options->backend,
+                      {{"auto", Backend::automatic}, {"cpu", Backend::cpu}, {"vulkan", Backend::vulkan}},
+                      "what to measure; auto: the cpu, and a real GPU if there is one");
+  add_text(app, "--device", "NAME", options->device, "part of a device's name as `geocloth devices` lists it",
+           "default the first of the backend");
+  add_number<uint32_t>(app, "--threads", "N", options->threads, 1, kMaxThreads, "threads", "for the cpu backend",
+                       "1 and all of the machine's");
+  add_number<uint32_t>(app, "--size", "N", options->size, kMinSize, kMaxSize, "points",
+                       "side of the sheets; a garment has about N x N points", "the scene's own sizes");
+  add_number<uint32_t>(app, "--substeps", "N", options->substeps, 1, kMaxSubsteps, "substeps", "of a frame",
+                       "the scene's own numbers");
+  std::vector<std::pair<std::string, std::string>> scenes;
+  for (const BenchSceneKind& kind : bench_scene_kinds()) scenes.emplace_back(kind.name, kind.name);
+  std::string about = "what to simulate: ";
+  for (const BenchSceneKind& kind : bench_scene_kinds()) {
+    about += fmt::format("{}{}, {}", &kind == bench_scene_kinds().data() ? "" : "; ", kind.name, kind.summary);
+  }
+  add_choice<std::string>(app, "--scene", options->scene, scenes, about, "all of them");
+  app.add_flag("--quick", options->quick, "few sizes, short runs: all of it within 30 s [default off]");
+  app.add_flag("--json", options->json, "print JSON for programs [default off]");
+  app.add_option("--compare", options->compare,
+                 "compare two files that --json wrote instead of measuring: the older one first [default none]")
+      ->option_text("OLD.json NEW.json")
+      ->expected(2);
+  add_quiet(app, options->quiet);
+  return [options] {
+    if (options->compare.empty()) {
+      measure(*options);
+    } else {
+      fmt::print("{}", compare_bench_reports(options->compare[0], options->compare[1]));
+    }
+  };
+}
+
+}  // namespace geocloth
