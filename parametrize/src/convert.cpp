@@ -16,6 +16,7 @@
 #include "point_math.h"
 #include "stage_files.h"
 #include "verify.h"
+#include "warnings.h"
 
 namespace geocloth {
 namespace {
@@ -28,9 +29,8 @@ class Stages {
   template <class Work>
   auto run(const char* name, const Work& work) {
     show(name, 0);
-    const auto start = Clock::now();
+    const Timing timing(*this, name);
     auto result = work();
-    add_seconds(name, since(start));
     show(name, 1);
     return result;
   }
@@ -43,20 +43,20 @@ class Stages {
 
  private:
   using Clock = std::chrono::steady_clock;
+  /// Notes the time of a stage when it ends, also by an exception: another layout may be tried then.
+  struct Timing {
+    Timing(Stages& stages_of, const char* stage) : stages(stages_of), name(stage) {}
+    ~Timing() { stages.add_seconds(name, since(start)); }
+    Timing(const Timing&) = delete;
+    Timing& operator=(const Timing&) = delete;
+    Stages& stages;
+    const char* name;
+    Clock::time_point start = Clock::now();
+  };
   static double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
   /// A stage that runs again, for another layout, goes on counting.
   void add_seconds(const char* name, double seconds) {
     const auto known = std::find_if(seconds_.begin(), seconds_.end(), [&](const auto& s) { return s.first == name; });
-    if (known == seconds_.end()) {
-      seconds_.emplace_back(name, seconds);
-    } else {
-      known->second += seconds;
-    }
-  }
-  /// A stage that runs again for another layout adds to its time.
-  void add(const char* name, double seconds) {
-    const auto known =
-        std::find_if(seconds_.begin(), seconds_.end(), [&](const auto& stage) { return stage.first == name; });
     if (known == seconds_.end()) {
       seconds_.emplace_back(name, seconds);
     } else {
@@ -89,46 +89,6 @@ uint64_t peak_memory_bytes() {
   return static_cast<uint64_t>(usage.ru_maxrss) * 1024;
 }
 
-std::string rounded(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
-
-std::vector<std::string> warnings(const ConvertReport& report, const ClothAsset& asset) {
-  std::vector<std::string> out;
-  const double size = report.cleaned_bbox_diagonal;
-  const Quality& q = report.quality;
-  constexpr double kLargest = 10, kSmallest = 0.05;  // [m] of a garment, with room to spare
-  if (size > kLargest || size < kSmallest) {
-    out.push_back("the garment is " + rounded(size) + " m across; if that is not its true size, give the unit of the " +
-                  "file with --unit mm, --unit cm, --unit in, or a factor with --scale");
-  }
-  constexpr double kStrongStretch = 5;  // one way against the other
-  if (q.anisotropy_p95 > kStrongStretch) {
-    out.push_back("parts of the image are stretched " + rounded(q.anisotropy_p95) +
-                  " times more one way than the other; the cloth will feel uneven there" +
-                  (asset.layout == Layout::square ? " (--layout panels keeps shapes better)" : ""));
-  }
-  constexpr double kCoarseDecibel = 50;
-  if (q.psnr_db < kCoarseDecibel) {
-    out.push_back("the image is coarse for this mesh (it is up to " + rounded(1000 * q.max_error * size) +
-                  " mm off); give a larger --resolution");
-  }
-  constexpr double kLargestBindingError = 1e-6;
-  if (q.binding_error > kLargestBindingError) {
-    out.push_back("single precision moves vertices by up to " + rounded(q.binding_error) +
-                  " of the size; move the mesh closer to the origin");
-  }
-  if (!report.represented.orientable) out.push_back("a part has only one side (it is not orientable)");
-  constexpr double kShortSpring = 0.05;
-  if (q.spring_min < kShortSpring) {
-    out.push_back("the shortest spring is " + rounded(q.spring_min) + " of the nominal " +
-                  rounded(1000 * double{asset.spacing}) + " mm; the simulation needs more substeps for it");
-  }
-  return out;
-}
-
 /// What lay_out needs of the stages before it.
 struct Prepared {
   const TriangleMesh& mesh;
@@ -139,9 +99,10 @@ struct Prepared {
 /// From the cut surface to a verified asset.
 void lay_out(const Prepared& prepared, const FlattenOptions& options, const Progress& progress, Stages& stages,
              const StageFiles& files, ConvertResult& result) {
-  const auto& [mesh, clean, cut] = prepared;
+  const TriangleMesh& mesh = prepared.mesh;
+  const CleanSurface& clean = prepared.clean;
   ConvertReport& report = result.report;
-  result.flat = stages.run("flatten", [&] { return flatten(clean, cut, options, progress); });
+  result.flat = stages.run("flatten", [&] { return flatten(clean, prepared.cut, options, progress); });
   const FlatSurface& flat = result.flat;
   files.save(flat);
 
@@ -194,7 +155,8 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& optio
     lay_out(prepared, flatten_options, progress, stages, files, result);
   }
 
-  report.warnings = warnings(report, result.asset);
+  report.parts = measure_parts(mesh, clean, result.flat);
+  report.warnings = plain_warnings(report, result.asset);
   if (!panels_failed.empty()) {
     report.warnings.insert(report.warnings.begin(),
                            "laid out in squares, because panels could not be made: " + panels_failed);

@@ -14,6 +14,7 @@
 
 #include "chart_outline.h"
 #include "geocloth/asset/grid_mesh.h"
+#include "map_stretch.h"
 #include "point_math.h"
 #include "triangle_tree.h"
 
@@ -55,40 +56,20 @@ class Distribution {
 
 // ---------------------------------------------------------------------------------------------- the flat charts
 
-/// Singular values of the map from the chart to space, largest first; zero when the flat triangle has no area.
-std::array<double, 2> singular_values(const FlatSurface& flat, const Triangle& t, double unit) {
-  const Point3 e1 = flat.position[t[1]] - flat.position[t[0]], e2 = flat.position[t[2]] - flat.position[t[0]];
-  const auto in_chart = [&](uint32_t v) {
-    return Point2{flat.uv[v][0] * unit, -flat.uv[v][1] * unit};  // v up
-  };
-  const Point2 o = in_chart(t[0]), p = in_chart(t[1]), q = in_chart(t[2]);
-  const Point2 f1{p[0] - o[0], p[1] - o[1]}, f2{q[0] - o[0], q[1] - o[1]};
-  const double d = f1[0] * f2[1] - f1[1] * f2[0];
-  if (d == 0) return {0, 0};
-  const Point3 xs = (e1 * f2[1] - e2 * f1[1]) * (1 / d), xt = (e2 * f1[0] - e1 * f2[0]) * (1 / d);
-  const double a = dot(xs, xs), b = dot(xs, xt), c = dot(xt, xt);
-  const double root = std::sqrt((a - c) * (a - c) + 4 * b * b);
-  // The small value from the area, because the difference of the formula cancels for needles.
-  const double large = std::sqrt((a + c + root) / 2);
-  const double small = large > 0 ? length(cross(xs, xt)) / large : 0;
-  return {large, small};
-}
-
 void measure_flat(const FlatSurface& flat, Quality& q) {
   std::vector<double> chart_area(flat.charts.size(), 0);
-  double area_3d = 0, area_uv = 0;
+  double area_3d = 0;
   for (std::size_t i = 0; i < flat.triangle.size(); ++i) {
     const Triangle& t = flat.triangle[i];
     const double uv = signed_area_twice(flat.uv[t[0]], flat.uv[t[1]], flat.uv[t[2]]) / 2;
     if (!(uv > 0)) ++q.flipped;
     chart_area[flat.chart[i]] += uv;
-    area_uv += std::abs(uv);
     area_3d += triangle_area(flat.position[t[0]], flat.position[t[1]], flat.position[t[2]]);
   }
   q.mirrored =
       static_cast<uint32_t>(std::count_if(chart_area.begin(), chart_area.end(), [](double a) { return a < 0; }));
 
-  const double unit = std::sqrt(ratio(area_3d, area_uv));  // metres per pixel
+  const double unit = map_unit(flat);
   double l2 = 0, dirichlet = 0;
   Distribution anisotropy;
   for (const Triangle& t : flat.triangle) {

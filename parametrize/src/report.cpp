@@ -29,7 +29,6 @@ Json source_json(const ConvertReport& report) {
   return json;
 }
 
-/// Share of the valid pixels that lack a neighbour of their chart among the eight around them.
 double border_share(const ClothAsset& asset) {
   uint32_t border = 0;
   for (uint32_t i = 0; i < asset.pixel_count(); ++i) {
@@ -49,21 +48,11 @@ double border_share(const ClothAsset& asset) {
 }
 
 Json image_json(const ClothAsset& asset) {
-  uint32_t copies_max = 0;
-  for (uint32_t row = 0; row < asset.splits.rows(); ++row) {
-    copies_max = std::max(copies_max, asset.splits.offset[row + 1] - asset.splits.offset[row]);
-  }
-  const uint32_t valid = count_valid_pixels(asset);
-  return {{"layout", to_string(asset.layout)},
-          {"width", asset.width},
-          {"height", asset.height},
-          {"valid_pixels", valid},
-          {"charts", asset.chart_count},
-          {"spacing", asset.spacing},
-          {"split_points", asset.splits.rows()},
-          {"copies_max", copies_max},
-          {"utilisation", valid / static_cast<double>(asset.pixel_count())},
-          {"border_share", border_share(asset)}};
+  const ImageSummary image = summarize_image(asset);
+  return {{"layout", to_string(asset.layout)},  {"width", asset.width},           {"height", asset.height},
+          {"valid_pixels", image.valid_pixels}, {"charts", asset.chart_count},    {"spacing", asset.spacing},
+          {"split_points", image.split_points}, {"copies_max", image.copies_max}, {"utilisation", image.utilisation},
+          {"border_share", image.border_share}};
 }
 
 Json quality_json(const Quality& q) {
@@ -91,6 +80,18 @@ Json quality_json(const Quality& q) {
 
 }  // namespace
 
+ImageSummary summarize_image(const ClothAsset& asset) {
+  ImageSummary image;
+  for (uint32_t row = 0; row < asset.splits.rows(); ++row) {
+    image.copies_max = std::max(image.copies_max, asset.splits.offset[row + 1] - asset.splits.offset[row]);
+  }
+  image.valid_pixels = count_valid_pixels(asset);
+  image.split_points = asset.splits.rows();
+  image.utilisation = image.valid_pixels / static_cast<double>(std::max(asset.pixel_count(), 1U));
+  image.border_share = border_share(asset);
+  return image;
+}
+
 std::string to_json(const ConvertResult& result) {
   const ConvertReport& report = result.report;
   Json json;
@@ -101,6 +102,11 @@ std::string to_json(const ConvertResult& result) {
   json["carried"] = Json::array();
   for (const CarriedPart& c : report.carried) {
     json["carried"].push_back({{"part", c.part}, {"faces", c.faces}, {"area_share", c.area_share}, {"why", c.why}});
+  }
+  json["parts"] = Json::array();
+  for (const PartShape& p : report.parts) {
+    json["parts"].push_back(
+        {{"name", p.name}, {"faces", p.faces}, {"area_share", p.area_share}, {"stretched_share", p.stretched_share}});
   }
   json["represented"] = to_json(report.represented, report.cleaned_bbox_diagonal);
   json["image"] = image_json(result.asset);

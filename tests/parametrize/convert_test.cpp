@@ -249,6 +249,28 @@ TEST(ConvertReport, WarnsOfAnImplausibleSize) {
   EXPECT_TRUE(convert(sheet(), small()).report.warnings.empty());
 }
 
+TEST(ConvertReport, NamesThePartThatIsStretched) {
+  TriangleMesh mesh = joined(sheet(), sheet({3, 0, 0}, {1, 0, 0}, {0, -8, 0}));
+  mesh.part = {{"front", 0, 0, 128}, {"belt", 0, 128, 128}};
+  ConvertOptions options = small(Layout::square);
+  options.flatten.resolution = 90;
+  const ConvertReport report = convert(mesh, options).report;
+  ASSERT_EQ(report.parts.size(), 2U);
+  EXPECT_EQ(report.parts[0].name, "front");
+  EXPECT_EQ(report.parts[0].faces, 128U);
+  EXPECT_LT(report.parts[0].stretched_share, 0.05);   // flat and square
+  EXPECT_GT(report.parts[1].stretched_share, 0.999);  // eight times as long as wide
+  EXPECT_NEAR(report.parts[0].area_share + report.parts[1].area_share, 1, 1e-9);
+  std::string warnings;
+  for (const std::string& warning : report.warnings) warnings += warning + '\n';
+  EXPECT_THAT(warnings, HasSubstr("mostly in part 'belt'"));
+  EXPECT_THAT(warnings, testing::Not(HasSubstr("'front'")));
+}
+
+TEST(ConvertReport, WarnsNotOfStretchWhereAGarmentIsDevelopable) {
+  EXPECT_THAT(convert(tube(), small(Layout::panels)).report.warnings, testing::IsEmpty());
+}
+
 TEST(Convert, GivesTheSameBitsEveryTime) {
   EXPECT_EQ(encode_asset(convert(torus(), small()).asset), encode_asset(convert(torus(), small()).asset));
 }

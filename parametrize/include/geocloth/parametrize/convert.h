@@ -26,6 +26,24 @@ struct CarriedPart {
   std::string why;
 };
 
+/// A part of the file (SourcePart) as the image has it.
+struct PartShape {
+  std::string name;
+  uint32_t faces = 0;          ///< triangles in the file
+  double area_share = 0;       ///< of the whole surface
+  double stretched_share = 0;  ///< share of the part's area that is stretched or squeezed by more than 10 %
+};
+
+/// The geometry image in numbers.
+struct ImageSummary {
+  uint32_t valid_pixels = 0;
+  uint32_t split_points = 0;  ///< rows of the split-vertex table
+  uint32_t copies_max = 0;    ///< most pixels of one point
+  double utilisation = 0;     ///< valid pixels / pixels
+  double border_share = 0;    ///< share of the valid pixels that lack one of their eight neighbours in the chart
+};
+[[nodiscard]] ImageSummary summarize_image(const ClothAsset& asset);
+
 struct ConvertReport {
   Topology source;
   double source_bbox_diagonal = 0;                 ///< [m]
@@ -34,6 +52,7 @@ struct ConvertReport {
   Topology cleaned;
   double cleaned_bbox_diagonal = 0;  ///< [m]
   std::vector<CarriedPart> carried;
+  std::vector<PartShape> parts;  ///< as in the file
   Topology represented;
   Topology welded;
   Quality quality;

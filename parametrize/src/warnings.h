@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "geocloth/parametrize/convert.h"
+
+namespace geocloth {
+
+/// How far each part of the file is from lying flat without stretch.
+[[nodiscard]] std::vector<PartShape> measure_parts(const TriangleMesh& mesh, const CleanSurface& clean,
+                                                   const FlatSurface& flat);
+
+/// What a user should know of a conversion that came out valid: one sentence each, with the remedy where there is one.
+[[nodiscard]] std::vector<std::string> plain_warnings(const ConvertReport& report, const ClothAsset& asset);
+
+}  // namespace geocloth
