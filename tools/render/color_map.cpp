@@ -53,6 +53,24 @@ uint8_t channel_to_srgb(float value) {
   return static_cast<uint8_t>(std::lround(s * 255));
 }
 
+/// OKLCh (Ottosson 2020); colours that a screen has not are clipped.
+Color oklch(float lightness, float chroma, double turns) {
+  const auto hue = static_cast<float>(2 * std::numbers::pi * (turns - std::floor(turns)));
+  const float a = chroma * std::cos(hue), b = chroma * std::sin(hue);
+  const auto cube = [](float v) { return v * v * v; };
+  const float l = cube(lightness + 0.3963377774F * a + 0.2158037573F * b);
+  const float m = cube(lightness - 0.1055613458F * a - 0.0638541728F * b);
+  const float s = cube(lightness - 0.0894841775F * a - 1.2914855480F * b);
+  return to_srgb({4.0767416621F * l - 3.3077115913F * m + 0.2309699292F * s,
+                  -1.2684380046F * l + 2.6097574011F * m - 0.3413193965F * s,
+                  -0.0041960863F * l - 0.7034186147F * m + 1.7076147010F * s});
+}
+
+/// Hues a golden angle apart are told apart well, however many there are.
+double golden_turns(uint32_t n) {
+  return 0.08 + n * (1 - 1 / std::numbers::phi);
+}
+
 }  // namespace
 
 LinearColor to_linear(Color color) {
@@ -77,19 +95,18 @@ Color diverging_color(float t) {
 }
 
 Color distinct_color(uint32_t n) {
-  // OKLCh (Ottosson 2020) at an even lightness and chroma, so that no hue shouts; lightness alternates in threes.
+  // An even lightness and chroma, so that no hue shouts; lightness alternates in threes.
   constexpr std::array<float, 3> kLightness{0.72F, 0.62F, 0.80F};
-  const float lightness = kLightness[(n / 5) % 3], chroma = 0.125F;
-  const double turns = 0.08 + n * (1 - 1 / std::numbers::phi);
-  const auto hue = static_cast<float>(2 * std::numbers::pi * (turns - std::floor(turns)));
-  const float a = chroma * std::cos(hue), b = chroma * std::sin(hue);
-  const auto cube = [](float v) { return v * v * v; };
-  const float l = cube(lightness + 0.3963377774F * a + 0.2158037573F * b);
-  const float m = cube(lightness - 0.1055613458F * a - 0.0638541728F * b);
-  const float s = cube(lightness - 0.0894841775F * a - 1.2914855480F * b);
-  return to_srgb({4.0767416621F * l - 3.3077115913F * m + 0.2309699292F * s,
-                  -1.2684380046F * l + 2.6097574011F * m - 0.3413193965F * s,
-                  -0.0041960863F * l - 0.7034186147F * m + 1.7076147010F * s});
+  constexpr float kChroma = 0.125F;
+  return oklch(kLightness[(n / 5) % 3], kChroma, golden_turns(n));
+}
+
+Color seam_color(uint32_t seam) {
+  // Strong, so that a thin line is seen on pale cloth and on the colours of charts.
+  constexpr std::array<float, 3> kLightness{0.60F, 0.70F, 0.52F};
+  constexpr float kChroma = 0.19F;
+  constexpr double kAgainstCharts = 0.5;
+  return oklch(kLightness[(seam / 5) % 3], kChroma, golden_turns(seam) + kAgainstCharts);
 }
 
 Color shaded(Color color, float factor) {

@@ -25,6 +25,8 @@ struct LinearColor {
 
 /// The n-th of an endless row of colours that are told apart well: hues a golden angle apart.
 [[nodiscard]] Color distinct_color(uint32_t n);
+/// The colour of a seam, the same in every picture.
+[[nodiscard]] Color seam_color(uint32_t seam);
 /// The same colour, lighter (factor > 1) or darker (factor < 1).
 [[nodiscard]] Color shaded(Color color, float factor);
 
