@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include "pixel_chain.h"
@@ -14,8 +15,18 @@ struct PointChain {
   std::vector<uint32_t> point;
 };
 
-/// Charts in which a grid edge through the inside joins two surface points that another edge of the image joins too, or
-/// two copies of one point: welded, such a pair of edges would pinch the surface. Ascending.
-[[nodiscard]] std::vector<size_t> conflicting_charts(std::span<const PointChain> charts);
+/// Samples of one chart that must come to lie further apart.
+struct ChainConflict {
+  uint32_t chart;
+  ApartSamples samples;
+  bool operator==(const ChainConflict&) const = default;
+  bool operator<(const ChainConflict& other) const {
+    return std::tie(chart, samples) < std::tie(other.chart, other.samples);
+  }
+};
+
+/// Finds the grid edges through the inside of a chart that join two surface points which another edge of the image
+/// joins too, or two copies of one point: welded, such edges would pinch the surface. Ascending.
+[[nodiscard]] std::vector<ChainConflict> chain_conflicts(std::span<const PointChain> charts);
 
 }  // namespace geocloth

@@ -14,35 +14,32 @@
 #include <string>
 
 #include "chain_conflicts.h"
+#include "chain_targets.h"
 #include "develop.h"
 #include "geocloth/asset/error.h"
 #include "pack.h"
 #include "pixel_chain.h"
 #include "point_math.h"
 #include "refined_mesh.h"
+#include "round_chart.h"
 #include "seam_samples.h"
 #include "seam_steps.h"
 
 namespace geocloth {
 namespace {
 
-constexpr double kLeastChartArea = 6;    // [pixels] a smaller chart is enlarged to it
 constexpr uint32_t kLeastLoopSteps = 4;  // a closed chain without sharp turns
 constexpr double kLeastCut = 5;          // [pixels] shorter cut extensions are not worth their pixels
-constexpr double kEnlargement = 1.15;
-constexpr double kShift = 1.03;
-constexpr double kMostEnlargement = 5;
-constexpr int kRounds = 24;
+constexpr int kRounds = 40;
+constexpr int kNudges = 24;
 
-/// Everything about the charts that does not change while the numbers of steps are searched for.
+/// Everything about the charts that their pixels depend on.
 struct Plan {
   DevelopedSurface developed;
   std::vector<Outline> outlines;
-  double spacing = 0;            // [m]
-  std::vector<uint32_t> steps;   // per seam
-  std::vector<double> natural;   // per chart: pixels per metre that its size asks for
-  std::vector<double> enlarged;  // per chart: by this factor, to make room for its outline
-  [[nodiscard]] double scale(size_t chart) const { return natural[chart] * enlarged[chart]; }
+  double spacing = 0;           // [m]
+  std::vector<uint32_t> steps;  // per seam
+  std::vector<uint8_t> round;   // per chart: non-zero where its own shape has no room for its outline
 };
 
 std::vector<double> chart_areas(const CutSurface& cut) {
@@ -62,14 +59,14 @@ double planar_distance(const Point2& a, const Point2& b) {
 /// has to go further than one pixel in a step.
 std::vector<std::vector<double>> segment_lengths(const Plan& plan) {
   std::vector<std::vector<double>> lengths(plan.steps.size());
-  for (size_t c = 0; c < plan.outlines.size(); ++c) {
-    for (const OutlinePath& path : plan.outlines[c].path) {
+  for (const Outline& outline : plan.outlines) {
+    for (const OutlinePath& path : outline.path) {
       std::vector<double>& length = lengths[path.seam];
       const size_t segments = path.vertex.size() - 1;
       length.resize(segments, 0);
       for (size_t i = 0; i < segments; ++i) {
         const double run =
-            plan.scale(c) * planar_distance(plan.developed.uv[path.vertex[i]], plan.developed.uv[path.vertex[i + 1]]);
+            planar_distance(plan.developed.uv[path.vertex[i]], plan.developed.uv[path.vertex[i + 1]]) / plan.spacing;
         double& longest = length[path.reversed ? segments - 1 - i : i];
         longest = std::max(longest, run);
       }
@@ -115,13 +112,8 @@ Plan make_plan(const CutSurface& cut, const FlattenOptions& options, const Progr
   develop_options.least_cut = kLeastCut * rough_spacing(cut, options);
   plan.developed = develop(cut, develop_options, progress);
   plan.outlines = trace_outlines(plan.developed.cut);
-  const std::vector<double> area = chart_areas(plan.developed.cut);
-  plan.spacing = choose_spacing(area, plan.outlines, options);
-  for (const double a : area) {
-    const double pixels = a / (plan.spacing * plan.spacing);
-    plan.natural.push_back(std::max(1.0, std::sqrt(kLeastChartArea / pixels)) / plan.spacing);
-    plan.enlarged.push_back(1.0);
-  }
+  plan.spacing = choose_spacing(chart_areas(plan.developed.cut), plan.outlines, options);
+  plan.round.assign(plan.outlines.size(), 0);
   plan.steps = least_seam_steps(plan.developed.cut, plan.outlines);
   for (const Outline& outline : plan.outlines) {
     if (outline.path.size() != 1) continue;
@@ -132,7 +124,7 @@ Plan make_plan(const CutSurface& cut, const FlattenOptions& options, const Progr
   return plan;
 }
 
-/// Planar coordinates of the refined mesh: inserted outline vertices lie on their edge as in space.
+/// Planar coordinates of the refined mesh [m]: inserted outline vertices lie on their edge as in space.
 std::vector<Point2> refined_coordinates(const Plan& plan, const RefinedMesh& mesh,
                                         const std::vector<SampledOutline>& sampled) {
   std::vector<Point2> uv = plan.developed.uv;
@@ -166,183 +158,197 @@ std::vector<uint32_t> sample_vertices(const SampledOutline& outline) {
   return result;
 }
 
-std::vector<ChainRun> chain_runs(const Plan& plan, size_t chart, const std::vector<uint32_t>& samples,
-                                 const std::vector<Point2>& uv) {
-  const size_t n = samples.size();
-  const auto place = [&](size_t i) -> Point2 {
-    const Point2& p = uv[samples[i % n]];
-    return {p[0] * plan.scale(chart), -p[1] * plan.scale(chart)};
-  };
-  std::vector<ChainRun> runs;
-  size_t first = 0;
-  for (const OutlinePath& path : plan.outlines[chart].path) {
-    ChainRun run;
-    for (size_t i = first; i <= first + plan.steps[path.seam]; ++i) {
-      run.target.push_back(place(i));
-      const Point2 before = place(i + n - 1), after = place(i + 1);
-      const double dx = after[0] - before[0], dy = after[1] - before[1];
-      const double l = std::hypot(dx, dy);
-      // Left of the outline's direction; v runs down.
-      run.inward.push_back(l > 0 ? Point2{dy / l, -dx / l} : Point2{0, 0});
+/// The refined mesh in the plane, before pixels are found for its outlines.
+struct Laid {
+  RefinedMesh mesh;
+  std::vector<SampledOutline> sampled;        // per chart
+  std::vector<std::vector<uint32_t>> vertex;  // per chart
+  std::vector<Point2> uv;                     // per vertex [pixels], v down
+};
+
+Laid lay_out(const Plan& plan) {
+  Laid laid;
+  laid.mesh = make_refined_mesh(plan.developed.cut);
+  laid.sampled = insert_seam_samples(laid.mesh, plan.outlines, plan.steps, segment_lengths(plan));
+  laid.vertex.resize(plan.outlines.size());
+  std::vector<uint8_t> met(laid.mesh.position.size(), 0);
+  for (size_t t = 0; t < laid.mesh.triangle.size(); ++t) {
+    for (const uint32_t v : laid.mesh.triangle[t]) {
+      if (met[v] == 0) laid.vertex[laid.mesh.component[t]].push_back(v);
+      met[v] = 1;
     }
-    first += plan.steps[path.seam];
-    runs.push_back(std::move(run));
   }
-  return runs;
+  laid.uv = refined_coordinates(plan, laid.mesh, laid.sampled);
+  for (Point2& p : laid.uv) p = {p[0] / plan.spacing, -p[1] / plan.spacing};
+  std::vector<std::vector<uint32_t>> round_triangles(plan.round.size());
+  for (uint32_t t = 0; t < laid.mesh.triangle.size(); ++t) {
+    const uint32_t c = laid.mesh.component[t];
+    if (plan.round[c] != 0) round_triangles[c].push_back(t);
+  }
+  for (size_t c = 0; c < plan.round.size(); ++c) {
+    if (plan.round[c] == 0) continue;
+    const RoundChart round = lay_out_round(laid.mesh, round_triangles[c], laid.sampled[c]);
+    for (size_t i = 0; i < round.vertex.size(); ++i) laid.uv[round.vertex[i]] = {round.uv[i][0], -round.uv[i][1]};
+  }
+  return laid;
+}
+
+/// Where the samples of a chart's outline lie in its plane.
+std::vector<Point2> sample_places(const Laid& laid, size_t chart) {
+  std::vector<Point2> places;
+  for (const uint32_t v : sample_vertices(laid.sampled[chart])) places.push_back(laid.uv[v]);
+  return places;
 }
 
 /// Twice the area inside a closed chain, positive when it runs counter-clockwise seen with v up.
-int64_t chain_area(const std::vector<std::vector<Pixel>>& runs) {
+int64_t chain_area(const std::vector<Pixel>& chain) {
   int64_t sum = 0;
-  for (const std::vector<Pixel>& run : runs) {
-    for (size_t i = 0; i + 1 < run.size(); ++i) {
-      sum += int64_t{run[i + 1][0]} * run[i][1] - int64_t{run[i][0]} * run[i + 1][1];
-    }
+  for (size_t i = 0; i < chain.size(); ++i) {
+    const Pixel &a = chain[i], &b = chain[(i + 1) % chain.size()];
+    sum += int64_t{b[0]} * a[1] - int64_t{a[0]} * b[1];
   }
   return sum;
 }
 
-/// A run of a chart's outline for which no pixels were found.
-struct Stuck {
-  size_t chart;
-  uint32_t seam;
-  uint32_t least_steps;
+/// The outline pixels of one chart, and what was asked for.
+struct ChartChain {
+  std::vector<Point2> target;
+  std::vector<ApartSamples> apart;
+  PixelChain chain;
+
+  void place(std::vector<Pixel> start) {
+    chain = place_chain(target, apart, std::move(start));
+    if (chain.result == PixelChain::Result::found && chain_area(chain.pixel) <= 0) {
+      chain.result = PixelChain::Result::crowded;
+    }
+  }
 };
 
-struct Chains {
-  std::vector<std::vector<ChainRun>> asked;  // per chart
-  std::vector<ChainResult> found;            // per chart
-  std::vector<Stuck> stuck;
-};
-
-/// @param before  of the round before: charts that did not change since keep what they had
-Chains place_chains(const Plan& plan, const std::vector<SampledOutline>& sampled, const std::vector<Point2>& uv,
-                    Chains before) {
-  Chains chains;
-  for (size_t c = 0; c < plan.outlines.size(); ++c) {
-    std::vector<ChainRun> runs = chain_runs(plan, c, sample_vertices(sampled[c]), uv);
-    const bool known = c < before.asked.size() && before.asked[c] == runs;
-    ChainResult result = known ? std::move(before.found[c]) : place_chain(runs);
-    if (!known && result.failed.empty() && chain_area(result.run) <= 0) {
-      for (uint32_t r = 0; r < plan.outlines[c].path.size(); ++r) result.failed.push_back({r, 0});
-    }
-    for (const auto& [run, least_steps] : result.failed) {
-      chains.stuck.push_back({c, plan.outlines[c].path[run].seam, least_steps});
-    }
-    chains.asked.push_back(std::move(runs));
-    chains.found.push_back(std::move(result));
+/// Finds the pixels of all charts; those whose targets are as before keep what they had.
+void place_chains(const Laid& laid, std::vector<ChartChain>& charts) {
+  charts.resize(laid.sampled.size());
+  for (size_t c = 0; c < charts.size(); ++c) {
+    std::vector<Point2> target = chain_targets(sample_places(laid, c));
+    if (target == charts[c].target) continue;
+    charts[c] = {std::move(target), {}, {}};
+    charts[c].place({});
   }
-  return chains;
 }
 
-/// A run is stuck because its ends came to lie further apart than it has steps, or because there is too little room; a
-/// pinched chart only has to fall differently on the lattice.
-/// @returns false when a chart has become so large beside the others that panels make no sense
-bool make_room(Plan& plan, const std::vector<Stuck>& stuck, const std::vector<size_t>& pinched) {
-  std::vector<size_t> crowded;
-  for (const Stuck& s : stuck) {
-    if (plan.steps[s.seam] < s.least_steps) {
-      plan.steps[s.seam] = s.least_steps;
-    } else {
-      crowded.push_back(s.chart);
+/// Moves outline pixels apart that would pinch the welded surface between them.
+/// @returns the charts in which that did not succeed
+std::vector<size_t> part_pinches(const Laid& laid, std::vector<ChartChain>& charts) {
+  std::vector<PointChain> chains(charts.size());
+  for (size_t c = 0; c < charts.size(); ++c) {
+    for (const uint32_t v : sample_vertices(laid.sampled[c])) chains[c].point.push_back(laid.mesh.point[v]);
+  }
+  std::vector<size_t> pinched;
+  for (int nudge = 0; nudge < kNudges; ++nudge) {
+    for (size_t c = 0; c < charts.size(); ++c) chains[c].pixel = charts[c].chain.pixel;
+    pinched.clear();
+    for (const ChainConflict& conflict : chain_conflicts(chains)) {
+      charts[conflict.chart].apart.push_back(conflict.samples);
+      if (pinched.empty() || pinched.back() != conflict.chart) pinched.push_back(conflict.chart);
+    }
+    if (pinched.empty()) return {};
+    for (const size_t c : pinched) {
+      std::vector<ApartSamples>& apart = charts[c].apart;
+      std::sort(apart.begin(), apart.end());
+      apart.erase(std::unique(apart.begin(), apart.end()), apart.end());
+      charts[c].place(charts[c].chain.pixel);
+      if (charts[c].chain.result != PixelChain::Result::found) return {c};
     }
   }
-  crowded.erase(std::unique(crowded.begin(), crowded.end()), crowded.end());
-  for (const size_t c : crowded) plan.enlarged[c] *= kEnlargement;
-  for (const size_t c : pinched) plan.enlarged[c] *= kShift;
-  raise_steps(plan);
-  return *std::max_element(plan.enlarged.begin(), plan.enlarged.end()) <= kMostEnlargement;
+  return pinched;
 }
 
-/// Charts whose inside would repeat an edge of the welded mesh; asked when every chart has its chain.
-std::vector<size_t> pinched_charts(const Chains& chains, const std::vector<SampledOutline>& sampled,
-                                   const RefinedMesh& mesh) {
-  std::vector<PointChain> charts;
-  for (size_t c = 0; c < chains.found.size(); ++c) {
-    PointChain chain;
-    for (const std::vector<Pixel>& run : chains.found[c].run) {
-      chain.pixel.insert(chain.pixel.end(), run.begin(), run.end() - 1);
-    }
-    for (const uint32_t v : sample_vertices(sampled[c])) chain.point.push_back(mesh.point[v]);
-    charts.push_back(std::move(chain));
+/// One more step for every seam of a chart.
+void lengthen(Plan& plan, size_t chart) {
+  std::vector<uint32_t> seams;
+  for (const OutlinePath& path : plan.outlines[chart].path) seams.push_back(path.seam);
+  std::sort(seams.begin(), seams.end());
+  seams.erase(std::unique(seams.begin(), seams.end()), seams.end());
+  for (const uint32_t seam : seams) ++plan.steps[seam];
+}
+
+/// Changes the plan where pixels could not be found. @returns how many charts that concerns
+size_t give_room(Plan& plan, const Laid& laid, std::vector<ChartChain>& charts) {
+  std::vector<size_t> crowded, too_short;
+  for (size_t c = 0; c < charts.size(); ++c) {
+    if (charts[c].chain.result == PixelChain::Result::crowded) crowded.push_back(c);
+    if (charts[c].chain.result == PixelChain::Result::too_short) too_short.push_back(c);
   }
-  return conflicting_charts(charts);
+  if (crowded.empty() && too_short.empty()) crowded = part_pinches(laid, charts);
+  for (const size_t c : crowded) {
+    if (plan.round[c] != 0) too_short.push_back(c);
+    plan.round[c] = 1;
+    charts[c].target.clear();
+  }
+  for (const size_t c : too_short) lengthen(plan, c);
+  return crowded.size() + too_short.size();
 }
 
-FlatChart make_chart(const Plan& plan, size_t c, const SampledOutline& sampled,
-                     const std::vector<std::vector<Pixel>>& runs, std::vector<Point2>& uv,
-                     const std::vector<uint32_t>& chart_vertices) {
+/// Cuts a chart's rectangle out of the plane around its chain, and moves its vertices into it.
+FlatChart make_chart(Laid& laid, size_t c, const std::vector<Pixel>& chain) {
   Pixel low{std::numeric_limits<int32_t>::max(), std::numeric_limits<int32_t>::max()};
   Pixel high{std::numeric_limits<int32_t>::min(), std::numeric_limits<int32_t>::min()};
-  for (const std::vector<Pixel>& run : runs) {
-    for (const Pixel& p : run) {
-      low = {std::min(low[0], p[0]), std::min(low[1], p[1])};
-      high = {std::max(high[0], p[0]), std::max(high[1], p[1])};
-    }
+  for (const Pixel& p : chain) {
+    low = {std::min(low[0], p[0]), std::min(low[1], p[1])};
+    high = {std::max(high[0], p[0]), std::max(high[1], p[1])};
   }
   FlatChart chart;
   chart.width = static_cast<uint32_t>(high[0] - low[0] + 1);
   chart.height = static_cast<uint32_t>(high[1] - low[1] + 1);
-  chart.spacing = 1 / plan.scale(c);
-  const std::vector<uint32_t> samples = sample_vertices(sampled);
-  size_t i = 0;
-  for (const std::vector<Pixel>& run : runs) {
-    for (size_t k = 0; k + 1 < run.size(); ++k, ++i) {
-      chart.outline.push_back(
-          {static_cast<uint32_t>(run[k][0] - low[0]), static_cast<uint32_t>(run[k][1] - low[1]), samples[i]});
-    }
+  const std::vector<uint32_t> samples = sample_vertices(laid.sampled[c]);
+  for (size_t i = 0; i < chain.size(); ++i) {
+    chart.outline.push_back(
+        {static_cast<uint32_t>(chain[i][0] - low[0]), static_cast<uint32_t>(chain[i][1] - low[1]), samples[i]});
   }
-  for (const uint32_t v : chart_vertices) {
-    uv[v] = {uv[v][0] * plan.scale(c) - low[0], -uv[v][1] * plan.scale(c) - low[1]};
-  }
+  for (const uint32_t v : laid.vertex[c]) laid.uv[v] = {laid.uv[v][0] - low[0], laid.uv[v][1] - low[1]};
   return chart;
+}
+
+/// Metres per pixel of every chart, by its areas in space and in the plane.
+void set_spacing(FlatSurface& flat) {
+  std::vector<double> in_space(flat.charts.size(), 0), in_plane(flat.charts.size(), 0);
+  for (size_t t = 0; t < flat.triangle.size(); ++t) {
+    const Triangle& k = flat.triangle[t];
+    in_space[flat.chart[t]] += triangle_area(flat.position[k[0]], flat.position[k[1]], flat.position[k[2]]);
+    in_plane[flat.chart[t]] += signed_area_twice(flat.uv[k[0]], flat.uv[k[1]], flat.uv[k[2]]) / 2;
+  }
+  for (size_t c = 0; c < flat.charts.size(); ++c) flat.charts[c].spacing = std::sqrt(in_space[c] / in_plane[c]);
 }
 
 }  // namespace
 
 FlatSurface lay_out_panels(const CutSurface& cut, const FlattenOptions& options, const Progress& progress) {
   Plan plan = make_plan(cut, options, progress);
-  RefinedMesh mesh;
-  std::vector<SampledOutline> sampled;
-  std::vector<Point2> uv;
-  Chains chains;
+  Laid laid;
+  std::vector<ChartChain> charts;
   for (int round = 0;; ++round) {
-    mesh = make_refined_mesh(plan.developed.cut);
-    sampled = insert_seam_samples(mesh, plan.outlines, plan.steps, segment_lengths(plan));
-    uv = refined_coordinates(plan, mesh, sampled);
-    chains = place_chains(plan, sampled, uv, std::move(chains));
-    const std::vector<size_t> pinched =
-        chains.stuck.empty() ? pinched_charts(chains, sampled, mesh) : std::vector<size_t>{};
-    if (chains.stuck.empty() && pinched.empty()) break;
-    if (round == kRounds || !make_room(plan, chains.stuck, pinched)) {
-      throw Error(ErrorCode::verification, "no pixels could be found for " + std::to_string(chains.stuck.size()) +
-                                               " runs of seams and " + std::to_string(pinched.size()) +
-                                               " narrow charts; raise the resolution or try --layout square");
+    if (progress) progress("flatten", 1);
+    laid = lay_out(plan);
+    place_chains(laid, charts);
+    const size_t stuck = give_room(plan, laid, charts);
+    if (stuck == 0) break;
+    if (round == kRounds) {
+      throw Error(ErrorCode::verification, "no pixels could be found for the outlines of " + std::to_string(stuck) +
+                                               " charts; raise the resolution or try --layout square");
     }
   }
 
   FlatSurface flat;
-  std::vector<std::vector<uint32_t>> vertices(plan.outlines.size());
-  std::vector<uint8_t> met(mesh.position.size(), 0);
-  for (size_t t = 0; t < mesh.triangle.size(); ++t) {
-    for (const uint32_t v : mesh.triangle[t]) {
-      if (met[v] == 0) vertices[mesh.component[t]].push_back(v);
-      met[v] = 1;
-    }
-  }
-  for (size_t c = 0; c < plan.outlines.size(); ++c) {
-    flat.charts.push_back(make_chart(plan, c, sampled[c], chains.found[c].run, uv, vertices[c]));
-  }
-  flat.position = std::move(mesh.position);
-  flat.uv = std::move(uv);
-  flat.triangle = std::move(mesh.triangle);
-  flat.chart = std::move(mesh.component);
-  flat.point = std::move(mesh.point);
-  flat.point_count = mesh.point_count;
-  flat.clean_vertex = std::move(mesh.clean_vertex);
-  flat.clean_triangle = std::move(mesh.clean_triangle);
+  for (size_t c = 0; c < charts.size(); ++c) flat.charts.push_back(make_chart(laid, c, charts[c].chain.pixel));
+  flat.position = std::move(laid.mesh.position);
+  flat.uv = std::move(laid.uv);
+  flat.triangle = std::move(laid.mesh.triangle);
+  flat.chart = std::move(laid.mesh.component);
+  flat.point = std::move(laid.mesh.point);
+  flat.point_count = laid.mesh.point_count;
+  flat.clean_vertex = std::move(laid.mesh.clean_vertex);
+  flat.clean_triangle = std::move(laid.mesh.clean_triangle);
+  set_spacing(flat);
   pack_charts(flat);
-  if (progress) progress("flatten", 1);
   return flat;
 }
 

@@ -2,258 +2,369 @@
 //
 // The outline of a free-form chart on the pixel lattice. Zippering (Sander et al. 2003) lets both sides of a seam be
 // rasterised as they fall and merges samples afterwards, which spoils the spacing along the seam. Here the samples come
-// first (equal arc length, shared by both sides) and each side looks for a lattice way with exactly that many steps.
+// first (equal arc length, shared by both sides) and each side looks for a lattice way with exactly that many steps:
+// dynamic programming over (pixel, direction), at first as if a pixel could be met twice. Where that happens, stretches
+// are taken up and laid again while contested pixels become dearer, as wires are routed on a circuit board
+// (McMurchie and Ebeling, PathFinder, 1995), until no two samples share a pixel.
 
 #include "pixel_chain.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
-#include <set>
+#include <optional>
 
 namespace geocloth {
 namespace {
 
 constexpr std::array<Pixel, 8> kStep{{{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-/// How far inside of its sample a pixel should lie [pixels]: the two sides of a narrow slit part by themselves.
-constexpr double kInset = 0.25;
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
 /// Cost of a turn by 0, 45, 90 and 135 degrees, in squared pixels: keeps straight outlines straight.
-constexpr std::array<double, 4> kTurnCost{0, 0, 0.15, 1.5};
+constexpr std::array<float, 4> kTurnCost{0, 0, 0.15F, 1.5F};
+constexpr int kRounds = 60;
+constexpr size_t kNoDirection = 8;
 
 Pixel moved(const Pixel& p, size_t direction) {
   return {p[0] + kStep[direction][0], p[1] + kStep[direction][1]};
-}
-
-double squared_distance(const Pixel& p, const Point2& q) {
-  const double dx = p[0] - q[0];
-  const double dy = p[1] - q[1];
-  return dx * dx + dy * dy;
-}
-
-/// Pixels and diagonals in use.
-class Occupancy {
- public:
-  [[nodiscard]] bool free(const Pixel& p) const { return !pixels_.contains(p); }
-  void take(const Pixel& p) { pixels_.insert(p); }
-  /// A diagonal step may not cross another through the same cell.
-  [[nodiscard]] bool may_step(const Pixel& from, size_t direction) const {
-    if (direction % 2 == 0) return true;
-    return !diagonals_.contains(cell(from, direction));
-  }
-  void take_step(const Pixel& from, size_t direction) {
-    if (direction % 2 == 1) diagonals_.insert(cell(from, direction));
-  }
-
- private:
-  static Pixel cell(const Pixel& from, size_t direction) {
-    const Pixel to = moved(from, direction);
-    return {std::min(from[0], to[0]), std::min(from[1], to[1])};
-  }
-  std::set<Pixel> pixels_;
-  std::set<Pixel> diagonals_;  // by the top left pixel of their cell
-};
-
-/// The nearest free pixel to a place, by distance and then by row and column.
-Pixel nearest_free(const Occupancy& occupied, const Point2& place) {
-  const Pixel centre{static_cast<int32_t>(std::lround(place[0])), static_cast<int32_t>(std::lround(place[1]))};
-  for (int32_t radius = 0;; ++radius) {
-    std::optional<Pixel> best;
-    for (int32_t y = -radius; y <= radius; ++y) {
-      for (int32_t x = -radius; x <= radius; ++x) {
-        const Pixel p{centre[0] + x, centre[1] + y};
-        if (occupied.free(p) && (!best || squared_distance(p, place) < squared_distance(*best, place))) best = p;
-      }
-    }
-    if (best) return *best;
-  }
-}
-
-Point2 inset(const ChainRun& run, size_t i) {
-  return {run.target[i][0] + kInset * run.inward[i][0], run.target[i][1] + kInset * run.inward[i][1]};
-}
-
-/// A stretch of a run with the pixels of its ends.
-struct Stretch {
-  const ChainRun& run;
-  size_t first, last;  // samples
-  Pixel from, to;
-  [[nodiscard]] size_t steps() const { return last - first; }
-  [[nodiscard]] Point2 place(size_t i) const { return inset(run, first + i); }
-};
-
-/// The cheapest way of exactly as many steps as the stretch has, within `radius` of the targets.
-std::vector<Pixel> find_way(const Stretch& stretch, const Occupancy& occupied, int32_t radius) {
-  const Pixel &from = stretch.from, &to = stretch.to;
-  const auto steps = static_cast<int32_t>(stretch.steps());
-  const int32_t side = 2 * radius + 1;
-  const auto states = static_cast<size_t>(side * side) * 8;
-  struct Window {
-    Pixel corner;
-    std::vector<double> cost;   // per (pixel, arriving direction)
-    std::vector<int16_t> from;  // arriving direction of the pixel before
-  };
-  std::vector<Window> window(stretch.steps() + 1);
-  for (size_t i = 0; i < window.size(); ++i) {
-    const Point2 place = stretch.place(i);
-    window[i].corner = {static_cast<int32_t>(std::lround(place[0])) - radius,
-                        static_cast<int32_t>(std::lround(place[1])) - radius};
-    window[i].cost.assign(states, kInfinity);
-    window[i].from.assign(states, -1);
-  }
-  const auto index = [&](const Window& w, const Pixel& p) -> int32_t {
-    const int32_t x = p[0] - w.corner[0], y = p[1] - w.corner[1];
-    return x < 0 || y < 0 || x >= side || y >= side ? -1 : y * side + x;
-  };
-  const auto arrive = [&](int32_t i, const Pixel& p, size_t direction, double cost, int16_t before) {
-    Window& w = window[static_cast<size_t>(i)];
-    const int32_t cell = index(w, p);
-    if (cell < 0) return;
-    const bool last = i == steps;
-    if (last ? p != to : !occupied.free(p)) return;
-    // Not so far from the end that it cannot be reached any more.
-    if (std::max(std::abs(to[0] - p[0]), std::abs(to[1] - p[1])) > steps - i) return;
-    const double total = cost + (last ? 0 : squared_distance(p, stretch.place(static_cast<size_t>(i))));
-    const size_t state = static_cast<size_t>(cell) * 8 + direction;
-    if (total < w.cost[state]) {
-      w.cost[state] = total;
-      w.from[state] = before;
-    }
-  };
-  for (size_t d = 0; d < 8; ++d) {
-    if (occupied.may_step(from, d)) arrive(1, moved(from, d), d, 0, -1);
-  }
-  for (int32_t i = 1; i < steps; ++i) {
-    const Window& w = window[static_cast<size_t>(i)];
-    for (int32_t cell = 0; cell < side * side; ++cell) {
-      const Pixel p{w.corner[0] + cell % side, w.corner[1] + cell / side};
-      for (size_t d = 0; d < 8; ++d) {
-        const double cost = w.cost[static_cast<size_t>(cell) * 8 + d];
-        if (cost == kInfinity) continue;
-        for (size_t turn = 0; turn < kTurnCost.size(); ++turn) {
-          for (const size_t next : {(d + turn) % 8, (d + 8 - turn) % 8}) {
-            if (!occupied.may_step(p, next)) continue;
-            arrive(i + 1, moved(p, next), next, cost + kTurnCost[turn], static_cast<int16_t>(d));
-          }
-        }
-      }
-    }
-  }
-  // Back from the end.
-  const Window& end = window[static_cast<size_t>(steps)];
-  const int32_t end_cell = index(end, to);
-  if (end_cell < 0) return {};
-  const auto first = end.cost.begin() + static_cast<std::ptrdiff_t>(end_cell) * 8;
-  auto direction = static_cast<int16_t>(std::min_element(first, first + 8) - first);
-  if (*(first + direction) == kInfinity) return {};
-  std::vector<Pixel> way(stretch.steps() + 1);
-  way.back() = to;
-  Pixel p = to;
-  for (int32_t i = steps; i >= 1; --i) {
-    const Window& w = window[static_cast<size_t>(i)];
-    const size_t state = static_cast<size_t>(index(w, p)) * 8 + static_cast<size_t>(direction);
-    p = {p[0] - kStep[static_cast<size_t>(direction)][0], p[1] - kStep[static_cast<size_t>(direction)][1]};
-    way[static_cast<size_t>(i) - 1] = p;
-    direction = w.from[state];
-  }
-  return way;
 }
 
 size_t direction_of(const Pixel& from, const Pixel& to) {
   for (size_t d = 0; d < 8; ++d) {
     if (moved(from, d) == to) return d;
   }
-  return 8;
+  return kNoDirection;
 }
 
-/// The dynamic programme does not see a run that comes back to itself or crosses itself.
-bool simple(const std::vector<Pixel>& way) {
-  Occupancy own;
-  for (size_t i = 0; i + 1 < way.size(); ++i) {
-    const size_t d = direction_of(way[i], way[i + 1]);
-    if (!own.may_step(way[i], d) || (i > 0 && !own.free(way[i]))) return false;
-    if (i > 0) own.take(way[i]);
-    own.take_step(way[i], d);
+Pixel rounded(const Point2& p) {
+  return {static_cast<int32_t>(std::lround(p[0])), static_cast<int32_t>(std::lround(p[1]))};
+}
+
+int32_t larger_extent(const Pixel& a, const Pixel& b) {
+  return std::max(std::abs(a[0] - b[0]), std::abs(a[1] - b[1]));
+}
+
+int32_t sum_of_extents(const Pixel& a, const Pixel& b) {
+  return std::abs(a[0] - b[0]) + std::abs(a[1] - b[1]);
+}
+
+/// Who uses which pixel and which diagonal of which cell, and what a pixel costs for having been fought over.
+class Board {
+ public:
+  Board(const Pixel& low, const Pixel& high)
+      : low_(low), width_(high[0] - low[0] + 1), height_(high[1] - low[1] + 1), place_(count(width_, height_)) {}
+
+  [[nodiscard]] bool holds(const Pixel& p) const {
+    return p[0] >= low_[0] && p[1] >= low_[1] && p[0] < low_[0] + width_ && p[1] < low_[1] + height_;
   }
-  return true;
-}
+  [[nodiscard]] int32_t users(const Pixel& p) const { return at(p).users; }
+  [[nodiscard]] float history(const Pixel& p) const { return at(p).history; }
+  void use(const Pixel& p, int32_t change) { at(p).users += change; }
+  void blame(const Pixel& p, float price) { at(p).history += price; }
 
-void take_way(Occupancy& occupied, const std::vector<Pixel>& way) {
-  for (size_t i = 0; i + 1 < way.size(); ++i) {
-    occupied.take(way[i]);
-    occupied.take_step(way[i], direction_of(way[i], way[i + 1]));
+  /// Users of the other diagonal of the cell that a diagonal step goes through.
+  [[nodiscard]] int32_t crossed(const Pixel& from, size_t direction) const {
+    return direction % 2 == 0 ? 0 : at(cell(from, direction)).diagonal[1 - slope(direction)];
   }
-}
+  void use_step(const Pixel& from, size_t direction, int32_t change) {
+    if (direction % 2 == 1) at(cell(from, direction)).diagonal[slope(direction)] += change;
+  }
 
-/// The way of a stretch as a whole or, where that comes back to itself (a run around a narrow spike), as two halves of
-/// which the second keeps clear of the first. Takes its pixels when it succeeds.
-std::vector<Pixel> place_way(const Stretch& stretch, Occupancy& occupied) {
-  const Pixel &a = stretch.from, &b = stretch.to;
-  const int32_t apart = std::max(std::abs(b[0] - a[0]), std::abs(b[1] - a[1]));
-  if (static_cast<size_t>(apart) > stretch.steps()) return {};
-  const bool whole = stretch.steps() + 1 == stretch.run.target.size();
-  for (const int32_t radius : whole ? std::vector<int32_t>{2, 3, 6} : std::vector<int32_t>{2, 4}) {
-    std::vector<Pixel> way = find_way(stretch, occupied, radius);
-    if (way.empty() || !simple(way)) continue;
-    take_way(occupied, way);
+ private:
+  struct Place {
+    int32_t users = 0;
+    std::array<int32_t, 2> diagonal{};  // of the cell to the right and below: falling, rising
+    float history = 0;
+  };
+  static size_t count(int32_t width, int32_t height) {
+    return static_cast<size_t>(width) * static_cast<size_t>(height);
+  }
+  static size_t slope(size_t direction) { return direction == 1 || direction == 5 ? 0 : 1; }
+  static Pixel cell(const Pixel& from, size_t direction) {
+    const Pixel to = moved(from, direction);
+    return {std::min(from[0], to[0]), std::min(from[1], to[1])};
+  }
+  [[nodiscard]] const Place& at(const Pixel& p) const {
+    return place_[count(p[1] - low_[1], width_) + static_cast<size_t>(p[0] - low_[0])];
+  }
+  Place& at(const Pixel& p) { return place_[count(p[1] - low_[1], width_) + static_cast<size_t>(p[0] - low_[0])]; }
+
+  Pixel low_;
+  int32_t width_, height_;
+  std::vector<Place> place_;
+};
+
+/// A stretch of the chain to be laid: samples first .. first + steps, of which the first has its pixel.
+struct Stretch {
+  size_t first, steps;
+  Pixel from;
+  size_t arriving = kNoDirection;  // direction of the step before
+  std::optional<Pixel> to;         // where it has to end; anywhere near its target without
+  size_t leaving = kNoDirection;   // direction of the step after
+};
+
+class Router {
+ public:
+  Router(std::span<const Point2> target, std::span<const ApartSamples> apart)
+      : target_(target), size_(target.size()), board_(make_board(target)), partners_(size_) {
+    for (const ApartSamples& a : apart) {
+      partners_[a.a].push_back({a.b, a.least});
+      partners_[a.b].push_back({a.a, a.least});
+    }
+  }
+
+  PixelChain run(std::vector<Pixel> start) {
+    pixel_ = std::move(start);
+    if (pixel_.empty() && !lay_first()) return {PixelChain::Result::too_short, {}};
+    for (size_t i = 0; i < size_; ++i) use(i, 1);
+    return {negotiate() ? PixelChain::Result::found : PixelChain::Result::crowded, pixel_};
+  }
+
+ private:
+  struct Partner {
+    uint32_t sample;
+    int32_t least;
+  };
+
+  static Board make_board(std::span<const Point2> target) {
+    Pixel low = rounded(target[0]), high = low;
+    for (const Point2& t : target) {
+      const Pixel p = rounded(t);
+      low = {std::min(low[0], p[0]), std::min(low[1], p[1])};
+      high = {std::max(high[0], p[0]), std::max(high[1], p[1])};
+    }
+    // Room for a chain that is much longer than its outline is wide.
+    const int32_t margin = 8 + static_cast<int32_t>(std::lround(2 * std::sqrt(static_cast<double>(target.size()))));
+    return {{low[0] - margin, low[1] - margin}, {high[0] + margin, high[1] + margin}};
+  }
+
+  [[nodiscard]] size_t wrapped(size_t i) const { return i % size_; }
+  [[nodiscard]] size_t before(size_t i) const { return (i + size_ - 1) % size_; }
+  [[nodiscard]] size_t after(size_t i) const { return (i + 1) % size_; }
+
+  /// Takes sample i and the step after it in use, or out of use (-1).
+  void use(size_t i, int32_t change) {
+    board_.use(pixel_[i], change);
+    board_.use_step(pixel_[i], direction_of(pixel_[i], pixel_[after(i)]), change);
+  }
+
+  [[nodiscard]] float entry_cost(size_t sample, const Pixel& p) const {
+    const double dx = p[0] - target_[sample][0], dy = p[1] - target_[sample][1];
+    float cost =
+        static_cast<float>(dx * dx + dy * dy) + board_.history(p) + price_ * static_cast<float>(board_.users(p));
+    for (const Partner& other : partners_[sample]) {
+      if (!pixel_.empty() && sum_of_extents(p, pixel_[other.sample]) < other.least) cost += price_;
+    }
+    return cost;
+  }
+
+  /// The cheapest way of exactly as many steps as the stretch has, within `radius` of the targets; empty: none.
+  [[nodiscard]] std::vector<Pixel> find_way(const Stretch& stretch, int32_t radius) const {
+    const int32_t side = 2 * radius + 1;
+    std::vector<Pixel> place;  // in a layer, by cell
+    for (int32_t y = 0; y < side; ++y) {
+      for (int32_t x = 0; x < side; ++x) place.push_back({x, y});
+    }
+    const size_t cells = place.size();
+    const auto pixel_at = [&](const Pixel& corner, size_t cell) -> Pixel {
+      return {corner[0] + place[cell][0], corner[1] + place[cell][1]};
+    };
+    struct Layer {
+      Pixel corner{};
+      std::vector<uint8_t> from;  // per (pixel, arriving direction): arriving direction of the pixel before
+    };
+    std::vector<Layer> layer(stretch.steps + 1);
+    std::vector<float> cost(cells * 8, kInfinity), next_cost, entry;
+    const auto open_layer = [&](size_t i) {
+      const Pixel centre = rounded(target_[wrapped(stretch.first + i)]);
+      layer[i].corner = {centre[0] - radius, centre[1] - radius};
+      layer[i].from.assign(cells * 8, 0);
+      entry.assign(cells, -1);
+      next_cost.assign(cells * 8, kInfinity);
+    };
+    const auto arrive = [&](size_t i, const Pixel& from, size_t arriving, size_t direction, float so_far) {
+      const Pixel p = moved(from, direction);
+      const int32_t x = p[0] - layer[i].corner[0], y = p[1] - layer[i].corner[1];
+      if (x < 0 || y < 0 || x >= side || y >= side || !board_.holds(p)) return;
+      const auto left = static_cast<int32_t>(stretch.steps - i);
+      if (stretch.to && larger_extent(p, *stretch.to) > left) return;
+      const auto cell = static_cast<size_t>(y * side + x);
+      if (entry[cell] < 0) entry[cell] = entry_cost(wrapped(stretch.first + i), p);
+      const float total = so_far + entry[cell] + price_ * static_cast<float>(board_.crossed(from, direction));
+      const size_t state = cell * 8 + direction;
+      if (total >= next_cost[state]) return;
+      next_cost[state] = total;
+      layer[i].from[state] = static_cast<uint8_t>(arriving);
+    };
+
+    open_layer(1);
+    for (size_t d = 0; d < 8; ++d) {
+      const size_t turn = stretch.arriving == kNoDirection ? 0 : turn_between(stretch.arriving, d);
+      if (turn < kTurnCost.size()) arrive(1, stretch.from, 0, d, kTurnCost[turn]);
+    }
+    for (size_t i = 1; i < stretch.steps; ++i) {
+      cost.swap(next_cost);
+      open_layer(i + 1);
+      for (size_t cell = 0; cell < cells; ++cell) {
+        const Pixel p = pixel_at(layer[i].corner, cell);
+        for (size_t d = 0; d < 8; ++d) {
+          const float so_far = cost[cell * 8 + d];
+          if (so_far == kInfinity) continue;
+          for (size_t turn = 0; turn < kTurnCost.size(); ++turn) {
+            arrive(i + 1, p, d, (d + turn) % 8, so_far + kTurnCost[turn]);
+            if (turn != 0) arrive(i + 1, p, d, (d + 8 - turn) % 8, so_far + kTurnCost[turn]);
+          }
+        }
+      }
+    }
+
+    size_t best = next_cost.size();
+    float least = kInfinity;
+    for (size_t state = 0; state < next_cost.size(); ++state) {
+      const size_t turn = stretch.leaving == kNoDirection ? 0 : turn_between(state % 8, stretch.leaving);
+      if (turn >= kTurnCost.size() || next_cost[state] + kTurnCost[turn] >= least) continue;
+      least = next_cost[state] + kTurnCost[turn];
+      best = state;
+    }
+    if (best == next_cost.size()) return {};
+    std::vector<Pixel> way(stretch.steps + 1);
+    size_t direction = best % 8;
+    way.back() = pixel_at(layer.back().corner, best / 8);
+    for (size_t i = stretch.steps; i >= 1; --i) {
+      const Pixel& p = way[i];
+      const auto cell = static_cast<size_t>((p[1] - layer[i].corner[1]) * side + p[0] - layer[i].corner[0]);
+      way[i - 1] = {p[0] - kStep[direction][0], p[1] - kStep[direction][1]};
+      direction = layer[i].from[cell * 8 + direction];
+    }
     return way;
   }
-  constexpr size_t kLeastToHalve = 6;
-  if (stretch.steps() < kLeastToHalve) return {};
-  const size_t half = stretch.steps() / 2;
-  Occupancy trial = occupied;
-  const Pixel middle = nearest_free(trial, stretch.place(half));
-  trial.take(middle);
-  std::vector<Pixel> way = place_way({stretch.run, stretch.first, stretch.first + half, stretch.from, middle}, trial);
-  if (way.empty()) return {};
-  const std::vector<Pixel> rest =
-      place_way({stretch.run, stretch.first + half, stretch.last, middle, stretch.to}, trial);
-  if (rest.empty()) return {};
-  way.insert(way.end(), rest.begin() + 1, rest.end());
-  occupied = std::move(trial);
-  return way;
-}
 
-/// One attempt, in a given order of the runs.
-ChainResult place_in_order(std::span<const ChainRun> outline, const std::vector<uint32_t>& order) {
-  ChainResult result;
-  result.run.resize(outline.size());
-  Occupancy occupied;
-  std::vector<Pixel> node(outline.size());  // where run r starts
-  for (size_t r = 0; r < outline.size(); ++r) {
-    node[r] = nearest_free(occupied, inset(outline[r], 0));
-    occupied.take(node[r]);
+  static size_t turn_between(size_t from, size_t to) {
+    const size_t turn = (to + 8 - from) % 8;
+    return std::min(turn, 8 - turn);
   }
-  for (const uint32_t r : order) {
-    const Pixel &from = node[r], &to = node[(r + 1) % outline.size()];
-    result.run[r] = place_way({outline[r], 0, outline[r].target.size() - 1, from, to}, occupied);
-    if (!result.run[r].empty()) continue;
-    const int32_t apart = std::max(std::abs(to[0] - from[0]), std::abs(to[1] - from[1]));
-    result.failed.push_back({r, static_cast<uint32_t>(apart)});
+
+  /// Lays the whole chain, some way ahead at a time, without regard to itself.
+  bool lay_first() {
+    constexpr size_t kAhead = 48, kKept = 32;
+    std::vector<Pixel> chain{rounded(target_[0])};
+    while (chain.size() - 1 + 2 * kAhead < size_) {
+      const size_t done = chain.size() - 1;
+      const Stretch ahead{done, kAhead, chain.back(), last_direction(chain), {}, kNoDirection};
+      const std::vector<Pixel> way = find_some_way(ahead);
+      if (way.empty()) return false;
+      chain.insert(chain.end(), way.begin() + 1, way.begin() + 1 + kKept);
+    }
+    // Back to the start; where the rest has too few steps for that, more of the chain is taken up again.
+    for (;;) {
+      const Stretch rest{chain.size() - 1, size_ - (chain.size() - 1),
+                         chain.back(),     last_direction(chain),
+                         chain[0],         chain.size() > 1 ? direction_of(chain[0], chain[1]) : kNoDirection};
+      const std::vector<Pixel> way = find_some_way(rest);
+      if (!way.empty()) {
+        chain.insert(chain.end(), way.begin() + 1, way.end() - 1);
+        pixel_ = std::move(chain);
+        return true;
+      }
+      if (chain.size() == 1) return false;
+      chain.resize(std::max<size_t>(chain.size() / 2, 1));
+    }
   }
-  return result;
-}
+
+  static size_t last_direction(const std::vector<Pixel>& chain) {
+    return chain.size() > 1 ? direction_of(chain[chain.size() - 2], chain.back()) : kNoDirection;
+  }
+
+  [[nodiscard]] std::vector<Pixel> find_some_way(const Stretch& stretch) const {
+    for (const int32_t radius : {2, 4, 7}) {
+      std::vector<Pixel> way = find_way(stretch, radius);
+      if (!way.empty()) return way;
+    }
+    return {};
+  }
+
+  /// Samples in conflict: their pixel has other users, their step crosses another, or a partner is too near.
+  [[nodiscard]] bool contested(size_t i) const {
+    if (board_.users(pixel_[i]) > 1) return true;
+    if (board_.crossed(pixel_[i], direction_of(pixel_[i], pixel_[after(i)])) > 0) return true;
+    return std::any_of(partners_[i].begin(), partners_[i].end(), [&](const Partner& other) {
+      return sum_of_extents(pixel_[i], pixel_[other.sample]) < other.least;
+    });
+  }
+
+  bool negotiate() {
+    constexpr float kFirstPrice = 2, kDearer = 1.2F, kDearest = 1e4F, kBlame = 0.3F;
+    price_ = kFirstPrice;
+    for (int round = 0; round < kRounds; ++round) {
+      std::vector<size_t> open;
+      for (size_t i = 0; i < size_; ++i) {
+        if (contested(i)) open.push_back(i);
+      }
+      if (open.empty()) return true;
+      for (const size_t i : open) board_.blame(pixel_[i], kBlame * price_);
+      // Forwards and backwards in turn, so that each side of a conflict is the one to give way at times.
+      if (round % 2 == 1) std::reverse(open.begin(), open.end());
+      for (const size_t i : open) {
+        if (contested(i)) lay_again(i, round);
+      }
+      price_ = std::min(price_ * kDearer, kDearest);
+    }
+    return false;
+  }
+
+  /// Would the two samples' pixels meet if both were laid again? Then one of them has to stay.
+  [[nodiscard]] bool opposed(size_t a, size_t b) const {
+    const size_t along = std::min((a + size_ - b) % size_, (b + size_ - a) % size_);
+    if (along > 2 && larger_extent(pixel_[a], pixel_[b]) <= 1) return true;
+    return std::any_of(partners_[a].begin(), partners_[a].end(), [&](const Partner& p) { return p.sample == b; });
+  }
+
+  /// Takes up the contested samples after i, with a margin, and lays them anew.
+  void lay_again(size_t i, int round) {
+    constexpr size_t kLongest = 48;
+    const size_t most = std::min(kLongest, size_ - 4);
+    size_t first = i + size_, last = first;  // beyond size_ where they wrap
+    const auto may_add = [&](size_t sample) {
+      for (size_t k = first; k <= last; ++k) {
+        if (opposed(wrapped(k), wrapped(sample))) return false;
+      }
+      return true;
+    };
+    while (last - first < most && contested(wrapped(last + 1)) && may_add(last + 1)) ++last;
+    const size_t margin = 3 + static_cast<size_t>(round) % 10;
+    for (size_t k = 0; k < margin && last - first < most && may_add(first - 1); ++k) --first;
+    for (size_t k = 0; k < margin && last - first < most && may_add(last + 1); ++k) ++last;
+
+    // The two samples beside the stretch keep their pixels.
+    const size_t fixed = wrapped(first + size_ - 1), end = wrapped(last + 1);
+    const size_t steps = last - first + 2;
+    int32_t radius = 2 + round / 12;
+    for (size_t k = 0; k <= steps; ++k) {
+      const size_t s = wrapped(fixed + k);
+      radius = std::max(radius, larger_extent(pixel_[s], rounded(target_[s])) + 1);
+    }
+    for (size_t k = 0; k < steps; ++k) use(wrapped(fixed + k), -1);
+    board_.use(pixel_[fixed], 1);
+    Stretch stretch{fixed,         steps,
+                    pixel_[fixed], direction_of(pixel_[before(fixed)], pixel_[fixed]),
+                    pixel_[end],   direction_of(pixel_[end], pixel_[after(end)])};
+    const std::vector<Pixel> way = find_way(stretch, radius);
+    for (size_t k = 1; !way.empty() && k < steps; ++k) pixel_[wrapped(fixed + k)] = way[k];
+    board_.use(pixel_[fixed], -1);
+    for (size_t k = 0; k < steps; ++k) use(wrapped(fixed + k), 1);
+  }
+
+  std::span<const Point2> target_;
+  size_t size_;
+  Board board_;
+  std::vector<std::vector<Partner>> partners_;  // per sample
+  std::vector<Pixel> pixel_;                    // per sample
+  float price_ = 0;
+};
 
 }  // namespace
 
-ChainResult place_chain(std::span<const ChainRun> outline) {
-  std::vector<uint32_t> order(outline.size());
-  std::iota(order.begin(), order.end(), 0U);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](uint32_t a, uint32_t b) { return outline[a].target.size() > outline[b].target.size(); });
-  constexpr int kAttempts = 3;
-  ChainResult best;
-  for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    ChainResult result = place_in_order(outline, order);
-    if (attempt == 0 || result.failed.size() < best.failed.size()) best = result;
-    if (result.failed.empty()) break;
-    // Those that found no way go first next time.
-    std::vector<uint8_t> stuck(outline.size(), 0);
-    for (const ChainResult::Failure& f : result.failed) stuck[f.run] = 1;
-    std::stable_partition(order.begin(), order.end(), [&](uint32_t r) { return stuck[r] != 0; });
-  }
-  return best;
+PixelChain place_chain(std::span<const Point2> target, std::span<const ApartSamples> apart, std::vector<Pixel> start) {
+  return Router(target, apart).run(std::move(start));
 }
 
 }  // namespace geocloth

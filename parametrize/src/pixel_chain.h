@@ -3,8 +3,8 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include "geocloth/parametrize/mesh.h"
@@ -13,29 +13,35 @@ namespace geocloth {
 
 using Pixel = std::array<int32_t, 2>;  ///< column, row (downwards)
 
-/// One run of a chart's outline between two cut nodes, as places in the plane that pixels have to be found for.
-struct ChainRun {
-  std::vector<Point2> target;  ///< [pixels] sample by sample, node to node; v down
-  std::vector<Point2> inward;  ///< per sample: unit vector into the chart
-  bool operator==(const ChainRun&) const = default;
+/// Two samples of one chart whose pixels must be further apart than neighbours are.
+struct ApartSamples {
+  uint32_t a, b;
+  int32_t least;  ///< columns and rows between their pixels, added
+  bool operator==(const ApartSamples&) const = default;
+  bool operator<(const ApartSamples& other) const {
+    return std::tie(a, b, least) < std::tie(other.a, other.b, other.least);
+  }
 };
 
-/// What came of it: for every run its pixels (as many as targets), or the runs that found no way.
-struct ChainResult {
-  struct Failure {
-    uint32_t run;
-    uint32_t least_steps;  ///< between the pixels that its ends got
+/// A closed chain of pixels, or why there is none.
+struct PixelChain {
+  enum class Result : uint8_t {
+    found,
+    too_short,  ///< the samples lie further apart than one pixel each
+    crowded     ///< pixels are met twice still
   };
-  std::vector<std::vector<Pixel>> run;
-  std::vector<Failure> failed;  ///< runs without a way; then `run` is not complete
+  Result result = Result::found;
+  std::vector<Pixel> pixel;  ///< per sample
 };
 
 /// Finds a closed simple polygon of pixels with one pixel per sample, consecutive pixels being 8-neighbours, as near to
 /// the targets as that goes. Since a lattice way between two places may take any number of steps from the larger to the
-/// sum of its extents, runs of equal sample count fit both sides of a seam whatever their directions in the plane.
+/// sum of its extents, chains of equal sample count fit both sides of a seam whatever their directions in the plane.
 /// The polygon meets no pixel twice and crosses itself nowhere, so that its inside is a disk.
-/// Dynamic programming over (pixel, direction) per run, least sum of squared distances; sharp turns cost, reversals are
-/// not allowed. Runs are placed one after the other, longest first, on pixels still free.
-[[nodiscard]] ChainResult place_chain(std::span<const ChainRun> outline);
+/// @param target  per sample of the outline, in order: where its pixel should lie [pixels], v down; at least four
+/// @param apart   samples to keep apart
+/// @param start   a chain to begin with, such as one that another `apart` gave; empty: none
+[[nodiscard]] PixelChain place_chain(std::span<const Point2> target, std::span<const ApartSamples> apart = {},
+                                     std::vector<Pixel> start = {});
 
 }  // namespace geocloth
