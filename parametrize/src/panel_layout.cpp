@@ -98,19 +98,9 @@ void raise_steps(Plan& plan) {
   }
 }
 
-/// The side of a pixel before anything is cut, when only the area is known.
-double rough_spacing(const CutSurface& cut, const FlattenOptions& options) {
-  if (options.spacing > 0) return options.spacing;
-  double total = 0;
-  for (const double a : chart_areas(cut)) total += a;
-  return std::sqrt(total) / options.resolution;
-}
-
-Plan make_plan(const CutSurface& cut, const FlattenOptions& options, const Progress& progress) {
+Plan make_plan(DevelopedSurface developed, const FlattenOptions& options) {
   Plan plan;
-  DevelopOptions develop_options;
-  develop_options.least_cut = kLeastCut * rough_spacing(cut, options);
-  plan.developed = develop(cut, develop_options, progress);
+  plan.developed = std::move(developed);
   plan.outlines = trace_outlines(plan.developed.cut);
   plan.spacing = choose_spacing(chart_areas(plan.developed.cut), plan.outlines, options);
   plan.round.assign(plan.outlines.size(), 0);
@@ -319,10 +309,24 @@ void set_spacing(FlatSurface& flat) {
   for (size_t c = 0; c < flat.charts.size(); ++c) flat.charts[c].spacing = std::sqrt(in_space[c] / in_plane[c]);
 }
 
+/// The side of a pixel before anything is cut, when only the area is known.
+double rough_spacing(const CutSurface& cut, const FlattenOptions& options) {
+  if (options.spacing > 0) return options.spacing;
+  double total = 0;
+  for (const double a : chart_areas(cut)) total += a;
+  return std::sqrt(total) / options.resolution;
+}
+
 }  // namespace
 
 FlatSurface lay_out_panels(const CutSurface& cut, const FlattenOptions& options, const Progress& progress) {
-  Plan plan = make_plan(cut, options, progress);
+  DevelopOptions develop_options;
+  develop_options.least_cut = kLeastCut * rough_spacing(cut, options);
+  return lay_out_developed(develop(cut, develop_options, progress), options, progress);
+}
+
+FlatSurface lay_out_developed(DevelopedSurface developed, const FlattenOptions& options, const Progress& progress) {
+  Plan plan = make_plan(std::move(developed), options);
   Laid laid;
   std::vector<ChartChain> charts;
   for (int round = 0;; ++round) {

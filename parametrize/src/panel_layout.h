@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "develop.h"
 #include "geocloth/parametrize/flatten.h"
 
 namespace geocloth {
@@ -8,5 +9,9 @@ namespace geocloth {
 /// Layout::panels of flatten(): charts with free outlines, nearly isometric, grain up, one spacing for all.
 [[nodiscard]] FlatSurface lay_out_panels(const CutSurface& cut, const FlattenOptions& options,
                                          const Progress& progress);
+
+/// Gives the charts of a developed surface their pixels: one spacing for all, seams point by point. Packs them.
+[[nodiscard]] FlatSurface lay_out_developed(DevelopedSurface developed, const FlattenOptions& options,
+                                            const Progress& progress);
 
 }  // namespace geocloth

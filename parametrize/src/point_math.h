@@ -34,6 +34,16 @@ namespace geocloth {
   return 0.5 * length(cross(b - a, c - a));
 }
 
+/// Barycentric coordinates of the point of a triangle's plane below p; the first corner's for a triangle without area.
+[[nodiscard]] inline Point3 weights_in_space(const std::array<Point3, 3>& t, const Point3& p) {
+  const Point3 normal = cross(t[1] - t[0], t[2] - t[0]);
+  const double whole = dot(normal, normal);
+  if (!(whole > 0)) return {1, 0, 0};
+  const double second = dot(cross(p - t[0], t[2] - t[0]), normal) / whole;
+  const double third = dot(cross(t[1] - t[0], p - t[0]), normal) / whole;
+  return {1 - second - third, second, third};
+}
+
 /// Diagonal of the box around the points; 0 when there are none.
 [[nodiscard]] inline double bounding_diagonal(const std::vector<Point3>& points) {
   if (points.empty()) return 0;

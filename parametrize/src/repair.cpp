@@ -12,6 +12,7 @@
 #include "point_math.h"
 #include "sheets.h"
 #include "soup.h"
+#include "surface_uv.h"
 
 namespace geocloth {
 namespace {
@@ -134,6 +135,7 @@ RepairResult repair_mesh(const TriangleMesh& mesh, const RepairOptions& options,
   SheetRepairs sheets;
   result.surface = make_manifold(soup, parts_of(mesh), sheets);
   result.surface.source_point = std::move(welded.point);
+  result.surface.uv = surface_uv(mesh, result.surface);
   count("flipped_faces", sheets.flipped_faces);
   count("detached_sheets", sheets.detached_sheets);
   count("torn_edges", sheets.torn_edges);

@@ -49,6 +49,7 @@ struct CleanSurface {
   std::vector<uint32_t> component;  ///< per triangle: connected manifold component, 0..component_count-1
   uint32_t component_count = 0;
   std::vector<uint32_t> source_triangle;  ///< per triangle: triangle of the TriangleMesh, kNone if repair made it
+  std::vector<std::array<Point2, 3>> uv;  ///< per triangle corner, as in TriangleMesh; empty when the file has none
   std::vector<uint32_t> source_point;     ///< per source vertex: the point it was welded into, kNone if no face uses it
 };
 

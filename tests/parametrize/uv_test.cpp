@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A garment's own texture coordinates: a sewing pattern must be told from a painter's atlas, and what cannot be laid
+// out must be refused for the true reason.
+#include "geocloth/parametrize/uv.h"
+
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "geocloth/parametrize/import.h"
+#include "geocloth/parametrize/repair.h"
+#include "parametrize/clean_surfaces.h"
+
+namespace geocloth {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+/// Gives every corner the coordinates of its position, a function of place and of the triangle's middle.
+CleanSurface with_uv(CleanSurface surface, const std::function<Point2(const Point3&, const Point3&)>& uv) {
+  for (const auto& [a, b, c] : surface.triangle) {
+    const Point3 &p = surface.position[a], &q = surface.position[b], &r = surface.position[c];
+    Point3 middle{};
+    for (size_t k = 0; k < 3; ++k) middle[k] = (p[k] + q[k] + r[k]) / 3;
+    surface.uv.push_back({uv(p, middle), uv(q, middle), uv(r, middle)});
+  }
+  return surface;
+}
+
+/// A tube about +y unrolled, cut open where the angle jumps. [m] times `scale`; v runs down.
+Point2 unrolled(const Point3& p, const Point3& middle, double radius, double scale) {
+  double angle = std::atan2(p[2], p[0]);
+  const double there = std::atan2(middle[2], middle[0]);
+  if (angle - there > kPi) angle -= 2 * kPi;
+  if (there - angle > kPi) angle += 2 * kPi;
+  return {-angle * radius * scale, -p[1] * scale};
+}
+
+CleanSurface sleeve(double scale) {
+  return with_uv(test::cylinder(48, 20, 0.1, 0.6),
+                 [&](const Point3& p, const Point3& m) { return unrolled(p, m, 0.1, scale); });
+}
+
+TEST(Uv, AnUnrolledSleeveIsASewingPattern) {
+  const UvPattern pattern = read_uv_pattern(sleeve(0.01));
+  EXPECT_EQ(pattern.refusal, "");
+  EXPECT_TRUE(pattern.is_sewing_pattern);
+  ASSERT_EQ(pattern.island.size(), 1U);
+  EXPECT_NEAR(pattern.island[0].energy, 4, 0.01);
+  EXPECT_NEAR(pattern.island[0].scale, 100, 0.5);  // back to metres, but for the chords of the tube
+  EXPECT_FALSE(pattern.island[0].mirrored);
+  EXPECT_EQ(pattern.seam.size(), 19U);  // one edge per row of quads
+}
+
+// Programs draw pieces face down as well; the cloth is the same.
+TEST(Uv, APatternDrawnFaceDownIsKnown) {
+  CleanSurface surface = sleeve(1);
+  for (auto& corners : surface.uv) {
+    for (Point2& p : corners) p[0] = -p[0];
+  }
+  const UvPattern pattern = read_uv_pattern(surface);
+  EXPECT_TRUE(pattern.is_sewing_pattern);
+  ASSERT_EQ(pattern.island.size(), 1U);
+  EXPECT_TRUE(pattern.island[0].mirrored);
+}
+
+// Left and right half over one piece of texture, as painters like it: two pieces that touch at the fold.
+TEST(Uv, HalvesThatShareTheirTextureAreTwoPieces) {
+  const CleanSurface surface = with_uv(test::disk(21, 21, 1, 1), [](const Point3& p, const Point3&) -> Point2 {
+    return {std::abs(p[0] - 0.5), p[1] + p[2]};
+  });
+  const UvPattern pattern = read_uv_pattern(surface);
+  EXPECT_EQ(pattern.refusal, "");
+  ASSERT_EQ(pattern.island.size(), 2U);
+  EXPECT_NE(pattern.island[0].mirrored, pattern.island[1].mirrored);
+  EXPECT_EQ(pattern.seam.size(), 20U);
+}
+
+TEST(Uv, APaintersAtlasIsNoSewingPattern) {
+  // Two halves at different scales: each without distortion, but not drawn to one scale.
+  const CleanSurface surface = with_uv(test::disk(21, 21, 1, 1), [](const Point3& p, const Point3& middle) -> Point2 {
+    const double scale = middle[0] < 0.5 ? 1 : 2;
+    return {scale * p[0], -scale * (p[1] + p[2])};
+  });
+  const UvPattern pattern = read_uv_pattern(surface);
+  EXPECT_EQ(pattern.refusal, "");
+  EXPECT_EQ(pattern.island.size(), 2U);
+  EXPECT_FALSE(pattern.is_sewing_pattern);
+}
+
+TEST(Uv, SaysThatThereAreNone) {
+  EXPECT_NE(read_uv_pattern(test::disk(4, 4)).refusal.find("no texture coordinates"), std::string::npos);
+}
+
+TEST(Uv, SaysThatTheyDistort) {
+  const CleanSurface surface = with_uv(test::disk(11, 11), [](const Point3& p, const Point3&) -> Point2 {
+    return {3 * p[0], -(p[1] + p[2])};
+  });
+  EXPECT_NE(read_uv_pattern(surface).refusal.find("distort"), std::string::npos);
+}
+
+TEST(Uv, SaysThatTheyAreInFragments) {
+  const CleanSurface surface = with_uv(test::disk(11, 11), [](const Point3& p, const Point3& middle) -> Point2 {
+    return {p[0] + 10 * middle[0], -(p[1] + p[2]) + 10 * middle[1]};
+  });
+  EXPECT_NE(read_uv_pattern(surface).refusal.find("200 fragments"), std::string::npos);
+}
+
+TEST(Uv, SaysThatTrianglesAreFlipped) {
+  // Vertices here and there pushed across the triangles beside them.
+  const CleanSurface surface = with_uv(test::disk(41, 41, 1, 1), [](const Point3& p, const Point3&) -> Point2 {
+    const bool pushed = std::lround(40 * p[0]) % 4 == 0 && std::lround(40 * (p[1] + p[2])) % 4 == 0;
+    return {p[0] + (pushed ? 1.5 / 40 : 0), -(p[1] + p[2])};
+  });
+  EXPECT_NE(read_uv_pattern(surface).refusal.find("flipped"), std::string::npos);
+}
+
+// The corners that repair turns round, splits or inserts keep their place in the texture.
+TEST(Uv, RepairCarriesThemAlong) {
+  TriangleMesh mesh;
+  // Two squares side by side; the right one has a vertex more on the common edge, and is wound the wrong way.
+  mesh.position = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {2, 0, 0}, {2, 1, 0}, {1, 0.5, 0}};
+  mesh.triangle = {{0, 1, 2}, {0, 2, 3}, {4, 1, 6}, {4, 6, 5}, {5, 6, 2}};
+  for (const Triangle& t : mesh.triangle) {
+    mesh.polygon.push_back(static_cast<uint32_t>(mesh.polygon.size()));
+    std::array<Point2, 3> uv{};
+    for (size_t k = 0; k < 3; ++k) uv[k] = {mesh.position[t[k]][0] / 4, 1 - mesh.position[t[k]][1] / 4};
+    mesh.uv.push_back(uv);
+  }
+  mesh.part = {{"", 0, 0, 5}};
+  const CleanSurface surface = repair_mesh(mesh).surface;
+  ASSERT_EQ(surface.uv.size(), surface.triangle.size());
+  ASSERT_EQ(surface.triangle.size(), 6U);
+  for (size_t t = 0; t < surface.uv.size(); ++t) {
+    for (size_t k = 0; k < 3; ++k) {
+      const Point3& p = surface.position[surface.triangle[t][k]];
+      EXPECT_NEAR(surface.uv[t][k][0], p[0] / 4, 1e-12);
+      EXPECT_NEAR(surface.uv[t][k][1], 1 - p[1] / 4, 1e-12);
+    }
+  }
+  const UvPattern pattern = read_uv_pattern(surface);
+  EXPECT_EQ(pattern.island.size(), 1U);
+  EXPECT_NEAR(pattern.energy, 4, 1e-9);
+}
+
+// What a file holds, as counted by another program (INDEX.tsv).
+struct Expected {
+  const char* file;
+  size_t islands;  // 0: refused
+  bool sewing_pattern;
+};
+class SharedUv : public ::testing::TestWithParam<Expected> {};
+
+TEST_P(SharedUv, IsJudged) {
+  const std::filesystem::path path =
+      std::filesystem::path(GEOCLOTH_SOURCE_DIR) / ".." / "shared" / "meshes" / "garments" / GetParam().file;
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
+  const UvPattern pattern = read_uv_pattern(repair_mesh(import_mesh(path)).surface);
+  EXPECT_EQ(pattern.refusal.empty(), GetParam().islands > 0) << pattern.refusal;
+  if (GetParam().islands > 0) {
+    EXPECT_EQ(pattern.island.size(), GetParam().islands);
+  }
+  EXPECT_EQ(pattern.is_sewing_pattern, GetParam().sewing_pattern);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Garments, SharedUv,
+    ::testing::Values(Expected{"codimipc_dress_panels.obj", 14, true}, Expected{"sf_man_shorts.glb", 16, true},
+                      Expected{"mh_skirt_tube.obj", 1, true}, Expected{"mh_jacket_trousers.obj", 21, true},
+                      Expected{"mh_suit_elegant.obj", 23, false}, Expected{"sf_sweater.glb", 5, false},
+                      Expected{"diffcloth_tshirt.obj", 0, false}, Expected{"kaykit_mage_hat.gltf", 0, false}),
+    [](const auto& test) {
+      std::string name = test.param.file;
+      std::replace(name.begin(), name.end(), '.', '_');
+      return name;
+    });
+
+}  // namespace
+}  // namespace geocloth
