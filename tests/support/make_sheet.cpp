@@ -240,6 +240,13 @@ Axis axis_v(const SheetOptions& o) {
   return {o.ny, o.charts_y, o.gap, false};
 }
 
+Axis axis_around(const TubeOptions& o) {
+  return {o.nx, o.charts_x, 0, true};
+}
+Axis axis_along(const TubeOptions& o) {
+  return {o.ny, o.charts_y, 0, false};
+}
+
 uint32_t pixel_of_point(const Axis& axis, uint32_t point) {
   const auto pixels = axis_pixels(axis);
   const auto at =
@@ -288,12 +295,16 @@ ClothAsset make_tube(const TubeOptions& o) {
     return o.center + Vec3{static_cast<float>(o.radius * std::cos(angle)), static_cast<float>(o.height * v),
                            static_cast<float>(o.radius * std::sin(angle))};
   };
-  ClothAsset asset = Builder({o.nx, 1, 0, true}, {o.ny, 1, 0, false}, position).build();
+  ClothAsset asset = Builder(axis_around(o), axis_along(o), position).build();
   asset.name = "tube";
   std::vector<uint32_t> top(o.nx);
   for (uint32_t i = 0; i < o.nx; ++i) top[i] = i;
   asset.vertex_groups = {{"top", top}};
   return asset;
+}
+
+uint32_t tube_pixel(const TubeOptions& o, uint32_t i, uint32_t j) {
+  return pixel_of_point(axis_along(o), j) * axis_around(o).pixels() + pixel_of_point(axis_around(o), i);
 }
 
 }  // namespace geocloth::test

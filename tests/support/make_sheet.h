@@ -26,13 +26,18 @@ struct SheetOptions {
 /// The pixel of a surface point (its first copy).
 [[nodiscard]] uint32_t sheet_pixel(const SheetOptions& options, uint32_t i, uint32_t j);
 
-/// A tube about the y axis, cut once from end to end: nx points around, nx + 1 columns. Facing outwards.
+/// A tube about the y axis, cut from end to end charts_x times and across charts_y - 1 times. Facing outwards; row 0 is
+/// the top. Source vertex j * nx + i is surface point (i, j); the vertex group "top" names the upper ring.
 struct TubeOptions {
-  uint32_t nx = 24, ny = 16;  ///< points around (>= 3) and along (>= 2)
-  float radius = 0.2F;        ///< [m]
-  float height = 0.5F;        ///< [m]
-  Vec3 center{};              ///< [m]
+  uint32_t nx = 24, ny = 16;            ///< points around (>= 3) and along (>= 2)
+  float radius = 0.2F;                  ///< [m]
+  float height = 0.5F;                  ///< [m]
+  uint32_t charts_x = 1, charts_y = 1;  ///< at least two cells per chart
+  Vec3 center{};                        ///< [m]
 };
 [[nodiscard]] ClothAsset make_tube(const TubeOptions& options);
+
+/// The pixel of a surface point (its first copy).
+[[nodiscard]] uint32_t tube_pixel(const TubeOptions& options, uint32_t i, uint32_t j);
 
 }  // namespace geocloth::test

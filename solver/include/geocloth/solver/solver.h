@@ -39,6 +39,7 @@ struct SolverSettings {
   uint32_t relaxation_steps = 1;  ///< sweeps over all constraints per substep, 1..256
   Vec3 gravity{0, -9.81F, 0};     ///< [m/s^2]
   bool timings = false;           ///< measure every pass (slower)
+  bool plain = false;             ///< pass by pass: the reference that faster paths are compared with; same results
   bool check_copies = false;      ///< measure the copy gap and the penetration after every substep (slower)
 };
 
@@ -111,7 +112,10 @@ struct StretchStatistics {
 [[nodiscard]] StretchStatistics measure_stretch(const ClothAsset& asset, float scale, std::span<const Vec3> positions);
 
 struct Energy {
-  double kinetic = 0, potential = 0, elastic = 0;  ///< [J]; potential is zero at the height y = 0
+  double kinetic = 0, potential = 0;  ///< [J]; potential is zero at the height y = 0
+  /// [J] of the springs and bends at the lengths they have. With few substeps the cloth is longer than its material
+  /// pulls: then this is more than what it has taken up, and nothing turns it into motion.
+  double elastic = 0;
 };
 [[nodiscard]] Energy measure_energy(const ClothDesc& cloth, const Vec3& gravity, std::span<const Vec3> positions,
                                     std::span<const Vec3> velocities);
