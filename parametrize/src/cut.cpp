@@ -9,6 +9,7 @@
 #include "cut_graph.h"
 #include "geocloth/asset/error.h"
 #include "half_edges.h"
+#include "straight_cuts.h"
 
 namespace geocloth {
 namespace {
@@ -46,24 +47,12 @@ void check_disks(const CutSurface& cut, const std::vector<uint32_t>& opposite) {
 
 CutSurface cut_to_disks(const CleanSurface& surface, const CutOptions& options, const Progress& progress) {
   if (progress) progress("cut", 0);
-  const CutGraph graph = find_cut_graph(surface, options, progress);
-  OpenedVertices opened = open_along(surface.triangle, graph.opposite, graph.cut);
-
-  CutSurface cut;
-  cut.triangle = std::move(opened.triangle);
-  cut.clean_vertex = std::move(opened.original);
-  cut.point_count = surface.point_count;
-  cut.position.reserve(cut.clean_vertex.size());
-  cut.point.reserve(cut.clean_vertex.size());
-  for (const uint32_t v : cut.clean_vertex) {
-    cut.position.push_back(surface.position[v]);
-    cut.point.push_back(surface.point[v]);
-  }
-  const std::vector<uint32_t> opposite = opposite_half_edges(cut.triangle);
-  Components components = connected_components(opposite);
-  cut.component = std::move(components.of_triangle);
-  cut.component_count = components.count;
-  check_disks(cut, opposite);
+  CutGraph graph = find_cut_graph(surface, options, progress);
+  RefinedMesh mesh = make_refined_mesh(surface, std::move(graph.opposite));
+  CutLines lines{std::move(graph.cut), std::move(graph.fixed), std::move(graph.node)};
+  straighten_cuts(mesh, lines);
+  CutSurface cut = open_along(mesh, lines.cut);
+  check_disks(cut, opposite_half_edges(cut.triangle));
   if (progress) progress("cut", 1);
   return cut;
 }

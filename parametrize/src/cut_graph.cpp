@@ -10,7 +10,6 @@
 #include <limits>
 #include <queue>
 #include <string>
-#include <tuple>
 
 #include "geocloth/asset/error.h"
 #include "half_edges.h"
@@ -48,6 +47,8 @@ class CutGraphFinder {
     prune();
     open_spheres();
     for (int pass = 0; pass < kStraightenPasses; ++pass) straighten(pass);
+    graph_.fixed = std::move(fixed_);
+    graph_.node = std::move(required_);
     return std::move(graph_);
   }
 
@@ -116,7 +117,8 @@ class CutGraphFinder {
   }
 
   void mark_extra_edges(const CutOptions& options) {
-    for (const auto& [a, b] : options.extra_edges) {
+    for (const auto& edge : options.extra_edges) {
+      const uint32_t a = edge[0], b = edge[1];
       uint32_t found = kNone;
       if (a < first_half_edge_.size() && b < first_half_edge_.size()) {
         around(
@@ -151,7 +153,7 @@ class CutGraphFinder {
       centroid[t] = (surface_.position[a] + surface_.position[b] + surface_.position[c]) * (1.0 / 3.0);
     }
     region_.assign(triangle_.size(), kNone);
-    using Candidate = std::tuple<double, uint32_t>;  // distance of the triangle behind, half-edge to be crossed
+    using Candidate = std::pair<double, uint32_t>;  // distance of the triangle behind, half-edge to be crossed
     std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> queue;
     for (uint32_t seed = 0; seed < triangle_.size(); ++seed) {
       if (region_[seed] != kNone) continue;
@@ -166,7 +168,8 @@ class CutGraphFinder {
       };
       add(seed, 0);
       while (!queue.empty()) {
-        const auto [so_far, h] = queue.top();
+        const double so_far = queue.top().first;
+        const uint32_t h = queue.top().second;
         queue.pop();
         if (region_[opposite(h) / 3] != kNone) continue;
         set_cut(h, false);
@@ -208,7 +211,8 @@ class CutGraphFinder {
     queue.emplace(0.0, start);
     uint32_t farthest = start;
     while (!queue.empty()) {
-      const auto [so_far, v] = queue.top();
+      const double so_far = queue.top().first;
+      const uint32_t v = queue.top().second;
       queue.pop();
       if (so_far > distance_[v]) continue;
       if (so_far > distance_[farthest]) farthest = v;
@@ -349,7 +353,7 @@ class CutGraphFinder {
   /// not on the graph. Empty when there is none shorter than `limit`.
   std::vector<uint32_t> shortest_connection(uint32_t target, double limit) {
     forget_distances();
-    using Candidate = std::tuple<double, uint32_t>;  // length, half-edge by which it arrives
+    using Candidate = std::pair<double, uint32_t>;  // length, half-edge by which it arrives
     std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> queue;
     const auto offer = [&](uint32_t h, double so_far) {
       const double through = so_far + edge_length(h);
@@ -366,7 +370,8 @@ class CutGraphFinder {
       if (!graph_.cut[corner]) offer(corner, 0);
     }
     while (!queue.empty()) {
-      const auto [so_far, h] = queue.top();
+      const double so_far = queue.top().first;
+      const uint32_t h = queue.top().second;
       queue.pop();
       const uint32_t v = to(h);
       if (is_outline(v, target)) return path_back_from(h, target);

@@ -12,6 +12,8 @@ namespace geocloth {
 struct CutGraph {
   std::vector<uint32_t> opposite;  ///< per half-edge of the clean surface
   std::vector<char> cut;           ///< per half-edge: its edge is cut (borders are); equal for opposite half-edges
+  std::vector<char> fixed;         ///< per half-edge: a border, tied, or asked for: part of the graph from the start
+  std::vector<char> node;          ///< per vertex: its point has other vertices, or a sphere's cut ends here
 };
 
 /// Edges whose two points are also those of another edge, vertices whose point has others, and `options.extra_edges`

@@ -33,6 +33,8 @@ CutSurface extract(const CutSurface& cut, const std::vector<uint32_t>& triangles
   CutSurface part;
   part.component_count = 1;
   part.component.assign(triangles.size(), 0);
+  part.clean_triangle.resize(triangles.size());
+  std::iota(part.clean_triangle.begin(), part.clean_triangle.end(), 0U);  // within the component
   for (const uint32_t t : triangles) {
     Triangle corners{};
     for (size_t i = 0; i < 3; ++i) {

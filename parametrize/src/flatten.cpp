@@ -23,7 +23,8 @@ void check(const CleanSurface& clean, const CutSurface& cut, const FlattenOption
   if (!std::isfinite(options.spacing) || options.spacing < 0) {
     throw Error(ErrorCode::invalid_argument, "the spacing must be a positive length in metres");
   }
-  if (cut.triangle.size() != clean.triangle.size() || cut.triangle.empty()) {
+  if (cut.triangle.size() < clean.triangle.size() || cut.clean_triangle.size() != cut.triangle.size() ||
+      cut.triangle.empty()) {
     throw Error(ErrorCode::invalid_argument, "the cut surface is not that of the clean surface");
   }
 }

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "refined_mesh.h"
 
+#include <numeric>
+#include <utility>
+
 #include "half_edges.h"
 #include "point_math.h"
 
@@ -55,6 +58,17 @@ uint32_t RefinedMesh::split_edge(uint32_t h, const Point3& at, uint32_t new_poin
   return m;
 }
 
+namespace {
+
+void find_leaving(RefinedMesh& mesh) {
+  mesh.leaving.assign(mesh.position.size(), kNone);
+  for (uint32_t h = 0; h < mesh.opposite.size(); ++h) {
+    if (mesh.opposite[h] == kNone) mesh.leaving[tail(mesh.triangle, h)] = h;
+  }
+}
+
+}  // namespace
+
 RefinedMesh make_refined_mesh(const CutSurface& cut) {
   RefinedMesh mesh;
   mesh.position = cut.position;
@@ -63,13 +77,25 @@ RefinedMesh make_refined_mesh(const CutSurface& cut) {
   mesh.point_count = cut.point_count;
   mesh.clean_vertex = cut.clean_vertex;
   mesh.component = cut.component;
-  mesh.clean_triangle.resize(cut.triangle.size());
-  for (uint32_t t = 0; t < mesh.clean_triangle.size(); ++t) mesh.clean_triangle[t] = t;
+  mesh.clean_triangle = cut.clean_triangle;
   mesh.opposite = opposite_half_edges(cut.triangle);
-  mesh.leaving.assign(cut.position.size(), kNone);
-  for (uint32_t h = 0; h < mesh.opposite.size(); ++h) {
-    if (mesh.opposite[h] == kNone) mesh.leaving[tail(mesh.triangle, h)] = h;
-  }
+  find_leaving(mesh);
+  return mesh;
+}
+
+RefinedMesh make_refined_mesh(const CleanSurface& surface, std::vector<uint32_t> opposite) {
+  RefinedMesh mesh;
+  mesh.position = surface.position;
+  mesh.triangle = surface.triangle;
+  mesh.point = surface.point;
+  mesh.point_count = surface.point_count;
+  mesh.clean_vertex.resize(surface.position.size());
+  std::iota(mesh.clean_vertex.begin(), mesh.clean_vertex.end(), 0U);
+  mesh.component = surface.component;
+  mesh.clean_triangle.resize(surface.triangle.size());
+  std::iota(mesh.clean_triangle.begin(), mesh.clean_triangle.end(), 0U);
+  mesh.opposite = std::move(opposite);
+  find_leaving(mesh);
   return mesh;
 }
 

@@ -27,6 +27,10 @@ struct RefinedMesh {
 
 [[nodiscard]] RefinedMesh make_refined_mesh(const CutSurface& cut);
 
+/// A surface that is no disk has several borders, but still at most one border half-edge per vertex.
+/// @param opposite  per half-edge of the surface
+[[nodiscard]] RefinedMesh make_refined_mesh(const CleanSurface& surface, std::vector<uint32_t> opposite);
+
 /// Splits every interior edge that joins two outline vertices at its middle. Afterwards no triangle has all its
 /// vertices on the outline, and an embedding with positive weights over a convex outline has no flipped or empty
 /// triangle, even where outline vertices lie on a straight line.

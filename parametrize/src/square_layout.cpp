@@ -258,6 +258,7 @@ double expected_spacing(double area, const FlattenOptions& options) {
 /// Parts of a few pixels gain nothing from longer cuts, unless they could not be laid out at all.
 std::vector<double> good_stretch(const std::vector<double>& area, double spacing) {
   std::vector<double> good;
+  good.reserve(area.size());
   for (const double a : area) {
     good.push_back(a < kFewPixels * spacing * spacing ? kHopelessStretch : kGoodStretch);
   }
@@ -277,15 +278,13 @@ void expect_to_fit(const std::vector<Size>& size) {
 FlatSurface lay_out_squares(const CutSurface& whole, const FlattenOptions& options, const Progress& progress) {
   const std::vector<double> area = component_areas(whole);
   const double spacing = expected_spacing(total(area), options);
-  SubdividedSurface fine =
-      subdivide_long_edges(whole, std::max(kLongEdge * spacing, std::sqrt(total(area)) / kFinestShare));
-  const CutSurface cut = extend_cuts(std::move(fine.cut), good_stretch(area, spacing), progress);
+  CutSurface fine = subdivide_long_edges(whole, std::max(kLongEdge * spacing, std::sqrt(total(area)) / kFinestShare));
+  const CutSurface cut = extend_cuts(std::move(fine), good_stretch(area, spacing), progress);
   const std::vector<Outline> outlines = trace_outlines(cut);
   const SquarePlan plan = plan_squares(cut, outlines, area, options);
   expect_to_fit(plan.size);
 
   RefinedMesh mesh = make_refined_mesh(cut);
-  mesh.clean_triangle = std::move(fine.clean_triangle);
   const std::vector<SampledOutline> sampled = insert_seam_samples(mesh, outlines, plan.seam_steps);
   split_edges_across(mesh);
 

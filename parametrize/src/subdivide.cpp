@@ -48,8 +48,7 @@ void split_triangle(const Triangle& corner, const std::array<uint32_t, 3>& middl
 }
 
 /// Halves every edge that is too long; false if there was none, or there were so many that needles must be the cause.
-bool halve_once(SubdividedSurface& surface, double longest, size_t most_triangles) {
-  CutSurface& cut = surface.cut;
+bool halve_once(CutSurface& cut, double longest, size_t most_triangles) {
   const std::vector<uint32_t> opposite = opposite_half_edges(cut.triangle);
   const auto is_long = [&](uint32_t h) {
     return distance(cut.position[tail(cut.triangle, h)], cut.position[head(cut.triangle, h)]) > longest;
@@ -77,24 +76,21 @@ bool halve_once(SubdividedSurface& surface, double longest, size_t most_triangle
   for (size_t t = 0; t < cut.triangle.size(); ++t) {
     split_triangle(cut.triangle[t], {middle[3 * t], middle[3 * t + 1], middle[3 * t + 2]}, cut.position, triangle);
     component.resize(triangle.size(), cut.component[t]);
-    clean_triangle.resize(triangle.size(), surface.clean_triangle[t]);
+    clean_triangle.resize(triangle.size(), cut.clean_triangle[t]);
   }
   cut.triangle = std::move(triangle);
   cut.component = std::move(component);
-  surface.clean_triangle = std::move(clean_triangle);
+  cut.clean_triangle = std::move(clean_triangle);
   return true;
 }
 
 }  // namespace
 
-SubdividedSurface subdivide_long_edges(const CutSurface& cut, double longest) {
-  SubdividedSurface surface{cut, {}};
-  surface.clean_triangle.resize(cut.triangle.size());
-  for (uint32_t t = 0; t < cut.triangle.size(); ++t) surface.clean_triangle[t] = t;
+CutSurface subdivide_long_edges(CutSurface cut, double longest) {
   const size_t most_triangles = kMostAdded + 2 * cut.triangle.size();
-  while (halve_once(surface, longest, most_triangles)) {
+  while (halve_once(cut, longest, most_triangles)) {
   }
-  return surface;
+  return cut;
 }
 
 }  // namespace geocloth

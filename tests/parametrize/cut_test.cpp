@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "parametrize/clean_surfaces.h"
+#include "point_math.h"
 
 namespace geocloth {
 namespace {
@@ -23,7 +24,7 @@ std::vector<Triangle> over_points(const std::vector<Triangle>& triangle, const s
 // Every part must be laid out in the plane as one piece without holes.
 TEST_P(Cut, EveryComponentIsADisk) {
   const CutSurface cut = cut_to_disks(GetParam().surface);
-  ASSERT_EQ(cut.triangle.size(), GetParam().surface.triangle.size());
+  ASSERT_GE(cut.triangle.size(), GetParam().surface.triangle.size());
   std::vector<std::vector<Triangle>> part(cut.component_count);
   for (size_t t = 0; t < cut.triangle.size(); ++t) part[cut.component[t]].push_back(cut.triangle[t]);
   for (const auto& triangles : part) {
@@ -37,14 +38,48 @@ TEST_P(Cut, EveryComponentIsADisk) {
   }
 }
 
-// The pieces sewn together again by their points are the surface we began with.
+// The pieces sewn together again by their points are the surface we began with, split where cuts cross its edges.
 TEST_P(Cut, PointsSewItTogetherAgain) {
   const CleanSurface& surface = GetParam().surface;
   const CutSurface cut = cut_to_disks(surface);
-  EXPECT_EQ(over_points(cut.triangle, cut.point), over_points(surface.triangle, surface.point));
+  const auto sewn = over_points(cut.triangle, cut.point);
+  const auto whole = over_points(surface.triangle, surface.point);
+  const Topology as_cut = measure_topology(sewn, cut.point_count);
+  const Topology as_was = measure_topology(whole, surface.point_count);
+  EXPECT_EQ(as_cut.components, as_was.components);
+  EXPECT_EQ(as_cut.boundary_loops, as_was.boundary_loops);
+  EXPECT_EQ(as_cut.euler_characteristic, as_was.euler_characteristic);
+  EXPECT_EQ(as_cut.non_manifold_edges, as_was.non_manifold_edges);
+  EXPECT_EQ(as_cut.orientable, as_was.orientable);
   for (size_t v = 0; v < cut.position.size(); ++v) {
+    if (cut.clean_vertex[v] == kNone) {
+      EXPECT_GE(cut.point[v], surface.point_count);
+      continue;
+    }
     EXPECT_EQ(cut.position[v], surface.position[cut.clean_vertex[v]]);
     EXPECT_EQ(cut.point[v], surface.point[cut.clean_vertex[v]]);
+  }
+}
+
+// Texture, parts and the binding of the source mesh are looked up by triangle: its pieces must make up the whole of it,
+// in its plane and facing the same way.
+TEST_P(Cut, PiecesOfATriangleMakeItUp) {
+  const CleanSurface& surface = GetParam().surface;
+  const CutSurface cut = cut_to_disks(surface);
+  ASSERT_EQ(cut.clean_triangle.size(), cut.triangle.size());
+  const auto normal = [](const std::vector<Point3>& position, const Triangle& t) {
+    return cross(position[t[1]] - position[t[0]], position[t[2]] - position[t[0]]);
+  };
+  std::vector<Point3> sum(surface.triangle.size(), Point3{0, 0, 0});
+  for (size_t t = 0; t < cut.triangle.size(); ++t) {
+    const Point3 whole = normal(surface.position, surface.triangle[cut.clean_triangle[t]]);
+    const Point3 piece = normal(cut.position, cut.triangle[t]);
+    EXPECT_GT(dot(whole, piece), 0);
+    sum[cut.clean_triangle[t]] = sum[cut.clean_triangle[t]] + piece;
+  }
+  for (size_t t = 0; t < sum.size(); ++t) {
+    const Point3 whole = normal(surface.position, surface.triangle[t]);
+    EXPECT_LT(length(whole - sum[t]), 1e-9 * length(whole));
   }
 }
 
@@ -137,6 +172,39 @@ double cut_length(const CutSurface& cut) {
 // A serrated seam is longer than it need be and shows: a tube is cut along a straight line.
 TEST(CutLength, TubeIsCutStraight) {
   EXPECT_NEAR(cut_length(cut_to_disks(test::cylinder(40, 21, 1, 2))), 2.0, 1e-9);
+}
+
+// The edges of a mesh rarely lead where a seam should: between the borders of a sheet with two holes the way is
+// straight though every edge path is a staircase.
+TEST(CutLength, SeamsRunStraightAcrossFaces) {
+  // A flat ring of triangles, seen as a square with a square hole, turned against its own grid: rows are shifted by
+  // half a cell, so that no edge runs across the ring.
+  CleanSurface ring = test::disk(41, 41);
+  for (size_t i = 0; i < ring.position.size(); ++i) {
+    Point3& p = ring.position[i];
+    p = {p[0] + 0.5 * p[1], p[1], p[2]};
+  }
+  std::vector<Triangle> kept;
+  const double side = bounding_diagonal(ring.position);
+  Point3 centre{0, 0, 0};
+  for (const Point3& p : ring.position) centre = centre + p * (1.0 / static_cast<double>(ring.position.size()));
+  for (const Triangle& t : ring.triangle) {
+    const Point3 middle = (ring.position[t[0]] + ring.position[t[1]] + ring.position[t[2]]) * (1.0 / 3);
+    if (distance(middle, centre) > 0.1 * side) kept.push_back(t);
+  }
+  ring.triangle = kept;
+  ring.component.assign(kept.size(), 0);
+  ring.source_triangle.assign(kept.size(), 0);
+  const CutSurface cut = cut_to_disks(ring);
+  for (const Outline& outline : trace_outlines(cut)) {
+    for (const OutlinePath& path : outline.path) {
+      const bool seam = std::count_if(outline.path.begin(), outline.path.end(),
+                                      [&](const OutlinePath& p) { return p.seam == path.seam; }) == 2;
+      if (!seam) continue;
+      const double straight = distance(cut.position[path.vertex.front()], cut.position[path.vertex.back()]);
+      EXPECT_LT(path.length, 1.01 * straight);
+    }
+  }
 }
 
 // A torus opens along one circle around the tube and one along it.

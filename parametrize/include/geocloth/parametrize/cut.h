@@ -6,15 +6,18 @@
 namespace geocloth {
 
 /// The clean surface cut open: every component is a topological disk (one boundary loop, Euler characteristic 1).
+/// Cuts run straight across the faces; triangles and edges that they cross are split.
 /// Copies of a vertex along a cut have equal `point`; so do the copies that repair tied.
 /// Every interior vertex has a point of its own, and no interior edge joins the two points of an outline edge.
 struct CutSurface {
   std::vector<Point3> position;    ///< per vertex [m]; copies are bit-identical
-  std::vector<Triangle> triangle;  ///< in the order of CleanSurface::triangle
+  std::vector<Triangle> triangle;  ///< the first ones in the order of CleanSurface::triangle, then parts split off
   std::vector<uint32_t> point;     ///< per vertex
   uint32_t point_count = 0;
-  std::vector<uint32_t> clean_vertex;  ///< per vertex: the vertex of the clean surface it is a copy of
-  std::vector<uint32_t> component;     ///< per triangle, 0..component_count-1
+  std::vector<uint32_t> clean_vertex;    ///< per vertex: the vertex of the clean surface it is a copy of; kNone where a
+                                         ///< cut runs across an edge
+  std::vector<uint32_t> clean_triangle;  ///< per triangle: the triangle of the clean surface it is part of
+  std::vector<uint32_t> component;       ///< per triangle, 0..component_count-1
   uint32_t component_count = 0;
 };
 
@@ -25,7 +28,8 @@ struct CutOptions {
 
 /// Finds, for every component, a cut graph that joins all boundary loops, opens every handle and passes through every
 /// tie (edges and vertices whose points occur more than once), straightens its paths (constrained shortest paths
-/// between cut nodes) and cuts the surface along it. A closed sphere is cut along a path between far vertices.
+/// between cut nodes, first along edges, then across the faces) and cuts the surface along it. A closed sphere is cut
+/// along a path between far vertices.
 /// Gu, Gortler, Hoppe 2002, section 3; straightening ibid.
 [[nodiscard]] CutSurface cut_to_disks(const CleanSurface& surface, const CutOptions& options = {},
                                       const Progress& progress = {});

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "geocloth/parametrize/cut.h"
+
+namespace geocloth {
+
+/// One disk of a cut surface by itself, on its way into the plane. Triangles keep their order through all cuts.
+struct Chart {
+  std::vector<Triangle> triangle;
+  std::vector<uint32_t> global_triangle;  ///< per triangle: triangle of the cut surface
+  std::vector<uint32_t> opposite;         ///< per half-edge
+  std::vector<Point3> position;           ///< per vertex [m]
+  std::vector<uint32_t> cut_vertex;       ///< per vertex: vertex of the cut surface
+  std::vector<Point2> uv;                 ///< per vertex [m], y up, triangles counter-clockwise; empty until embedded
+};
+
+/// Some triangles of a cut surface as a chart without coordinates.
+[[nodiscard]] Chart extract_chart(const CutSurface& cut, std::vector<uint32_t> triangles);
+[[nodiscard]] std::vector<std::vector<uint32_t>> triangles_of_components(const CutSurface& cut);
+
+[[nodiscard]] double total_area(const Chart& chart);
+
+/// The outline's vertices, counter-clockwise.
+[[nodiscard]] std::vector<uint32_t> outline_loop(const Chart& chart);
+[[nodiscard]] std::vector<uint8_t> on_outline(const Chart& chart);  ///< per vertex
+[[nodiscard]] double outline_length(const Chart& chart);
+
+struct ChartNeighbour {
+  uint32_t vertex;
+  double length;  ///< of the edge [m]
+  bool outline;   ///< the edge is one of the outline
+};
+[[nodiscard]] std::vector<std::vector<ChartNeighbour>> neighbours(const Chart& chart);
+
+/// Dijkstra's distances from a set of vertices along edges inside the chart, with the way back. `closed` vertices are
+/// ends, never passed.
+struct Distances {
+  std::vector<double> value;   ///< infinite where nothing leads
+  std::vector<uint32_t> from;  ///< kNone at a source
+  [[nodiscard]] std::vector<uint32_t> path_from(uint32_t vertex) const;
+};
+[[nodiscard]] Distances distances(const Chart& chart, const std::vector<uint32_t>& sources,
+                                  const std::vector<uint8_t>& closed);
+[[nodiscard]] double path_length(const Chart& chart, const std::vector<uint32_t>& path);
+
+/// The chart cut open along a path of vertices; the plane's coordinates stay.
+[[nodiscard]] Chart opened(const Chart& chart, const std::vector<uint32_t>& path);
+
+/// The edge-connected pieces of a chart, in the order of their first triangles.
+[[nodiscard]] std::vector<Chart> separated(const Chart& chart);
+
+}  // namespace geocloth

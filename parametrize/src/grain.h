@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "chart.h"
+
+namespace geocloth {
+
+/// The line in a chart's plane that is up in space.
+struct Grain {
+  Point2 axis{0, 1};    ///< unit length; the end that is higher in space
+  double strength = 0;  ///< 0: the chart lies level or turns all ways, 1: it hangs straight
+};
+[[nodiscard]] Grain grain_of(const Chart& chart);
+
+/// Turns the chart so that the surface's upward direction (+y in space) is up in the plane. Parts that hang head down
+/// are right as well: the thread has no head. The long side of a level chart is up, and that of a slender one (ribbons
+/// and trims, whose thread runs along them).
+void turn_upright(Chart& chart);
+
+}  // namespace geocloth

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "chart.h"
+#include "straight_cuts.h"
+
+namespace geocloth {
+
+/// What lies on both sides of a cut is one vertex of the sheet that was cut.
+struct Sheet {
+  std::vector<uint32_t> of_vertex;  ///< per vertex of the cut surface: its sheet vertex
+  std::vector<uint8_t>
+      tied;  ///< per sheet vertex: its point has other sheet vertices, so that it must stay on outlines
+};
+[[nodiscard]] Sheet find_sheet(const CutSurface& cut);
+
+/// The surface sewn together, with the outlines of its charts as cuts.
+/// @param keep  per chart: non-zero fixes its outline
+/// @returns `clean_triangle` of the mesh holds triangles of `cut`
+[[nodiscard]] std::pair<RefinedMesh, CutLines> sewn_together(const CutSurface& cut, const Sheet& sheet,
+                                                             const std::vector<Chart>& charts,
+                                                             const std::vector<uint8_t>& keep);
+
+}  // namespace geocloth

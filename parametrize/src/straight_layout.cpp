@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Straightened seams move slivers of cloth from chart to chart. The charts' places in the plane are carried over
+// (carry_layout.cpp), so that a few Newton steps settle what changed.
+
+#include "straight_layout.h"
+
+#include <algorithm>
+
+#include <tbb/parallel_for.h>
+
+#include "carry_layout.h"
+#include "chart_overlap.h"
+#include "embed_chart.h"
+#include "point_math.h"
+#include "symmetric_dirichlet.h"
+
+namespace geocloth {
+namespace {
+
+constexpr int kRounds = 3;
+constexpr double kStrained = 0.25;  // a chart's excess energy may rise by this share of it
+constexpr double kNoise = 5e-3;     // and by this in any case
+
+FormerLayout layout_of(const CutSurface& cut, const std::vector<Chart>& charts) {
+  FormerLayout former;
+  former.chart.resize(cut.triangle.size());
+  former.position.resize(cut.triangle.size());
+  former.uv.resize(cut.triangle.size());
+  for (uint32_t c = 0; c < charts.size(); ++c) {
+    for (size_t t = 0; t < charts[c].triangle.size(); ++t) {
+      const uint32_t f = charts[c].global_triangle[t];
+      former.chart[f] = c;
+      for (size_t i = 0; i < 3; ++i) {
+        former.position[f][i] = charts[c].position[charts[c].triangle[t][i]];
+        former.uv[f][i] = charts[c].uv[charts[c].triangle[t][i]];
+      }
+    }
+  }
+  return former;
+}
+
+double energy_of(const Chart& c) {
+  return SymmetricDirichlet(c.position, c.triangle, {}).energy(c.uv);
+}
+
+/// The chart to which most of a new one belonged.
+uint32_t former_chart(const Chart& chart, const std::vector<uint32_t>& former_triangle, const FormerLayout& former) {
+  std::vector<std::pair<uint32_t, double>> share;  // chart, area
+  for (size_t t = 0; t < chart.triangle.size(); ++t) {
+    const Triangle& k = chart.triangle[t];
+    const double area = triangle_area(chart.position[k[0]], chart.position[k[1]], chart.position[k[2]]);
+    share.emplace_back(former.chart[former_triangle[t]], area);
+  }
+  std::sort(share.begin(), share.end());
+  uint32_t best = share.front().first;
+  double most = 0, sum = 0;
+  for (size_t i = 0; i < share.size(); ++i) {
+    sum = i > 0 && share[i - 1].first == share[i].first ? sum + share[i].second : share[i].second;
+    if (sum > most) {
+      most = sum;
+      best = share[i].first;
+    }
+  }
+  return best;
+}
+
+/// A chart after its outline has changed; false when it does not lie as well as before.
+bool settle(Chart& chart, const std::vector<uint32_t>& former_triangle, const FormerLayout& former,
+            double energy_before) {
+  constexpr uint32_t kSteps = 30;
+  if (!carry_layout(chart, former_triangle, former) && !embed_on_circle(chart)) return false;
+  const double reached = SymmetricDirichlet(chart.position, chart.triangle, {}).minimise(chart.uv, kSteps, 1e-6);
+  if (reached > energy_before + kStrained * (energy_before - 4) + kNoise) return false;
+  return !crossing_edges(chart, outline_loop(chart));
+}
+
+}  // namespace
+
+ChartedSurface straighten_layout(const CutSurface& cut, const Sheet& sheet, const std::vector<Chart>& charts) {
+  const FormerLayout former = layout_of(cut, charts);
+  std::vector<double> energy;
+  energy.reserve(charts.size());
+  for (const Chart& c : charts) energy.push_back(energy_of(c));
+  std::vector<uint8_t> keep(charts.size(), 0);
+  for (int round = 0;; ++round) {
+    if (round == kRounds) std::fill(keep.begin(), keep.end(), uint8_t{1});
+    auto [mesh, lines] = sewn_together(cut, sheet, charts, keep);
+    straighten_cuts(mesh, lines);
+    ChartedSurface result{open_along(mesh, lines.cut), {}};
+    for (std::vector<uint32_t>& part : triangles_of_components(result.cut)) {
+      result.charts.push_back(extract_chart(result.cut, std::move(part)));
+    }
+    std::vector<uint32_t> was(result.charts.size());
+    std::vector<uint8_t> good(result.charts.size(), 0);
+    tbb::parallel_for(size_t{0}, result.charts.size(), [&](size_t i) {
+      Chart& chart = result.charts[i];
+      std::vector<uint32_t> former_triangle;
+      former_triangle.reserve(chart.triangle.size());
+      for (const uint32_t t : chart.global_triangle) former_triangle.push_back(result.cut.clean_triangle[t]);
+      was[i] = former_chart(chart, former_triangle, former);
+      good[i] = settle(chart, former_triangle, former, energy[was[i]]) ? 1 : 0;
+    });
+    for (size_t i = 0; i < good.size(); ++i) {
+      if (good[i] == 0) keep[was[i]] = 1;
+    }
+    if (round < kRounds && std::find(good.begin(), good.end(), uint8_t{0}) != good.end()) continue;
+    for (uint32_t& t : result.cut.clean_triangle) t = cut.clean_triangle[t];
+    return result;
+  }
+}
+
+}  // namespace geocloth

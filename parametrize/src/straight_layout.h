@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "sewn_sheet.h"
+
+namespace geocloth {
+
+/// A cut surface with its charts in the plane.
+struct ChartedSurface {
+  CutSurface cut;
+  std::vector<Chart> charts;
+};
+
+/// Lets the seams of laid out charts run straight across the faces (straight_cuts.h) and relaxes the charts again. A
+/// chart that would come to lie over itself or be strained by that keeps its outline.
+/// @param charts  of `cut`, sewn up in part perhaps (merge_charts.h)
+[[nodiscard]] ChartedSurface straighten_layout(const CutSurface& cut, const Sheet& sheet,
+                                               const std::vector<Chart>& charts);
+
+}  // namespace geocloth
