@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/picture_writers.h"
 
+#include <array>
+#include <vector>
+
 #include "geocloth/asset/output_file.h"
 #include "render/renderer.h"
 #include "render/scene_stage.h"
@@ -9,23 +12,51 @@
 namespace geocloth {
 namespace {
 
+/// The mean of all particles [m]: it moves as smoothly as the cloth's centre of mass does.
+Vec3 middle(Simulation& simulation) {
+  std::array<double, 3> sum{};
+  double count = 0;
+  std::vector<Vec3> position;
+  for (uint32_t c = 0; c < simulation.cloths().size(); ++c) {
+    const ClothAsset& asset = *simulation.cloths()[c].asset;
+    simulation.solver().read_positions(c, position);
+    for (uint32_t pixel = 0; pixel < asset.pixel_count(); ++pixel) {
+      if (!asset.valid(pixel) || !is_finite(position[pixel])) continue;
+      const Vec3& p = position[pixel];
+      sum = {sum[0] + static_cast<double>(p.x), sum[1] + static_cast<double>(p.y), sum[2] + static_cast<double>(p.z)};
+      count += 1;
+    }
+  }
+  if (count == 0) return {};
+  return {static_cast<float>(sum[0] / count), static_cast<float>(sum[1] / count), static_cast<float>(sum[2] / count)};
+}
+
 /// Turns the frames of a simulation into pictures.
 class PictureWriter : public FrameWriter {
  public:
   PictureWriter(Simulation& simulation, const RenderOptions& options)
-      : renderer_(stage_simulation(simulation), options, &simulation.solver()) {}
+      : PictureWriter(simulation, stage_simulation(simulation), options) {}
 
   [[nodiscard]] bool needs_cloth_frames() const final { return !renderer_.draws_from_solver(); }
 
  protected:
   Picture draw(Simulation& simulation, std::span<const ClothFrame> cloths) {
     std::vector<ClothState> states;
+    states.reserve(cloths.size());
     for (const ClothFrame& cloth : cloths) states.push_back({cloth.position, cloth.normal});
+    if (follow_) renderer_.follow(middle(simulation) - start_);
     return renderer_.render(simulation.colliders(), states);
   }
 
  private:
+  PictureWriter(Simulation& simulation, const RenderScene& stage, const RenderOptions& options)
+      : renderer_(stage, options, &simulation.solver()),
+        follow_(stage.follow),
+        start_(follow_ ? middle(simulation) : Vec3{}) {}
+
   Renderer renderer_;
+  bool follow_;
+  Vec3 start_;  ///< middle of the garments in the first state [m]
 };
 
 class PictureSeriesWriter final : public PictureWriter {

@@ -197,6 +197,7 @@ class Renderer::Impl {
  public:
   Impl(const RenderScene& scene, const RenderOptions& options, Solver* solver)
       : options_(options),
+        first_subject_(scene.subject),
         subject_(scene.subject),
         all_round_(scene.all_round),
         context_(open_context(options, solver, shared_)),
@@ -227,6 +228,12 @@ class Renderer::Impl {
   void set_camera(const CameraChoice& choice) {
     const float aspect = static_cast<float>(options_.size.width) / static_cast<float>(options_.size.height);
     camera_ = place_camera(choice, subject_, aspect, all_round_);
+  }
+
+  void follow(const Vec3& way) {
+    if (first_subject_.empty()) return;
+    subject_ = {first_subject_.low + way, first_subject_.high + way};
+    set_camera(options_.camera);
   }
 
   Picture render(std::span<const Collider> colliders, std::span<const ClothState> states) {
@@ -374,14 +381,14 @@ class Renderer::Impl {
     bind(commands, pipelines_.cloth);
     for (const GpuCloth& cloth : cloths_) cloth.record_draw(commands, *layout_, false, options_.strain_range);
     bind(commands, pipelines_.ribbon);
-    const float thickness = std::max(2.F, static_cast<float>(options_.size.height) / 240);
+    const float thickness = std::max(2.F, static_cast<float>(options_.size.height) / 180);
     for (const GpuCloth& cloth : cloths_)
       if (cloth.has_ribbons()) cloth.record_ribbons(commands, *layout_, thickness);
     target_.end(commands);
   }
 
   RenderOptions options_;
-  Bounds subject_;
+  Bounds first_subject_, subject_;
   bool all_round_;
   bool shared_ = false;
   ContextPtr context_;
@@ -420,6 +427,10 @@ Picture Renderer::render(std::span<const Collider> colliders, std::span<const Cl
 
 void Renderer::set_camera(const CameraChoice& choice) {
   impl_->set_camera(choice);
+}
+
+void Renderer::follow(const Vec3& way) {
+  impl_->follow(way);
 }
 
 const std::vector<std::string>& Renderer::warnings() const {

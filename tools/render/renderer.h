@@ -30,6 +30,7 @@ struct RenderScene {
   std::vector<Collider> colliders;  ///< shapes; their poses are given with every picture
   Bounds subject;                   ///< what the camera frames: where the garments are, over the whole motion if known
   bool all_round = false;           ///< leave room for a turntable
+  bool follow = false;  ///< nothing holds the garments: the camera should go with them, see Renderer::follow
   /// [m] height of the ground that is drawn where no collider is a plane; not set: a little below the subject.
   std::optional<float> ground_height;
 };
@@ -62,6 +63,9 @@ class Renderer {
 
   /// Looks from elsewhere.
   void set_camera(const CameraChoice& choice);
+
+  /// Frames the subject where it is after it moved by `way` [m] since the renderer was made.
+  void follow(const Vec3& way);
 
   /// What could not be drawn as the garment has it (a texture of an unknown format): one sentence each.
   [[nodiscard]] const std::vector<std::string>& warnings() const;

@@ -8,9 +8,10 @@
 namespace geocloth {
 namespace {
 
-constexpr float kSwing = 0.08F;    ///< room on every side, as a share of the garments' diagonal
-constexpr float kSag = 0.2F;       ///< room below: cloth hangs longer than it was drawn, likewise
+constexpr float kSwing = 0.05F;    ///< room on every side, as a share of the garments' diagonal
+constexpr float kSag = 0.1F;       ///< room below: cloth hangs longer than it was drawn, likewise
 constexpr float kNearby = 0.35F;   ///< colliders are framed within this distance, likewise
+constexpr float kFall = 2;         ///< how far below a garment that falls the ground is where no plane is, likewise
 constexpr float kLarge = 3;        ///< larger colliders are scenery that may reach through the ground, likewise
 constexpr uint32_t kMoments = 33;  ///< at which moving things are looked at
 
@@ -48,15 +49,6 @@ bool falls(const Scene& scene) {
   return std::ranges::any_of(scene.cloths, [](const SceneCloth& cloth) { return cloth.pins.empty(); });
 }
 
-/// The highest level plane, on which a falling garment ends.
-float floor_below(const Scene& scene, float otherwise) {
-  float height = -1e30F;
-  for (const SceneCollider& c : scene.colliders)
-    if (const auto* plane = std::get_if<Plane>(&c.collider.shape); plane != nullptr && plane->normal.y > 0.7F)
-      height = std::max(height, plane->point.y);
-  return height > -1e30F ? std::min(height, otherwise) : otherwise;
-}
-
 }  // namespace
 
 RenderScene stage_simulation(const Simulation& simulation) {
@@ -79,10 +71,8 @@ RenderScene stage_simulation(const Simulation& simulation) {
     stage.subject.include(intersection(reach, nearby));
     if (reach.diagonal() < kLarge * diagonal) lowest = std::min(lowest, reach.low.y);
   }
-  if (falls(scene) && !stage.subject.empty()) {
-    const float floor = floor_below(scene, stage.subject.low.y);
-    stage.subject.low.y = std::max(floor, stage.subject.low.y - 2 * diagonal);
-  }
+  stage.follow = falls(scene);
+  if (stage.follow) lowest = std::min(lowest, stage.subject.low.y - kFall * diagonal);
   stage.ground_height = std::min(lowest, stage.subject.low.y);
   return stage;
 }
