@@ -42,6 +42,7 @@ struct SimulationData {
   uint32_t substeps = 1, relaxation_steps = 1;
   bool check = false;    ///< measure after every substep
   bool timings = false;  ///< measure every pass
+  bool plain = false;    ///< pass by pass, whatever would be faster
 };
 
 /// One cloth in one frame.

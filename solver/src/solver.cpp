@@ -82,6 +82,7 @@ Solver::Impl::Impl(std::span<const ClothDesc> cloths, const SolverSettings& sett
   data.relaxation_steps = settings.relaxation_steps;
   data.check = settings.check_copies;
   data.timings = settings.timings;
+  data.plain = settings.plain;
   for (const ClothDesc& desc : cloths) {
     ClothData& uploaded = data.cloths.emplace_back(make_cloth_data(desc, origin_));
     Cloth& cloth = cloths_.emplace_back();

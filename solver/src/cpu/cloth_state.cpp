@@ -9,12 +9,12 @@ namespace geocloth::cpu {
 
 ClothState::ClothState(ClothData cloth_data, bool accumulate)
     : data(std::move(cloth_data)),
-      position(pixel_count()),
-      previous(pixel_count()),
-      carry(pixel_count()),
-      normal(pixel_count()),
-      inverse_mass(pixel_count()),
-      normal_length(pixel_count()) {
+      position(pixel_count() + kOverhang),
+      previous(pixel_count() + kOverhang),
+      carry(pixel_count() + kOverhang),
+      normal(pixel_count() + kOverhang),
+      inverse_mass(pixel_count() + kOverhang),
+      normal_length(pixel_count() + kOverhang) {
   for (size_t i = 0; i < pixel_count(); ++i) {
     const shader::vec4& p = data.position[i];
     position.set(i, {p.x, p.y, p.z});

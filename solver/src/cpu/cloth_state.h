@@ -10,6 +10,9 @@
 
 namespace geocloth::cpu {
 
+/// Vectors may reach this many pixels over the end of a row, and leave what is there as it is.
+inline constexpr uint32_t kOverhang = 3;
+
 /// Three floats per pixel, one array for each: rows are contiguous, so springs of a row vectorise.
 struct Vec3Array {
   std::vector<float> x, y, z;
@@ -33,7 +36,7 @@ struct ClothState {
 
   ClothData data;  ///< position and springs have moved to the arrays below
   Vec3Array position, previous, carry, normal;
-  std::vector<float> inverse_mass, normal_length;
+  std::vector<float> inverse_mass, normal_length;  ///< like the vectors, with kOverhang more than there are pixels
   std::array<std::vector<float>, shader::kSpringComponents> rest, compliance;
   std::array<std::vector<float>, shader::kSpringComponents> multiplier;  ///< only with several relaxation steps
   std::vector<float> seam_multiplier;

@@ -10,6 +10,7 @@
 #include "cpu/cloth_state.h"
 #include "cpu/cpu_name.h"
 #include "cpu/passes.h"
+#include "cpu/sweep_runner.h"
 #include "cpu/threads.h"
 
 namespace geocloth {
@@ -22,6 +23,7 @@ class CpuBackend final : public SolverBackend {
   CpuBackend(SimulationData data, uint32_t threads) : data_(std::move(data)), threads_(threads) {
     for (ClothData& cloth : data_.cloths) {
       states_.emplace_back(cloth, data_.relaxation_steps > 1);
+      sweeps_.emplace_back(states_.back());
       cloth.position = {};
       cloth.springs = {};
     }
@@ -36,13 +38,13 @@ class CpuBackend final : public SolverBackend {
   void wait() override {}
 
   void read_positions(uint32_t cloth, std::vector<vec4>& out) override {
-    gather(states_[cloth].position, states_[cloth].inverse_mass, out);
+    gather(cloth, states_[cloth].position, states_[cloth].inverse_mass, out);
   }
   void read_previous(uint32_t cloth, std::vector<vec4>& out) override {
-    gather(states_[cloth].previous, states_[cloth].inverse_mass, out);
+    gather(cloth, states_[cloth].previous, states_[cloth].inverse_mass, out);
   }
   void read_normals(uint32_t cloth, std::vector<vec4>& out) override {
-    gather(states_[cloth].normal, states_[cloth].normal_length, out);
+    gather(cloth, states_[cloth].normal, states_[cloth].normal_length, out);
   }
 
   void write_state(uint32_t cloth, std::span<const vec4> position, std::span<const vec4> previous) override {
@@ -59,9 +61,10 @@ class CpuBackend final : public SolverBackend {
   void fill_statistics(SolverStatistics& statistics) override {
     statistics.backend = "cpu";
     statistics.device = cpu::cpu_name();
-    statistics.path = "scalar";
+    statistics.path = by_sweeps() ? std::string("sweep ") + cpu::vector_target() : "plain";
     statistics.threads = threads_.count();
     for (const cpu::ClothState& state : states_) statistics.memory_bytes += state.memory_bytes();
+    for (const cpu::SweepRunner& sweep : sweeps_) statistics.memory_bytes += sweep.memory_bytes();
     statistics.copy_gap = static_cast<double>(measures_.copy_gap);
     statistics.penetration = static_cast<double>(measures_.penetration);
     for (const PassInfo& pass : kPasses) {
@@ -75,10 +78,16 @@ class CpuBackend final : public SolverBackend {
     cpu::ClothState& state = states_[c];
     const ClothFrame& cloth = frame.cloths[c];
     if (cloth.pins_changed) {
-      state.inverse_mass = cloth.inverse_mass;
+      std::copy(cloth.inverse_mass.begin(), cloth.inverse_mass.end(), state.inverse_mass.begin());
       if (state.data.attachments) state.attachments = cloth.attachments;
     }
     const ScheduleOptions options = schedule_options(data_, c, frame);
+    const auto run_one = [&](const PassStep& step, const cpu::PassContext& context) {
+      cpu::run_pass(step, context, state, measures_);
+    };
+    if (by_sweeps() && sweeps_[c].run(frame, cloth, options, threads_, state, run_one)) {
+      return recompute_normals(c, frame);
+    }
     const std::vector<PassStep> substep = substep_schedule(options);
     cpu::PassContext context{frame, cloth, threads_, 0, data_.relaxation_steps};
     for (uint32_t s = 0; s < data_.substeps; ++s) {
@@ -87,6 +96,9 @@ class CpuBackend final : public SolverBackend {
     }
     run(frame_schedule(options), context, state);
   }
+
+  /// Pass by pass is the reference, and the way to time each pass.
+  [[nodiscard]] bool by_sweeps() const { return !data_.plain && !data_.timings; }
 
   void run(const std::vector<PassStep>& steps, const cpu::PassContext& context, cpu::ClothState& state) {
     using Clock = std::chrono::steady_clock;
@@ -115,14 +127,15 @@ class CpuBackend final : public SolverBackend {
     for (const PassStep& step : frame_schedule(options)) cpu::run_pass(step, context, states_[c], measures_);
   }
 
-  static void gather(const cpu::Vec3Array& xyz, const std::vector<float>& w, std::vector<vec4>& out) {
-    out.resize(w.size());
-    for (size_t i = 0; i < w.size(); ++i) out[i] = {xyz.at(i), w[i]};
+  void gather(uint32_t cloth, const cpu::Vec3Array& xyz, const std::vector<float>& w, std::vector<vec4>& out) const {
+    out.resize(states_[cloth].pixel_count());
+    for (size_t i = 0; i < out.size(); ++i) out[i] = {xyz.at(i), w[i]};
   }
 
   SimulationData data_;  ///< positions and springs have moved to states_
   cpu::Threads threads_;
   std::vector<cpu::ClothState> states_;
+  std::vector<cpu::SweepRunner> sweeps_;  ///< of each cloth
   cpu::Measures measures_;
   std::array<double, kPasses.size()> seconds_{};
 };

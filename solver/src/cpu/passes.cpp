@@ -65,22 +65,8 @@ void for_split_rows(const Threads& threads, const ClothState& state, const Body&
 }
 
 void normals(const PassContext& context, ClothState& state) {
-  const uint32_t width = state.data.width, height = state.data.height;
-  const auto cell = [&](uint32_t x, uint32_t y, uint32_t corner) {
-    if (x >= width || y >= height) return vec3(0, 0, 0);  // x - 1 of column 0 wraps to a huge number
-    const uint32_t i = y * width + x;
-    const uint32_t bits = state.data.cell[i];
-    if ((bits & (shader::kCellFirstBit | shader::kCellSecondBit)) == 0) return vec3(0, 0, 0);
-    const Vec3Array& p = state.position;
-    return shader::corner_normal(bits, corner, p.at(i), p.at(i + 1), p.at(i + width), p.at(i + width + 1));
-  };
-  for_pixels(context.threads, state, [&](uint32_t i) {
-    const uint32_t x = i % width, y = i / width;
-    const vec3 sum = cell(x - 1, y - 1, 3) + cell(x, y - 1, 2) + cell(x - 1, y, 1) + cell(x, y, 0);
-    const vec4 n = shader::unit_and_length(sum);
-    state.normal.set(i, shader::xyz(n));
-    state.normal_length[i] = n.w;
-  });
+  context.threads.for_range(static_cast<uint32_t>(state.pixel_count()), kPixelGrain,
+                            [&](uint32_t first, uint32_t last) { normal_pixels(state, first, last); });
 }
 
 void normals_stitch(const PassContext& context, ClothState& state) {
@@ -125,14 +111,8 @@ void predict(const PassContext& context, ClothState& state) {
 }
 
 void pins(const PassContext& context, ClothState& state) {
-  const float fraction = context.frame.substeps[context.substep].pin_fraction;
-  const auto& list = context.cloth.pins;
-  context.threads.for_range(static_cast<uint32_t>(list.size()), kRowGrain, [&](uint32_t first, uint32_t last) {
-    for (uint32_t k = first; k < last; ++k) {
-      const uint32_t i = list[k].pixel.x;
-      state.position.set(i, shader::mix3(state.position.at(i), shader::xyz(list[k].target), fraction));
-    }
-  });
+  context.threads.for_range(static_cast<uint32_t>(context.cloth.pins.size()), kRowGrain,
+                            [&](uint32_t first, uint32_t last) { move_pins(context, state, first, last); });
 }
 
 /// The springs of one component along a line of pixels, as raw pointers to the first one.
@@ -295,15 +275,8 @@ void limit(const PassContext& context, ClothState& state) {
 }
 
 void collide(const PassContext& context, ClothState& state) {
-  const shader::ColliderSet set = colliders_of(context.frame);
-  for_pixels(context.threads, state, [&](uint32_t i) {
-    if (state.inverse_mass[i] == 0) return;
-    const shader::PointState point{state.position.at(i), state.previous.at(i), state.carry.at(i)};
-    const shader::PointState after = shader::collide(set, context.cloth.params, context.substep, point);
-    state.position.set(i, after.position);
-    state.previous.set(i, after.previous);
-    state.carry.set(i, after.carry);
-  });
+  context.threads.for_range(static_cast<uint32_t>(state.pixel_count()), kPixelGrain,
+                            [&](uint32_t first, uint32_t last) { collide_pixels(context, state, first, last); });
 }
 
 /// Largest value(i) over 0..count. A maximum does not depend on the order.
@@ -340,6 +313,49 @@ float penetration(const PassContext& context, const ClothState& state) {
 }
 
 }  // namespace
+
+void normal_pixels(ClothState& state, uint32_t first, uint32_t last) {
+  const uint32_t width = state.data.width, height = state.data.height;
+  const auto cell = [&](uint32_t x, uint32_t y, uint32_t corner) {
+    if (x >= width || y >= height) return vec3(0, 0, 0);  // x - 1 of column 0 wraps to a huge number
+    const uint32_t i = y * width + x;
+    const uint32_t bits = state.data.cell[i];
+    if ((bits & (shader::kCellFirstBit | shader::kCellSecondBit)) == 0) return vec3(0, 0, 0);
+    const Vec3Array& p = state.position;
+    return shader::corner_normal(bits, corner, p.at(i), p.at(i + 1), p.at(i + width), p.at(i + width + 1));
+  };
+  for (uint32_t i = first; i < last; ++i) {
+    const uint32_t x = i % width, y = i / width;
+    const vec3 sum = cell(x - 1, y - 1, 3) + cell(x, y - 1, 2) + cell(x - 1, y, 1) + cell(x, y, 0);
+    const vec4 n = shader::unit_and_length(sum);
+    state.normal.set(i, shader::xyz(n));
+    state.normal_length[i] = n.w;
+  }
+}
+
+vec3 pinned_position(const PassContext& context, uint32_t pin, const vec3& position) {
+  const float fraction = context.frame.substeps[context.substep].pin_fraction;
+  return shader::mix3(position, shader::xyz(context.cloth.pins[pin].target), fraction);
+}
+
+void move_pins(const PassContext& context, ClothState& state, uint32_t first, uint32_t last) {
+  for (uint32_t k = first; k < last; ++k) {
+    const uint32_t i = context.cloth.pins[k].pixel.x;
+    state.position.set(i, pinned_position(context, k, state.position.at(i)));
+  }
+}
+
+void collide_pixels(const PassContext& context, ClothState& state, uint32_t first, uint32_t last) {
+  const shader::ColliderSet set = colliders_of(context.frame);
+  for (uint32_t i = first; i < last; ++i) {
+    if (state.inverse_mass[i] == 0) continue;
+    const shader::PointState point{state.position.at(i), state.previous.at(i), state.carry.at(i)};
+    const shader::PointState after = shader::collide(set, context.cloth.params, context.substep, point);
+    state.position.set(i, after.position);
+    state.previous.set(i, after.previous);
+    state.carry.set(i, after.carry);
+  }
+}
 
 void run_pass(const PassStep& step, const PassContext& context, ClothState& state, Measures& measures) {
   switch (step.pass) {

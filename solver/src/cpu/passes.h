@@ -23,6 +23,13 @@ struct PassContext {
   uint32_t relaxation_steps = 1;
 };
 
+/// Parts of passes, for whoever goes through a cloth in another order: the result is the same.
+void move_pins(const PassContext& context, ClothState& state, uint32_t first, uint32_t last);  ///< entries of the list
+void collide_pixels(const PassContext& context, ClothState& state, uint32_t first, uint32_t last);
+void normal_pixels(ClothState& state, uint32_t first, uint32_t last);
+/// Where the pins pass puts a pin that is at `position`.
+[[nodiscard]] shader::vec3 pinned_position(const PassContext& context, uint32_t pin, const shader::vec3& position);
+
 /// Runs one entry of a schedule over one cloth.
 void run_pass(const PassStep& step, const PassContext& context, ClothState& state, Measures& measures);
 

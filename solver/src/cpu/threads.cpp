@@ -41,4 +41,13 @@ void Threads::for_range(uint32_t count, uint32_t grain, const std::function<void
   });
 }
 
+void Threads::for_each_thread(uint32_t most, const std::function<void()>& body) const {
+  const int workers = arena_ ? std::min(arena_->arena.max_concurrency(), static_cast<int>(most)) : 1;
+  if (workers <= 1) return body();
+  arena_->arena.execute([&] {
+    tbb::parallel_for(
+        0, workers, [&](int) { body(); }, tbb::simple_partitioner());
+  });
+}
+
 }  // namespace geocloth::cpu

@@ -17,6 +17,8 @@ class Threads {
 
   /// Calls body(first, last) for parts that cover 0..count; parts are at least `grain` long.
   void for_range(uint32_t count, uint32_t grain, const std::function<void(uint32_t, uint32_t)>& body) const;
+  /// Calls body() in as many threads at once as there are and `most` allows; at least once.
+  void for_each_thread(uint32_t most, const std::function<void()>& body) const;
   [[nodiscard]] uint32_t count() const { return count_; }
 
  private:

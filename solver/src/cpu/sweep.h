@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <vector>
+
+#include "cpu/cloth_state.h"
+#include "cpu/passes.h"
+
+namespace geocloth::cpu {
+
+/// What a pass does with one row of the image. "Down" and "across" name the row's springs: across rows they lead to a
+/// row below and are next to each other, along a row their ends are.
+enum class RowKernel : uint8_t {
+  normals,            ///< runs
+  predict,            ///< runs
+  pins,               ///< pins of the row
+  springs_across,     ///< blocks: rest, inverse
+  springs_along,      ///< blocks over every second column and its neighbour: rest, inverse
+  springs_along_two,  ///< blocks over two of four columns and the next two: rest, inverse
+  bends_across,       ///< blocks: rest, inverse, chord
+  bends_along,        ///< blocks over every third column and the next two: rest, inverse, chord
+  limit,              ///< blocks: longest; anchors
+  collide             ///< runs
+};
+
+/// Neighbouring pixels, first <= i < last.
+struct Run {
+  uint32_t first, last;
+};
+
+/// What a kernel works through, row by row. A block is as many constraints as a vector has lanes, from a pixel on; its
+/// constants lie in the order of the lanes, so that nothing is gathered. Lanes without a constraint have the inverse 0.
+struct RowStream {
+  std::vector<uint32_t> row_first;  ///< height + 1 entries: the row's blocks, runs or pins
+  std::vector<uint32_t> pixel;      ///< first pixel of a block
+  std::vector<float> constants;
+  std::vector<int32_t> anchors;       ///< limit: index into the pins for each lane
+  std::vector<int32_t> first_anchor;  ///< limit: of a block whose lanes' anchors follow each other, else -1
+  std::vector<Run> runs;
+};
+
+/// One pass in a sweep: at the time t of the sweep it works on the row t - lag.
+struct SweepOp {
+  RowKernel kernel;
+  uint32_t lag = 0;
+  uint32_t offset = 0;  ///< pixels from one end of a constraint to the next
+  float share = 1;
+  const RowStream* stream = nullptr;
+};
+
+/// Passes that run through the rows together.
+struct Sweep {
+  std::vector<SweepOp> ops;
+  uint32_t last_lag = 0;  ///< of the last pass
+  uint32_t distance = 0;  ///< times that the same sweep of the substep before must be ahead
+};
+
+/// A collider from which a point that is this far away is certainly not touched, per substep.
+struct ColliderGuard {
+  float x, y, z;  ///< centre, or a plane's normal
+  float reach;    ///< [m] radius, thickness, the collider's own way and rounding, or a plane's height
+  bool plane = false;
+};
+
+/// What is the same for all substeps of a frame.
+struct SweepFrame {
+  const PassContext* contexts = nullptr;  ///< one for each substep
+  ClothState* state = nullptr;
+  const Sweep* sweep = nullptr;
+  const float* anchors = nullptr;  ///< for each substep x, y, z of every pin, each `anchor_count` long
+  uint32_t anchor_count = 0;
+  const ColliderGuard* guards = nullptr;  ///< for each substep one for each collider
+  bool collide_all = false;               ///< no point is certainly untouched
+};
+
+/// Runs the sweep of one substep. Waits, row by row, until `ahead` has come far enough, and tells its own way.
+/// @param lanes  of the vectors that the streams were made for
+/// @param ahead  times that the substep before has done, or nullptr
+void run_sweep(uint32_t lanes, const SweepFrame& frame, uint32_t substep, const std::atomic<uint32_t>* ahead,
+               std::atomic<uint32_t>* own);
+
+/// Unit normals of all pixels from their own cells.
+void run_normals(uint32_t lanes, ClothState& state, const RowStream& stream);
+
+/// Lanes of this processor's vectors.
+[[nodiscard]] uint32_t vector_lanes();
+/// Name of the instruction set that is used.
+[[nodiscard]] const char* vector_target();
+
+}  // namespace geocloth::cpu

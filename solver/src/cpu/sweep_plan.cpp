@@ -1,0 +1,414 @@
+// SPDX-License-Identifier: Apache-2.0
+// Skewed sweeps: pass k works on row t - lag(k) at the time t, so that all passes go through the cloth once, each a few
+// rows behind the one before. A pass that touches rows y - up .. y + down may follow another one at a lag of its down
+// plus the other's up: then every row that it touches has been through the other, and the other is past it. Constants
+// are laid out in the order of the vectors' lanes, with only those blocks that hold a constraint.
+
+#include "cpu/sweep_plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <optional>
+
+#include "lib/bend.h"
+#include "lib/bend_groups.h"
+#include "lib/spring_groups.h"
+
+namespace geocloth::cpu {
+namespace {
+
+/// How the lanes of a block lie in the image.
+struct BlockShape {
+  RowKernel kernel;
+  uint32_t span;           ///< columns that a block reads and writes
+  uint32_t period, phase;  ///< its first column is `phase` modulo `period`
+  uint32_t low, high;      ///< columns low .. high - 1 have constraints' first ends
+  uint32_t end;            ///< a block ends before this column
+};
+
+/// Lane of the constraint that starts `column` columns after its block; see take_apart() in sweep_kernels.cpp.
+uint32_t lane_of(RowKernel kernel, uint32_t column, uint32_t lanes) {
+  const bool high = column >= lanes;
+  const uint32_t c = high ? column - lanes : column;
+  switch (kernel) {
+    case RowKernel::springs_along:
+      return high ? c + 1 : c;
+    case RowKernel::springs_along_two:
+      return c / 4 * 4 + c % 4 + (high ? 2 : 0);
+    case RowKernel::bends_along:
+      return column / 3;
+    default:
+      return column;
+  }
+}
+
+/// Rows above and below its own that a kernel touches.
+struct Reach {
+  uint32_t up = 0, down = 0;
+};
+
+float share_of(const shader::ClothParams& params, uint32_t component) {
+  const uint32_t family = component / 2;
+  return family == 0 ? params.share_structural : family == 1 ? params.share_shear : params.share_bending;
+}
+
+}  // namespace
+
+class SweepPlanner {
+ public:
+  SweepPlanner(const ClothState& state, const ClothFrame& cloth, const std::vector<Run>& runs,
+               uint32_t relaxation_steps, uint32_t lanes)
+      : state_(state),
+        cloth_(cloth),
+        runs_(runs),
+        relaxation_steps_(relaxation_steps),
+        lanes_(lanes),
+        width_(state.data.width),
+        height_(state.data.height) {
+    plan_->lanes_ = lanes;
+  }
+
+  /// Widest blocks: three vectors of columns, and one more for the diagonals.
+  static bool wide_enough(uint32_t width, uint32_t lanes) { return width >= 3 * lanes + 4; }
+
+  std::unique_ptr<SweepPlan> run(const std::vector<PassStep>& substep) {
+    for (const PassStep& step : substep) {
+      const std::optional<SweepOp> op = make_op(step);
+      if (!op) {
+        plan_->parts_.emplace_back(step);
+        continue;
+      }
+      if (plan_->parts_.empty() || !std::holds_alternative<Sweep>(plan_->parts_.back())) {
+        plan_->parts_.emplace_back(Sweep{});
+        reaches_.clear();
+      }
+      append(std::get<Sweep>(plan_->parts_.back()), *op);
+    }
+    return std::move(plan_);
+  }
+
+ private:
+  void append(Sweep& sweep, SweepOp op) {
+    const Reach reach = reach_of(op);
+    for (size_t k = 0; k < sweep.ops.size(); ++k) {
+      op.lag = std::max(op.lag, sweep.ops[k].lag + reach.down + reaches_[k].up);
+    }
+    sweep.ops.push_back(op);
+    reaches_.push_back(reach);
+    sweep.last_lag = op.lag;
+    // The next substep's pass j at t is on row t - lag(j); this one's pass k has to be through row t - lag(j) + down(j)
+    // + up(k) by then, and so at the time t + distance.
+    int64_t distance = 0;
+    for (size_t j = 0; j < sweep.ops.size(); ++j)
+      for (size_t k = 0; k < sweep.ops.size(); ++k)
+        distance = std::max(
+            distance, int64_t{sweep.ops[k].lag} + reaches_[k].up + reaches_[j].down - int64_t{sweep.ops[j].lag} + 1);
+    sweep.distance = static_cast<uint32_t>(distance);
+  }
+
+  [[nodiscard]] Reach reach_of(const SweepOp& op) const {
+    switch (op.kernel) {
+      case RowKernel::normals:
+        return {1, 1};
+      case RowKernel::springs_across:
+        return {0, (op.offset + 1) / width_};  // down-left: width - 1
+      case RowKernel::bends_across:
+        return {0, 2};
+      case RowKernel::springs_along_two:
+        return {0, 1};  // kOverhang
+      default:
+        return {};
+    }
+  }
+
+  /// Nothing for a pass that does not go row by row.
+  std::optional<SweepOp> make_op(const PassStep& step) {
+    switch (step.pass) {
+      case Pass::normals:
+        return over_runs(RowKernel::normals);
+      case Pass::predict:
+        return over_runs(RowKernel::predict);
+      case Pass::collide:
+        return over_runs(RowKernel::collide);
+      case Pass::pins:
+        return pins();
+      case Pass::structural:
+      case Pass::shear:
+      case Pass::bending:
+        if (relaxation_steps_ > 1) return {};
+        return springs(step.group);
+      case Pass::curvature:
+        if (relaxation_steps_ > 1) return {};
+        return bends(step.group);
+      case Pass::limit:
+        return limit();
+      default:
+        return {};
+    }
+  }
+
+  RowStream& new_stream() { return *plan_->streams_.emplace_back(std::make_unique<RowStream>()); }
+
+  SweepOp over_runs(RowKernel kernel) {
+    if (run_stream_ == nullptr) {
+      run_stream_ = &new_stream();
+      run_stream_->runs = runs_;
+      first_of_rows(*run_stream_, runs_.size(), [&](size_t k) { return runs_[k].first; });
+    }
+    return {kernel, 0, 0, 1, run_stream_};
+  }
+
+  SweepOp pins() {
+    RowStream& stream = new_stream();
+    first_of_rows(stream, cloth_.pins.size(), [&](size_t k) { return cloth_.pins[k].pixel.x; });
+    return {RowKernel::pins, 0, 0, 1, &stream};
+  }
+
+  /// Entries whose pixels ascend.
+  template <class PixelOf>
+  void first_of_rows(RowStream& stream, size_t count, const PixelOf& pixel_of) const {
+    size_t k = 0;
+    for (uint32_t y = 0; y <= height_; ++y) {
+      while (k < count && pixel_of(k) < size_t{y} * width_) ++k;
+      stream.row_first.push_back(static_cast<uint32_t>(k));
+    }
+  }
+
+  /// Lays blocks over the constraints of a row that has(x) tells: each begins at the first one that is not covered yet,
+  /// or as far left of it as its phase or the end of the row demand. fill(block, lane, x) writes a lane's constants.
+  template <class Has, class Add, class Fill>
+  void cover_row(const BlockShape& shape, uint32_t y, const Has& has, const Add& add, const Fill& fill) {
+    const uint32_t latest = shape.end - shape.span;
+    const uint32_t last_start = latest - (latest - shape.phase) % shape.period;
+    for (uint32_t x = shape.low; x < shape.high;) {
+      if (!has(x)) {
+        ++x;
+        continue;
+      }
+      const uint32_t start = std::min(x - (x - shape.phase) % shape.period, last_start);
+      add(y * width_ + start);
+      uint32_t covered = x;
+      for (; covered < start + shape.span; ++covered) {
+        if (covered < shape.high && has(covered)) fill(lane_of(shape.kernel, covered - start, lanes_), covered);
+      }
+      x = covered;
+    }
+  }
+
+  SweepOp springs(uint32_t group) {
+    const uint32_t component = shader::group_component(group), odd = group % 2;
+    const bool along = shader::group_by_column(group) == 1;
+    const RowKernel kernel = !along           ? RowKernel::springs_across
+                             : component == 0 ? RowKernel::springs_along
+                                              : RowKernel::springs_along_two;
+    const shader::uvec2 end = shader::spring_end(component, 1, 0);
+    const uint32_t offset = end.y * width_ + end.x - 1;
+    const uint32_t across_end = width_ - (component == 2 ? 1U : 0U);
+    BlockShape shape{kernel, lanes_, 1, 0, component == 3 ? 1U : 0U, across_end, across_end};
+    if (component == 0) shape = {kernel, 2 * lanes_, 2, odd, odd, width_, width_};
+    // The last two springs of a row may be one: the block of both then reaches over the row's end.
+    if (component == 4) shape = {kernel, 2 * lanes_, 4, 2 * odd, 2 * odd, width_, width_ + kOverhang};
+    RowStream& stream = new_stream();
+    const auto in_row = [&](uint32_t y) { return along || group_has_line(group, y); };
+    const auto in_column = [&](uint32_t x) { return !along || group_has_line(group, x); };
+    for (uint32_t y = 0; y < height_; ++y) {
+      stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
+      if (!in_row(y)) continue;
+      const auto inverse_of = [&](uint32_t x) {
+        return in_column(x) ? spring_inverse(component, y * width_ + x, offset) : 0.F;
+      };
+      cover_row(
+          shape, y, [&](uint32_t x) { return inverse_of(x) > 0; }, [&](uint32_t first) { add_block(stream, first, 2); },
+          [&](uint32_t lane, uint32_t x) {
+            float* block = &stream.constants[stream.constants.size() - size_t{2} * lanes_];
+            block[lane] = state_.rest[component][y * width_ + x];
+            block[lanes_ + lane] = inverse_of(x);
+          });
+    }
+    stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
+    return {kernel, 0, offset, share_of(cloth_.params, component), &stream};
+  }
+
+  void add_block(RowStream& stream, uint32_t first, uint32_t constants) const {
+    stream.pixel.push_back(first);
+    stream.constants.resize(stream.constants.size() + size_t{constants} * lanes_, 0.F);
+  }
+
+  static bool group_has_line(uint32_t group, uint32_t line) {
+    const uint32_t odd = group % 2;
+    return (group < 8 ? line % 2 : line / 2 % 2) == odd;
+  }
+
+  /// 1 / (w + compliance), as spring.h has it; 0 where the spring does not exist or cannot move.
+  [[nodiscard]] float spring_inverse(uint32_t component, size_t a, uint32_t offset) const {
+    if (!(state_.rest[component][a] > 0)) return 0;
+    const float w = state_.inverse_mass[a] + state_.inverse_mass[a + offset];
+    if (!(w > 0)) return 0;
+    return 1.F / (w + state_.compliance[component][a] * cloth_.params.inverse_dt2);
+  }
+
+  SweepOp bends(uint32_t group) {
+    const uint32_t component = shader::bend_component(group), line = group % 3;
+    const bool along = component == 4;
+    const RowKernel kernel = along ? RowKernel::bends_along : RowKernel::bends_across;
+    const uint32_t offset = along ? 1 : width_;
+    const BlockShape shape = along ? BlockShape{kernel, 3 * lanes_, 3, line, line, width_, width_}
+                                   : BlockShape{kernel, lanes_, 1, 0, 0, width_, width_};
+    RowStream& stream = new_stream();
+    for (uint32_t y = 0; y < height_; ++y) {
+      stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
+      if (!along && (y % 3 != line || y + 2 >= height_)) continue;
+      const auto constants_of = [&](uint32_t x) {
+        const bool in_group = !along || (x % 3 == line && x + 2 < width_);
+        return in_group ? bend_constants(component, y * width_ + x, offset) : BendConstants{};
+      };
+      cover_row(
+          shape, y, [&](uint32_t x) { return constants_of(x).inverse > 0; },
+          [&](uint32_t first) { add_block(stream, first, 3); },
+          [&](uint32_t lane, uint32_t x) {
+            const BendConstants c = constants_of(x);
+            float* block = &stream.constants[stream.constants.size() - size_t{3} * lanes_];
+            block[lane] = c.rest;
+            block[lanes_ + lane] = c.inverse;
+            block[2 * lanes_ + lane] = c.chord;
+          });
+    }
+    stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
+    return {kernel, 0, offset, 1, &stream};
+  }
+
+  struct BendConstants {
+    float rest = 0, inverse = 0, chord = 0;
+  };
+  /// The weights as bend.h has them, for a middle point that carries all of its mass.
+  [[nodiscard]] BendConstants bend_constants(uint32_t component, size_t a, uint32_t offset) const {
+    const float compliance = state_.compliance[component][a] * cloth_.params.inverse_dt2;
+    if (!(compliance > 0)) return {};
+    const std::vector<float>& along = state_.rest[component - 4];
+    const float chord = shader::chord_share(along[a], along[a + offset]), back = 1.F - chord;
+    const float wa = state_.inverse_mass[a], wm = state_.inverse_mass[a + offset];
+    const float wb = state_.inverse_mass[a + 2 * size_t{offset}];
+    const float w = wa * back * back + wm * 1.F + wb * chord * chord;
+    return {state_.rest[component][a], 1.F / (w + compliance), chord};
+  }
+
+  /// Anchors stay where the pins put them during a substep, so they need not be looked up in the image.
+  std::optional<SweepOp> limit() {
+    std::vector<int32_t> pin_of(state_.pixel_count(), -1);
+    for (size_t k = 0; k < cloth_.pins.size(); ++k) {
+      const uint32_t pixel = cloth_.pins[k].pixel.x;
+      if (state_.inverse_mass[pixel] > 0) return {};
+      pin_of[pixel] = static_cast<int32_t>(k);
+    }
+    const auto anchor_of = [&](size_t i) {
+      const uint32_t anchor = state_.attachments[i].anchor;
+      return anchor == shader::kNoAnchor || state_.inverse_mass[i] == 0 ? -1 : pin_of[anchor];
+    };
+    RowStream& stream = new_stream();
+    const BlockShape shape{RowKernel::limit, lanes_, 1, 0, 0, width_, width_};
+    for (uint32_t y = 0; y < height_; ++y) {
+      stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
+      cover_row(
+          shape, y, [&](uint32_t x) { return anchor_of(size_t{y} * width_ + x) >= 0; },
+          [&](uint32_t first) {
+            stream.pixel.push_back(first);
+            stream.constants.resize(stream.constants.size() + lanes_, std::numeric_limits<float>::infinity());
+            stream.anchors.resize(stream.anchors.size() + lanes_, 0);
+          },
+          [&](uint32_t lane, uint32_t x) {
+            const size_t i = size_t{y} * width_ + x;
+            stream.constants[stream.constants.size() - lanes_ + lane] =
+                state_.attachments[i].reach * cloth_.params.stretch_limit;
+            stream.anchors[stream.anchors.size() - lanes_ + lane] = anchor_of(i);
+          });
+    }
+    stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
+    for (size_t k = 0; k < stream.pixel.size(); ++k) stream.first_anchor.push_back(first_anchor(stream, k));
+    return SweepOp{RowKernel::limit, 0, 0, 1, &stream};
+  }
+
+  /// Of a block whose lanes' anchors follow each other.
+  [[nodiscard]] int32_t first_anchor(const RowStream& stream, size_t block) const {
+    const int32_t* anchors = &stream.anchors[block * lanes_];
+    for (uint32_t lane = 1; lane < lanes_; ++lane)
+      if (anchors[lane] != anchors[0] + static_cast<int32_t>(lane)) return -1;
+    return anchors[0];
+  }
+
+  const ClothState& state_;
+  const ClothFrame& cloth_;
+  const std::vector<Run>& runs_;
+  uint32_t relaxation_steps_, lanes_, width_, height_;
+  std::unique_ptr<SweepPlan> plan_ = std::make_unique<SweepPlan>();
+  RowStream* run_stream_ = nullptr;
+  std::vector<Reach> reaches_;  ///< of the sweep that is being made
+};
+
+std::unique_ptr<SweepPlan> SweepPlan::make(const ClothState& state, const std::vector<PassStep>& substep,
+                                           const ClothFrame& cloth, const std::vector<Run>& runs,
+                                           uint32_t relaxation_steps) {
+  for (uint32_t lanes = vector_lanes(); lanes >= 4; lanes /= 2) {
+    if (!SweepPlanner::wide_enough(state.data.width, lanes)) continue;
+    return SweepPlanner(state, cloth, runs, relaxation_steps, lanes).run(substep);
+  }
+  return nullptr;
+}
+
+size_t SweepPlan::memory_bytes() const {
+  const auto bytes = [](const auto& values) { return values.capacity() * sizeof(values.front()); };
+  size_t sum = 0;
+  for (const auto& s : streams_) {
+    sum += bytes(s->row_first) + bytes(s->pixel) + bytes(s->constants) + bytes(s->anchors) + bytes(s->first_anchor) +
+           bytes(s->runs);
+  }
+  return sum;
+}
+
+std::vector<Run> valid_runs(const ClothState& state) {
+  std::vector<Run> runs;
+  const uint32_t width = state.data.width;
+  for (uint32_t i = 0; i < state.pixel_count(); ++i) {
+    if (!(state.inverse_mass[i] > 0)) continue;
+    if (runs.empty() || runs.back().last != i || i % width == 0) runs.push_back({i, i});
+    runs.back().last = i + 1;
+  }
+  return runs;
+}
+
+void guard_colliders(const FrameInput& frame, const shader::ClothParams& params, std::vector<ColliderGuard>& guards) {
+  constexpr float kRounding = 1e-5F;  // relative
+  const size_t count = frame.shapes.size();
+  guards.clear();
+  for (size_t s = 0; s < frame.substeps.size(); ++s) {
+    for (size_t c = 0; c < count; ++c) {
+      const shader::ColliderShape& shape = frame.shapes[c];
+      const shader::ColliderPose& pose = frame.poses[(s + 1) * count + c];
+      const float x = pose.row0.w, y = pose.row1.w, z = pose.row2.w;
+      const float margin = params.thickness + 2 * shape.way + kRounding * (1 + std::abs(x) + std::abs(y) + std::abs(z));
+      ColliderGuard guard{x, y, z, std::numeric_limits<float>::infinity(), false};
+      switch (shape.kind) {
+        case shader::kShapePlane:
+          guard = {pose.row0.y, pose.row1.y, pose.row2.y, 0, true};
+          guard.reach = margin + guard.x * x + guard.y * y + guard.z * z;
+          break;
+        case shader::kShapeSphere:
+          guard.reach = margin + shape.a.x * (1 + kRounding);
+          break;
+        case shader::kShapeCapsule:
+          guard.reach = margin + (shape.a.x + std::max(shape.a.y, shape.a.z)) * (1 + kRounding);
+          break;
+        case shader::kShapeBox:
+        case shader::kShapeEllipsoid:
+          guard.reach = margin + std::hypot(shape.a.x, shape.a.y, shape.a.z) * (1 + kRounding);
+          break;
+        default:
+          break;  // always near
+      }
+      guards.push_back(guard);
+    }
+  }
+}
+
+}  // namespace geocloth::cpu

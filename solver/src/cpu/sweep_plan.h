@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <variant>
+#include <vector>
+
+#include "cpu/sweep.h"
+
+namespace geocloth::cpu {
+
+/// How a cloth's substep is done by sweeps: the longest runs of passes that can go through the rows together, and what
+/// has to stand between them. Made anew when pins, schedule or shares change.
+class SweepPlan {
+ public:
+  using Part = std::variant<Sweep, PassStep>;
+
+  /// @return nothing when the image is too narrow for vectors
+  [[nodiscard]] static std::unique_ptr<SweepPlan> make(const ClothState& state, const std::vector<PassStep>& substep,
+                                                       const ClothFrame& cloth, const std::vector<Run>& runs,
+                                                       uint32_t relaxation_steps);
+
+  [[nodiscard]] uint32_t lanes() const { return lanes_; }
+  [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
+  [[nodiscard]] size_t memory_bytes() const;
+
+ private:
+  friend class SweepPlanner;
+  uint32_t lanes_ = 0;
+  std::vector<std::unique_ptr<RowStream>> streams_;
+  std::vector<Part> parts_;
+};
+
+/// Runs of valid pixels, row by row: those that have a mass while nothing is pinned.
+[[nodiscard]] std::vector<Run> valid_runs(const ClothState& state);
+
+/// Guards of all colliders for every substep; see ColliderGuard.
+void guard_colliders(const FrameInput& frame, const shader::ClothParams& params, std::vector<ColliderGuard>& guards);
+
+}  // namespace geocloth::cpu

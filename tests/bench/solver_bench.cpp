@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Google Benchmark over the cpu backend: where a frame's time goes when one thing changes at a time. `geocloth bench`
+// measures whole scenes on every backend; this is for work on the solver.
+//
+//   ninja solver_bench && tests/bench/solver_bench --benchmark_filter=sheet
+
+#include <cmath>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+
+#include "geocloth/solver/solver.h"
+#include "support/make_sheet.h"
+
+namespace {
+
+using namespace geocloth;
+
+constexpr float kSpacing = 0.01F;  // [m]
+
+/// What a benchmark's numbers stand for.
+struct Setup {
+  uint32_t size = 100, substeps = 8, threads = 1, charts = 1;
+  bool plain = false, curvature = false, attached = true, ball = false, wind = false, swing = false, bends = true;
+};
+
+Solver make_solver(const Setup& setup, SolverStatistics& statistics) {
+  const float side = kSpacing * static_cast<float>(setup.size - 1);
+  Material material;
+  material.damping = 0;
+  if (setup.attached) material.max_stretch = 0.002F;
+  if (!setup.curvature) {
+    material.stiffness = 1;
+    if (setup.bends) material.bend_stiffness = 1;
+  }
+  if (!setup.bends) material.bend_warp = material.bend_weft = 0;
+  const auto asset = std::make_shared<const ClothAsset>(test::make_sheet({.nx = setup.size,
+                                                                          .ny = setup.size,
+                                                                          .width = side,
+                                                                          .height = side,
+                                                                          .charts_x = setup.charts,
+                                                                          .charts_y = setup.charts,
+                                                                          .horizontal = setup.swing}));
+  SolverSettings settings;
+  settings.backend = Backend::cpu;
+  settings.substeps = setup.substeps;
+  settings.threads = setup.threads;
+  settings.plain = setup.plain;
+  Solver solver(std::vector<ClothDesc>{{asset, material, {}}}, settings);
+  std::vector<Pin> pins;
+  for (const uint32_t v : asset->vertex_groups.front().source_vertex) {
+    const uint32_t pixel = asset->binding[v].pixel[0];
+    pins.push_back({pixel, asset->rest_position[pixel]});
+  }
+  solver.set_pins(0, pins);
+  if (setup.ball || setup.swing) {
+    const Vec3 center{0, -0.55F * side, setup.swing ? -0.5F * side : 3 * side};
+    solver.set_colliders(std::vector<Collider>{{"ball", Sphere{center, 0.15F * side}, 0.3F, {}}});
+  }
+  if (setup.wind) solver.set_wind({{1, 0, 2}, 0.3F, 1, 1, 0.2F});
+  statistics = solver.statistics();
+  return solver;
+}
+
+void run(benchmark::State& state, const Setup& setup) {
+  SolverStatistics statistics;
+  Solver solver = make_solver(setup, statistics);
+  // Long enough for the swinging sheet to lie on the ball.
+  for (int frame = 0; frame < (setup.swing ? 60 : 3); ++frame) solver.step();
+  for (auto _ : state) {
+    solver.step();
+    solver.wait();
+  }
+  state.counters["solves"] =
+      benchmark::Counter(static_cast<double>(statistics.springs) * setup.substeps,
+                         benchmark::Counter::kIsIterationInvariantRate, benchmark::Counter::OneK::kIs1000);
+}
+
+const std::vector<std::pair<const char*, Setup>> kSetups{
+    {"sheet/100", {}},
+    {"sheet/100/plain", {.plain = true}},
+    {"sheet/100/curvature", {.curvature = true}},
+    {"sheet/100/no_attachments", {.attached = false}},
+    {"sheet/100/ball_far_away", {.ball = true}},
+    {"sheet/100/swing", {.swing = true}},
+    {"sheet/100/wind", {.wind = true}},
+    {"sheet/100/two_threads", {.threads = 2}},
+    {"sheet/100/charts_2x2", {.charts = 2}},
+    {"sheet/100/zeller", {.substeps = 1, .attached = false, .bends = false}},
+    {"sheet/64", {.size = 64}},
+    {"sheet/256", {.size = 256}},
+    {"sheet/256/plain", {.size = 256, .plain = true}},
+    {"sheet/256/two_threads", {.size = 256, .threads = 2}},
+    {"sheet/1024", {.size = 1024, .substeps = 4}},
+    {"sheet/1024/plain", {.size = 1024, .substeps = 4, .plain = true}},
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  for (const auto& [name, setup] : kSetups) {
+    benchmark::RegisterBenchmark(name, [setup = setup](benchmark::State& state) { run(state, setup); })
+        ->Unit(benchmark::kMillisecond)
+        ->UseRealTime();
+  }
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+  benchmark::RunSpecifiedBenchmarks();
+  return 0;
+}

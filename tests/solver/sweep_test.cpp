@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The fast path of the cpu gives the bits of the plain one, which runs the shaders' own text pass by pass: on sheets,
+// cut cloth and masked charts, with everything that a scene can have, for any number of threads.
+
+#include <cstring>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "solver_fixture.h"
+
+namespace geocloth {
+namespace {
+
+using test::make_sheet;
+
+/// A scene as the solver's user sets it up.
+struct Case {
+  const char* name;
+  ClothAsset asset;
+  Material material;
+  SolverSettings settings;
+  std::vector<Collider> colliders;
+  std::optional<Wind> wind;
+  const char* pinned = "corners";
+};
+
+struct State {
+  std::vector<Vec3> positions, velocities, normals;
+};
+
+State state_after(const Case& c, bool plain, uint32_t threads, uint32_t frames) {
+  SolverSettings settings = c.settings;
+  settings.backend = Backend::cpu;
+  settings.plain = plain;
+  settings.threads = threads;
+  Solver solver(std::vector{test::describe(c.asset, c.material)}, settings);
+  EXPECT_EQ(solver.statistics().path == "plain", plain);
+  solver.set_pins(0, test::pins_at_rest(c.asset, c.pinned));
+  if (c.wind) solver.set_wind(*c.wind);
+  for (uint32_t f = 0; f < frames; ++f) {
+    std::vector<Collider> colliders = c.colliders;
+    for (Collider& collider : colliders) collider.pose.translate = {0, 0, 0.01F * static_cast<float>(f)};
+    solver.set_colliders(colliders);
+    // Halfway one corner is let go and the other is pulled.
+    if (f == frames / 2) {
+      std::vector<Pin> pins = test::pins_at_rest(c.asset, c.pinned, {0, 0.05F, 0.02F});
+      pins.resize((pins.size() + 1) / 2);
+      solver.set_pins(0, pins);
+    }
+    solver.step();
+  }
+  State state;
+  solver.read_positions(0, state.positions);
+  solver.read_velocities(0, state.velocities);
+  solver.read_normals(0, state.normals);
+  return state;
+}
+
+/// Number of values whose bits differ; negative and positive zero do.
+size_t differences(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
+  size_t count = a.size() == b.size() ? 0 : 1;
+  for (size_t i = 0; i < std::min(a.size(), b.size()); ++i)
+    count += static_cast<size_t>(std::memcmp(&a[i], &b[i], sizeof(Vec3)) != 0);
+  return count;
+}
+
+/// Takes pixels away at random, with their springs and triangles: charts with ragged outlines, holes and islands.
+ClothAsset with_holes(ClothAsset asset, double share) {
+  std::mt19937 random(7);
+  std::vector<bool> kept(asset.pixel_count());
+  for (uint32_t p = 0; p < asset.pixel_count(); ++p) {
+    const bool pinned = p < asset.width || asset.binding[0].pixel[0] == p;
+    kept[p] = asset.valid(p) && (pinned || static_cast<double>(random()) > share * 4294967295.0);
+  }
+  for (uint32_t p = 0; p < asset.pixel_count(); ++p) {
+    if (!kept[p]) {
+      asset.chart[p] = kNoChart;
+      asset.rest_position[p] = {};
+      asset.area[p] = 0;
+      asset.spring_mask[p] = asset.cell[p] = 0;
+      continue;
+    }
+    for (uint32_t s = 0; s < kSpringCount; ++s) {
+      if ((asset.spring_mask[p] & (1U << s)) == 0) continue;
+      const int64_t q = int64_t{p} + kSpringOffset[s][0] + int64_t{asset.width} * kSpringOffset[s][1];
+      if (!kept[static_cast<size_t>(q)]) asset.spring_mask[p] &= static_cast<uint8_t>(~(1U << s));
+    }
+    if (asset.cell[p] == 0) continue;
+    for (const uint32_t q : {p + 1, p + asset.width, p + asset.width + 1})
+      if (!kept[q]) asset.cell[p] = 0;
+  }
+  // The source mesh is bound to the pixels of the first row, which are all kept.
+  for (Binding& binding : asset.binding) binding = {.pixel = {0, 1, 2}, .weight = {1, 0, 0}, .offset = {}};
+  for (uint32_t k = 0; k < asset.width; ++k) asset.binding[k].pixel = {k, k > 0 ? k - 1 : 1, k > 1 ? k - 2 : 2};
+  return asset;
+}
+
+Material stiff() {
+  Material material;
+  material.stiffness = 0.9F;
+  material.bend_stiffness = 0.4F;
+  material.verlet_damping = 0.995F;
+  return material;
+}
+Material attached() {
+  Material material;
+  material.max_stretch = 0.02F;
+  return material;
+}
+std::vector<Collider> all_shapes() {
+  return {{"floor", Plane{{0, -0.45F, 0}, {0.6F, 0.8F, 0}}, 0.4F, {}},
+          {"ball", Sphere{{0, -0.1F, -0.1F}, 0.15F}, 0.3F, {}},
+          {"arm", Capsule{{-0.4F, 0.1F, 0.05F}, {-0.2F, -0.2F, 0.1F}, 0.08F, 0.05F}, 0.3F, {}},
+          {"box", Box{{0.3F, -0.2F, 0.05F}, {0.1F, 0.05F, 0.1F}, {}}, 0, {}},
+          {"egg", Ellipsoid{{0.3F, 0.3F, 0.1F}, {0.1F, 0.05F, 0.08F}, {}}, 1, {}}};
+}
+
+SolverSettings few_substeps(uint32_t relaxation_steps = 1) {
+  SolverSettings settings;
+  settings.substeps = 5;
+  settings.relaxation_steps = relaxation_steps;
+  return settings;
+}
+
+std::vector<Case> cases() {
+  const Wind breeze{{1, 0, 2}, 0.3F, 1, 1, 0.2F};
+  std::vector<Case> list;
+  list.push_back({"curvature", make_sheet({.nx = 61, .ny = 47, .jitter = 0.2F}), {}, few_substeps(), {}, {}});
+  list.push_back({"springs over two pixels", make_sheet({.nx = 64, .ny = 33}), stiff(), few_substeps(), {}, {}});
+  list.push_back({"ball",
+                  make_sheet({.nx = 70, .ny = 50, .horizontal = true}),
+                  attached(),
+                  few_substeps(),
+                  {{"ball", Sphere{{0, -0.2F, 0}, 0.2F}, 0.3F, {}}},
+                  {},
+                  "top"});
+  list.push_back({"all colliders", make_sheet({.nx = 53, .ny = 55}), attached(), few_substeps(), all_shapes(), breeze});
+  list.push_back({"wind", make_sheet({.nx = 80, .ny = 20}), {}, few_substeps(), {}, breeze, "top"});
+  list.push_back({"seams", make_sheet({.nx = 60, .ny = 45, .charts_x = 3, .charts_y = 2, .gap = 3}), attached(),
+                  few_substeps(), all_shapes(), breeze});
+  list.push_back(
+      {"holes", with_holes(make_sheet({.nx = 90, .ny = 40}), 0.15), attached(), few_substeps(), all_shapes(), breeze});
+  list.push_back({"islands", with_holes(make_sheet({.nx = 77, .ny = 40}), 0.6), stiff(), few_substeps(), {}, breeze});
+  list.push_back({"relaxation", make_sheet({.nx = 60, .ny = 30, .charts_x = 2}), attached(), few_substeps(3), {}, {}});
+  list.push_back({"speed limit", make_sheet({.nx = 60, .ny = 30}), attached(), few_substeps(), all_shapes(), {}});
+  list.back().material.max_speed = 1;
+  list.push_back({"one substep", make_sheet({.nx = 60, .ny = 30}), stiff(), few_substeps(), {}, {}});
+  list.back().settings.substeps = 1;
+  for (const uint32_t n : {2U, 3U, 5U, 15U, 16U, 17U, 28U, 29U, 52U}) {
+    list.push_back({"narrow", make_sheet({.nx = n, .ny = 9}), attached(), few_substeps(), {}, {}});
+    list.push_back({"low", make_sheet({.nx = 52, .ny = n}), attached(), few_substeps(), {}, breeze});
+  }
+  return list;
+}
+
+TEST(Sweep, HasTheBitsOfThePlainPathForAnyNumberOfThreads) {
+  for (const Case& c : cases()) {
+    constexpr uint32_t kFrames = 16;
+    const State plain = state_after(c, true, 1, kFrames);
+    ASSERT_TRUE(test::all_finite(plain.positions)) << c.name;
+    for (const uint32_t threads : {1U, 2U, 5U}) {
+      const State fast = state_after(c, false, threads, kFrames);
+      const std::string where =
+          std::string(c.name) + ", width " + std::to_string(c.asset.width) + ", threads " + std::to_string(threads);
+      EXPECT_EQ(differences(fast.positions, plain.positions), 0U) << where;
+      EXPECT_EQ(differences(fast.velocities, plain.velocities), 0U) << where;
+      EXPECT_EQ(differences(fast.normals, plain.normals), 0U) << where;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace geocloth
