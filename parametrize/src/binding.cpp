@@ -221,6 +221,48 @@ std::vector<FlatPlace> flat_places(const FlatSurface& flat) {
   return places;
 }
 
+/// The pieces that the image leaves out, and where those that keep their shape ride.
+class CarriedPieces {
+ public:
+  CarriedPieces(const TriangleMesh& mesh, const CleanSurface& clean, std::span<const uint32_t> piece_of_point)
+      : clean_(clean), piece_of_point_(piece_of_point) {
+    for (std::size_t v = 0; v < mesh.position.size(); ++v) {
+      const uint32_t piece = of_vertex(v);
+      if (piece == kNone) continue;
+      if (piece >= box_.size()) box_.resize(piece + 1);
+      for (std::size_t k = 0; k < 3; ++k) {
+        box_[piece].low[k] = std::min(box_[piece].low[k], mesh.position[v][k]);
+        box_[piece].high[k] = std::max(box_[piece].high[k], mesh.position[v][k]);
+      }
+    }
+    place_.resize(box_.size());
+  }
+
+  /// The place that all vertices of v's piece share, or nothing when v is in none or in a large one.
+  [[nodiscard]] std::optional<GridPlace> shared_place(std::size_t v, double spacing, GridLocator& locator) {
+    constexpr double kRigid = 3;  // [pixels] across
+    const uint32_t piece = of_vertex(v);
+    if (piece == kNone || distance(box_[piece].low, box_[piece].high) > kRigid * spacing) return std::nullopt;
+    if (!place_[piece]) place_[piece] = locator.nearest((box_[piece].low + box_[piece].high) * 0.5);
+    return place_[piece];
+  }
+
+ private:
+  struct Box {
+    Point3 low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
+  };
+
+  [[nodiscard]] uint32_t of_vertex(std::size_t v) const {
+    const uint32_t point = clean_.source_point[v];
+    return point == kNone || point >= piece_of_point_.size() ? kNone : piece_of_point_[point];
+  }
+
+  const CleanSurface& clean_;
+  std::span<const uint32_t> piece_of_point_;
+  std::vector<Box> box_;
+  std::vector<std::optional<GridPlace>> place_;
+};
+
 /// Orders the corners so that the frame's edge, from the first to the second, is the longest one: it keeps a direction
 /// even where the triangle has collapsed.
 Binding bind_at(const ClothAsset& asset, const GridPlace& place) {
@@ -279,13 +321,14 @@ void set_offsets(ClothAsset& asset) {
 }  // namespace
 
 void bind_source(const TriangleMesh& mesh, const CleanSurface& clean, const FlatSurface& flat, const Raster& raster,
-                 ClothAsset& asset) {
+                 ClothAsset& asset, std::span<const uint32_t> carried_piece) {
   asset.name = mesh.name;
   asset.vertex_groups = mesh.vertex_groups;
   asset.source = render_mesh(mesh, clean);
 
   const std::vector<FlatPlace> places = flat_places(flat);
   GridLocator locator(flat, raster, asset);
+  CarriedPieces carried(mesh, clean, carried_piece);
   std::vector<std::optional<GridPlace>> of_vertex(mesh.position.size());
   asset.binding.clear();
   for (const uint32_t v : asset.source.source_vertex) {
@@ -293,6 +336,7 @@ void bind_source(const TriangleMesh& mesh, const CleanSurface& clean, const Flat
       const uint32_t point = clean.source_point[v];
       const FlatPlace place = point == kNone ? FlatPlace{} : places[point];
       if (place.vertex != kNone) of_vertex[v] = locator.at_vertex(place.vertex, place.chart);
+      if (!of_vertex[v]) of_vertex[v] = carried.shared_place(v, asset.spacing, locator);
       if (!of_vertex[v]) of_vertex[v] = locator.nearest(mesh.position[v]);
     }
     asset.binding.push_back(bind_at(asset, *of_vertex[v]));

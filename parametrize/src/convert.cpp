@@ -14,6 +14,7 @@
 #include "geocloth/asset/error.h"
 #include "geocloth/asset/grid_mesh.h"
 #include "point_math.h"
+#include "small_pieces.h"
 #include "stage_files.h"
 #include "verify.h"
 #include "warnings.h"
@@ -93,6 +94,7 @@ uint64_t peak_memory_bytes() {
 struct Prepared {
   const TriangleMesh& mesh;
   const CleanSurface& clean;
+  const std::vector<uint32_t>& carried_piece;
   const CutSurface& cut;
 };
 
@@ -112,7 +114,7 @@ void lay_out(const Prepared& prepared, const FlattenOptions& options, const Prog
   files.save(asset);
 
   stages.run("bind", [&] {
-    bind_source(mesh, clean, flat, raster, asset);
+    bind_source(mesh, clean, flat, raster, asset, prepared.carried_piece);
     return true;
   });
   report.quality = stages.run("measure", [&] { return measure_quality(clean, flat, raster, asset, progress); });
@@ -132,17 +134,22 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& optio
   report.source_bbox_diagonal = bounding_diagonal(mesh.position);
 
   const RepairResult repaired = stages.run("repair", [&] { return repair_mesh(mesh, options.repair, progress); });
-  const CleanSurface& clean = repaired.surface;
   report.source = repaired.source;
   report.repairs = repaired.repairs;
-  report.cleaned = report.represented = repaired.cleaned;
-  report.cleaned_bbox_diagonal = bounding_diagonal(clean.position);
-  files.save(clean);
+  report.cleaned = repaired.cleaned;
+  report.cleaned_bbox_diagonal = bounding_diagonal(repaired.surface.position);
+  files.save(repaired.surface);
+
+  const CarriedSurface carried =
+      stages.run("carry", [&] { return carry_small_pieces(mesh, repaired.surface, options.flatten); });
+  const CleanSurface& clean = carried.represented;
+  report.carried = carried.carried;
+  report.represented = measure_topology(point_triangles(clean), clean.point_count);
 
   const CutSurface cut = stages.run("cut", [&] { return cut_to_disks(clean, {}, progress); });
   files.save(cut);
 
-  const Prepared prepared{mesh, clean, cut};
+  const Prepared prepared{mesh, clean, carried.piece_of_point, cut};
   FlattenOptions flatten_options = options.flatten;
   std::string panels_failed;
   try {

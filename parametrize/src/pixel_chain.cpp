@@ -14,6 +14,8 @@
 #include <limits>
 #include <optional>
 
+#include "geocloth/asset/error.h"
+
 namespace geocloth {
 namespace {
 
@@ -137,9 +139,12 @@ class Router {
     return {{low[0] - margin, low[1] - margin}, {high[0] + margin, high[1] + margin}};
   }
 
-  [[nodiscard]] size_t wrapped(size_t i) const { return i % size_; }
-  [[nodiscard]] size_t before(size_t i) const { return (i + size_ - 1) % size_; }
-  [[nodiscard]] size_t after(size_t i) const { return (i + 1) % size_; }
+  [[nodiscard]] size_t wrapped(size_t i) const {
+    while (i >= size_) i -= size_;
+    return i;
+  }
+  [[nodiscard]] size_t before(size_t i) const { return wrapped(i + size_ - 1); }
+  [[nodiscard]] size_t after(size_t i) const { return wrapped(i + 1); }
 
   /// Takes sample i and the step after it in use, or out of use (-1).
   void use(size_t i, int32_t change) {
@@ -313,7 +318,7 @@ class Router {
 
   /// Would the two samples' pixels meet if both were laid again? Then one of them has to stay.
   [[nodiscard]] bool opposed(size_t a, size_t b) const {
-    const size_t along = std::min((a + size_ - b) % size_, (b + size_ - a) % size_);
+    const size_t along = std::min(wrapped(a + size_ - b), wrapped(b + size_ - a));
     if (along > 2 && larger_extent(pixel_[a], pixel_[b]) <= 1) return true;
     return std::any_of(partners_[a].begin(), partners_[a].end(), [&](const Partner& p) { return p.sample == b; });
   }
@@ -364,6 +369,8 @@ class Router {
 }  // namespace
 
 PixelChain place_chain(std::span<const Point2> target, std::span<const ApartSamples> apart, std::vector<Pixel> start) {
+  constexpr size_t kLeast = 3;
+  if (target.size() < kLeast) throw Error(ErrorCode::invalid_argument, "an outline needs three samples at least");
   return Router(target, apart).run(std::move(start));
 }
 

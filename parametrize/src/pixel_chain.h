@@ -38,7 +38,7 @@ struct PixelChain {
 /// the targets as that goes. Since a lattice way between two places may take any number of steps from the larger to the
 /// sum of its extents, chains of equal sample count fit both sides of a seam whatever their directions in the plane.
 /// The polygon meets no pixel twice and crosses itself nowhere, so that its inside is a disk.
-/// @param target  per sample of the outline, in order: where its pixel should lie [pixels], v down; at least four
+/// @param target  per sample of the outline, in order: where its pixel should lie [pixels], v down; at least three
 /// @param apart   samples to keep apart
 /// @param start   a chain to begin with, such as one that another `apart` gave; empty: none
 [[nodiscard]] PixelChain place_chain(std::span<const Point2> target, std::span<const ApartSamples> apart = {},

@@ -19,10 +19,12 @@ struct ConvertOptions {
   std::filesystem::path stages;  ///< folder for every intermediate as a file; empty: none
 };
 
-/// A part that is too small for a pixel at the chosen spacing and is carried by its neighbour.
+/// A piece that is too small for a pixel at the chosen spacing and rides on the cloth beside it, or a hole that is too
+/// small and is closed in the image.
 struct CarriedPart {
-  uint32_t part = 0, faces = 0;
-  double area_share = 0;
+  uint32_t part = 0;      ///< of the file (SourceMesh::part)
+  uint32_t faces = 0;     ///< triangles left out; 0 for a hole
+  double area_share = 0;  ///< of the clean surface
   std::string why;
 };
 
@@ -67,8 +69,8 @@ struct ConvertResult {
   ConvertReport report;
 };
 
-/// import_mesh, repair_mesh, cut_to_disks, flatten, rasterize, build_image, bind_source, measure_quality, in that order
-/// and nothing else; then the checks.
+/// import_mesh, repair_mesh, what is too small left out, cut_to_disks, flatten, rasterize, build_image, bind_source,
+/// measure_quality, in that order and nothing else; then the checks.
 /// @throws Error(verification) when the welded grid mesh differs in topology from the represented surface, or when
 ///   copies do not coincide, triangles are flipped, charts overlap or springs cross an outline; whatever a stage
 ///   throws, with the name of the file in the message

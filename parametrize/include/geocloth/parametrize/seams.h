@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <span>
+
 #include "geocloth/parametrize/rasterize.h"
 
 namespace geocloth {
@@ -12,8 +14,10 @@ namespace geocloth {
 
 /// Fills `name`, `vertex_groups`, `source` and `binding`: the mesh of the file as render vertices (those of file vertex
 /// 0 first), each bound to the grid triangle that holds its place in the chart. Vertices without a place there, such as
-/// those that no face uses, are bound to the nearest place.
+/// those that no face uses, are bound to the nearest place. Pieces that the image leaves out ride on the cloth beside
+/// them: small ones as a whole, so that they keep their shape, larger ones vertex by vertex.
+/// @param carried_piece  per point of the clean surface: which such piece it is in, kNone for none; empty: all none
 void bind_source(const TriangleMesh& mesh, const CleanSurface& clean, const FlatSurface& flat, const Raster& raster,
-                 ClothAsset& asset);
+                 ClothAsset& asset, std::span<const uint32_t> carried_piece = {});
 
 }  // namespace geocloth

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What is smaller than a pixel: the image leaves it out, the report says so, and it rides on the cloth.
+#include <cmath>
+#include <numeric>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "geocloth/parametrize/convert.h"
+
+namespace geocloth {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr uint32_t kCells = 10;
+
+void close_mesh(TriangleMesh& mesh) {
+  mesh.name = "garment";
+  mesh.polygon.resize(mesh.triangle.size());
+  std::iota(mesh.polygon.begin(), mesh.polygon.end(), 0U);
+  mesh.material.emplace_back();
+  mesh.part = {{"cloth", 0, 0, 2 * kCells * kCells}};
+  const auto rest = static_cast<uint32_t>(mesh.triangle.size()) - 2 * kCells * kCells;
+  if (rest != 0) mesh.part.push_back({"button", 0, 2 * kCells * kCells, rest});
+}
+
+/// A sheet of 1 m, level.
+TriangleMesh sheet() {
+  TriangleMesh mesh;
+  for (uint32_t y = 0; y <= kCells; ++y) {
+    for (uint32_t x = 0; x <= kCells; ++x) {
+      mesh.position.push_back({static_cast<double>(x) / kCells, 0, static_cast<double>(y) / kCells});
+    }
+  }
+  for (uint32_t y = 0; y < kCells; ++y) {
+    for (uint32_t x = 0; x < kCells; ++x) {
+      const uint32_t a = y * (kCells + 1) + x, b = a + 1, c = a + kCells + 1, d = c + 1;
+      mesh.triangle.push_back({a, c, d});
+      mesh.triangle.push_back({a, d, b});
+    }
+  }
+  return mesh;
+}
+
+/// Adds a tetrahedron of the given size over a place of the sheet.
+void add_button(TriangleMesh& mesh, double x, double z, double size) {
+  const auto first = static_cast<uint32_t>(mesh.position.size());
+  const Point3 at{x, 0.004, z};
+  for (const Point3& p : {Point3{0, 0, 0}, Point3{1, 0, 0}, Point3{0, 1, 0}, Point3{0, 0, 1}}) {
+    mesh.position.push_back({at[0] + size * p[0], at[1] + size * p[1], at[2] + size * p[2]});
+  }
+  for (const Triangle& t : {Triangle{0, 2, 1}, Triangle{0, 1, 3}, Triangle{0, 3, 2}, Triangle{1, 2, 3}}) {
+    mesh.triangle.push_back({first + t[0], first + t[1], first + t[2]});
+  }
+}
+
+ConvertResult convert_at(const TriangleMesh& mesh, uint32_t resolution) {
+  ConvertOptions options;
+  options.flatten.resolution = resolution;
+  options.square_if_panels_fail = false;
+  return convert(mesh, options);
+}
+
+double total_share(const ConvertReport& report) {
+  double share = 0;
+  for (const CarriedPart& c : report.carried) share += c.area_share;
+  return share;
+}
+
+std::vector<Vec3> bound(const ClothAsset& asset, const std::vector<Vec3>& position) {
+  std::vector<Vec3> normal, out;
+  compute_normals(asset, position, normal);
+  evaluate_binding(asset, position, normal, out);
+  return out;
+}
+
+// A button of 3 mm on pixels of 30 mm: no cloth of its own, but reported.
+TEST(SmallPieces, AButtonUnderAPixelIsCarriedAndReported) {
+  TriangleMesh mesh = sheet();
+  add_button(mesh, 0.52, 0.37, 0.003);
+  close_mesh(mesh);
+  const ConvertReport report = convert_at(mesh, 32).report;
+  ASSERT_EQ(report.carried.size(), 1U);
+  EXPECT_EQ(report.carried[0].part, 1U);
+  EXPECT_EQ(report.carried[0].faces, 4U);
+  EXPECT_NEAR(report.carried[0].area_share, (1.5 + std::sqrt(0.75)) * 9e-6, 1e-7);
+  EXPECT_THAT(report.carried[0].why, HasSubstr("button"));
+  EXPECT_EQ(report.cleaned.components, 2U);
+  EXPECT_EQ(report.represented.components, 1U);
+  EXPECT_EQ(report.welded.components, 1U);
+  EXPECT_EQ(report.welded.euler_characteristic, 1);
+}
+
+// With pixels of 1 mm the same button has room: everything is represented.
+TEST(SmallPieces, AButtonOverAPixelIsCloth) {
+  TriangleMesh mesh = sheet();
+  add_button(mesh, 0.52, 0.37, 0.06);
+  close_mesh(mesh);
+  const ConvertReport report = convert_at(mesh, 32).report;
+  EXPECT_TRUE(report.carried.empty());
+  EXPECT_EQ(report.welded.components, 2U);
+}
+
+// The button moves with the cloth beside it and keeps its shape while the cloth rolls up.
+TEST(SmallPieces, ACarriedButtonRidesOnTheClothAndKeepsItsShape) {
+  TriangleMesh mesh = sheet();
+  add_button(mesh, 0.52, 0.37, 0.003);
+  close_mesh(mesh);
+  const ClothAsset asset = convert_at(mesh, 32).asset;
+  const std::vector<Vec3> rest = bound(asset, asset.rest_position);
+  std::vector<Vec3> rolled = asset.rest_position;
+  constexpr float kRadius = 0.2F;
+  for (Vec3& p : rolled) {
+    const float angle = p.x / kRadius, r = kRadius - p.y;
+    p = {r * std::sin(angle), kRadius - r * std::cos(angle), p.z};
+  }
+  const std::vector<Vec3> moved = bound(asset, rolled);
+  const float angle = 0.52F / kRadius, r = kRadius - 0.004F;
+  const Vec3 expected{r * std::sin(angle), kRadius - r * std::cos(angle), 0.37F};
+  std::vector<size_t> button;  // render vertices
+  for (size_t i = 0; i < rest.size(); ++i) {
+    if (asset.source.source_vertex[i] >= (kCells + 1) * (kCells + 1)) button.push_back(i);
+  }
+  ASSERT_GE(button.size(), 4U);
+  for (const size_t i : button) {
+    EXPECT_LT(length(rest[i] - asset.source.position[i]), 1e-6F);  // exact at rest
+    EXPECT_LT(length(moved[i] - expected), 0.006F);
+    for (const size_t k : button) {
+      EXPECT_NEAR(length(moved[i] - moved[k]), length(rest[i] - rest[k]), 1e-5F);
+    }
+  }
+}
+
+// A buttonhole of 4 mm on pixels of 30 mm is closed; on pixels of 1 mm it is a hole.
+TEST(SmallPieces, AHoleUnderAPixelIsClosed) {
+  TriangleMesh mesh = sheet();
+  const uint32_t cell = 4 * kCells + 5, a = cell / kCells * (kCells + 1) + cell % kCells;
+  const std::array<uint32_t, 4> outer{a, a + kCells + 1, a + kCells + 2, a + 1};
+  Point3 middle{};
+  for (const uint32_t v : outer) {
+    for (size_t k = 0; k < 3; ++k) middle[k] += mesh.position[v][k] / 4;
+  }
+  const auto first = static_cast<uint32_t>(mesh.position.size());
+  for (const uint32_t v : outer) {
+    const Point3 p = mesh.position[v];
+    mesh.position.push_back({middle[0] + 0.04 * (p[0] - middle[0]), 0, middle[2] + 0.04 * (p[2] - middle[2])});
+  }
+  std::vector<Triangle> ring;
+  for (uint32_t k = 0; k < 4; ++k) {
+    const uint32_t next = (k + 1) % 4;
+    ring.push_back({outer[k], outer[next], first + next});
+    ring.push_back({outer[k], first + next, first + k});
+  }
+  mesh.triangle.erase(mesh.triangle.begin() + 2 * cell, mesh.triangle.begin() + 2 * cell + 2);
+  mesh.triangle.insert(mesh.triangle.end(), ring.begin(), ring.end());
+  close_mesh(mesh);
+
+  const ConvertReport coarse = convert_at(mesh, 32).report;
+  ASSERT_EQ(coarse.carried.size(), 1U);
+  EXPECT_EQ(coarse.carried[0].faces, 0U);
+  EXPECT_THAT(coarse.carried[0].why, HasSubstr("hole"));
+  EXPECT_EQ(coarse.cleaned.boundary_loops, 2U);
+  EXPECT_EQ(coarse.represented.boundary_loops, 1U);
+  EXPECT_EQ(coarse.welded.boundary_loops, 1U);
+  const ConvertReport fine = convert_at(mesh, 400).report;
+  EXPECT_TRUE(fine.carried.empty());
+  EXPECT_EQ(fine.welded.boundary_loops, 2U);
+}
+
+// A heap of scraps that all are smaller than a pixel is the garment itself: 1 % of it at most may be left out.
+TEST(SmallPieces, AtMostAHundredthOfTheAreaIsCarried) {
+  TriangleMesh mesh;
+  for (uint32_t i = 0; i < 300; ++i) {
+    const double x = 0.05 * (i % 20), z = 0.05 * (i / 20), size = 0.002 + 1e-5 * i;
+    mesh.position.insert(mesh.position.end(), {{x, 0, z}, {x, 0, z + size}, {x + size, 0, z}});
+    mesh.triangle.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  mesh.name = "scraps";
+  mesh.polygon.resize(mesh.triangle.size());
+  std::iota(mesh.polygon.begin(), mesh.polygon.end(), 0U);
+  mesh.material.emplace_back();
+  mesh.part = {{"scraps", 0, 0, 300}};
+  const ConvertReport report = convert_at(mesh, 8).report;
+  EXPECT_LE(total_share(report), 0.01);
+  EXPECT_EQ(report.represented.components + report.carried.size(), 300U);
+  EXPECT_EQ(report.welded.components, report.represented.components);
+}
+
+}  // namespace
+}  // namespace geocloth
