@@ -19,6 +19,10 @@
 namespace geocloth {
 namespace {
 
+/// Strain that straightening a grid line may cause. Where a line has a kink, at a ragged outline, a cloth that is soft
+/// beside its rigidity would be pulled out of shape: there the kink is part of the rest curvature.
+constexpr double kLargestPull = 0.002;
+
 constexpr uint32_t kRowBend = 4, kColumnBend = 5;  ///< components of the bending family
 
 class BendBuilder {
@@ -85,11 +89,16 @@ class BendBuilder {
     const double chord = h1 / (h1 + h2);
     const auto& p = asset_.rest_position;
     const Vec3 to_a = p[a] - p[middle], to_b = p[b] - p[middle];
+    const Vec3 e = static_cast<float>(1 - chord) * to_a + static_cast<float>(chord) * to_b;
     const double scale = h1 / static_cast<double>(length(to_a));
-    const double out_of_plane = (1 - chord) * static_cast<double>(dot(to_a, normal_[middle])) +
-                                chord * static_cast<double>(dot(to_b, normal_[middle]));
+    const double whole = scale * static_cast<double>(length(e));
+    const double out_of_plane = scale * std::abs(static_cast<double>(dot(e, normal_[middle])));
+    const double within = std::sqrt(std::max(0.0, whole * whole - out_of_plane * out_of_plane));
+    const double pull = 2 * rigidity * (2 * within / (h1 * h2)) / (0.5 * (h1 + h2));  // [N/m] if rest were out_of_plane
+    const bool straighten =
+        pull <= kLargestPull * static_cast<double>(std::min(material_.stretch_warp, material_.stretch_weft));
     const double compliance = h1 * h2 * h1 * h2 / (4 * rigidity * area);
-    bend.rest = static_cast<float>(scale * std::abs(out_of_plane));
+    bend.rest = static_cast<float>(straighten ? out_of_plane : whole);
     bend.compliance = static_cast<float>(std::clamp(compliance, static_cast<double>(std::numeric_limits<float>::min()),
                                                     static_cast<double>(std::numeric_limits<float>::max())));
     bend.chord = static_cast<float>(chord);

@@ -83,6 +83,7 @@ Material material_of(double stretch, double damping) {
   material.shear = static_cast<float>(0.1 * stretch);
   material.bend_warp = material.bend_weft = 0;
   material.damping = static_cast<float>(damping);
+  material.max_stretch = 0;  // what springs and bends alone make of it
   return material;
 }
 
