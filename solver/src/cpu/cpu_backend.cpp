@@ -27,8 +27,7 @@ class CpuBackend final : public SolverBackend {
       cloth.position = {};
       cloth.springs = {};
     }
-    const FrameInput rest = frame_at_rest();
-    for (uint32_t c = 0; c < states_.size(); ++c) recompute_normals(c, rest);
+    normals_stale_.assign(states_.size(), true);
   }
 
   void run_frame(const FrameInput& frame) override {
@@ -43,7 +42,9 @@ class CpuBackend final : public SolverBackend {
   void read_previous(uint32_t cloth, std::vector<vec4>& out) override {
     gather(cloth, states_[cloth].previous, states_[cloth].inverse_mass, out);
   }
+  /// Nobody else looks at the normals after a frame, so they are computed when they are asked for.
   void read_normals(uint32_t cloth, std::vector<vec4>& out) override {
+    if (normals_stale_[cloth]) compute_normals(cloth);
     gather(cloth, states_[cloth].normal, states_[cloth].normal_length, out);
   }
 
@@ -55,7 +56,7 @@ class CpuBackend final : public SolverBackend {
       state.previous.set(i, {previous[i].x, previous[i].y, previous[i].z});
       state.carry.set(i, {0, 0, 0});
     }
-    recompute_normals(cloth, frame_at_rest());
+    normals_stale_[cloth] = true;
   }
 
   void fill_statistics(SolverStatistics& statistics) override {
@@ -85,16 +86,17 @@ class CpuBackend final : public SolverBackend {
     const auto run_one = [&](const PassStep& step, const cpu::PassContext& context) {
       cpu::run_pass(step, context, state, measures_);
     };
-    if (by_sweeps() && sweeps_[c].run(frame, cloth, options, threads_, state, run_one)) {
-      return recompute_normals(c, frame);
-    }
+    normals_stale_[c] = true;
+    if (by_sweeps() && sweeps_[c].run(frame, cloth, options, threads_, state, run_one)) return;
     const std::vector<PassStep> substep = substep_schedule(options);
     cpu::PassContext context{frame, cloth, threads_, 0, data_.relaxation_steps};
     for (uint32_t s = 0; s < data_.substeps; ++s) {
       context.substep = s;
       run(substep, context, state);
     }
+    if (!data_.timings) return;
     run(frame_schedule(options), context, state);
+    normals_stale_[c] = false;
   }
 
   /// Pass by pass is the reference, and the way to time each pass.
@@ -113,18 +115,20 @@ class CpuBackend final : public SolverBackend {
     }
   }
 
-  /// A frame without anything in it, for the normals of a state that was just set.
-  [[nodiscard]] FrameInput frame_at_rest() const {
-    FrameInput frame;
-    frame.cloths.resize(states_.size());
-    return frame;
-  }
-
-  void recompute_normals(uint32_t c, const FrameInput& frame) {
-    const cpu::PassContext context{frame, frame.cloths[c], threads_, 0, data_.relaxation_steps};
+  void compute_normals(uint32_t c) {
+    FrameInput nothing;
+    nothing.cloths.resize(states_.size());
+    const cpu::PassContext context{nothing, nothing.cloths[c], threads_, 0, data_.relaxation_steps};
     ScheduleOptions options;
     options.splits = states_[c].data.split_rows() > 0;
-    for (const PassStep& step : frame_schedule(options)) cpu::run_pass(step, context, states_[c], measures_);
+    for (const PassStep& step : frame_schedule(options)) {
+      if (step.pass == Pass::normals && by_sweeps()) {
+        sweeps_[c].normals(threads_, states_[c]);
+      } else {
+        cpu::run_pass(step, context, states_[c], measures_);
+      }
+    }
+    normals_stale_[c] = false;
   }
 
   void gather(uint32_t cloth, const cpu::Vec3Array& xyz, const std::vector<float>& w, std::vector<vec4>& out) const {
@@ -136,6 +140,7 @@ class CpuBackend final : public SolverBackend {
   cpu::Threads threads_;
   std::vector<cpu::ClothState> states_;
   std::vector<cpu::SweepRunner> sweeps_;  ///< of each cloth
+  std::vector<bool> normals_stale_;       ///< of each cloth: its positions have changed since
   cpu::Measures measures_;
   std::array<double, kPasses.size()> seconds_{};
 };

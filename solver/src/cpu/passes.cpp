@@ -7,25 +7,8 @@
 #include <algorithm>
 #include <mutex>
 
-namespace geocloth::shader {
-
-/// collide.h reads colliders through this.
-struct ColliderSet {
-  const ColliderShape* shapes;
-  const ColliderPose* poses;
-  uint count;
-};
-inline ColliderShape collider_shape(ColliderSet set, uint i) {
-  return set.shapes[i];
-}
-inline ColliderPose collider_pose(ColliderSet set, uint pose, uint i) {
-  return set.poses[size_t{pose} * set.count + i];
-}
-
-}  // namespace geocloth::shader
-
+#include "cpu/collider_set.h"
 #include "cpu/curvature.h"
-#include "lib/collide.h"
 #include "lib/limit.h"
 #include "lib/normal.h"
 #include "lib/predict.h"

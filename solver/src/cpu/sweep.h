@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "cpu/cloth_state.h"
@@ -65,6 +66,11 @@ struct ColliderGuard {
   bool plane = false;
 };
 
+/// Shapes whose distance is a closed form without branches, which vectors can do.
+[[nodiscard]] inline bool is_simple(const shader::ColliderShape& shape) {
+  return shape.kind == shader::kShapePlane || shape.kind == shader::kShapeSphere || shape.kind == shader::kShapeCapsule;
+}
+
 /// What is the same for all substeps of a frame.
 struct SweepFrame {
   const PassContext* contexts = nullptr;  ///< one for each substep
@@ -74,6 +80,7 @@ struct SweepFrame {
   uint32_t anchor_count = 0;
   const ColliderGuard* guards = nullptr;  ///< for each substep one for each collider
   bool collide_all = false;               ///< no point is certainly untouched
+  bool simple_colliders = false;          ///< see is_simple()
 };
 
 /// Runs the sweep of one substep. Waits, row by row, until `ahead` has come far enough, and tells its own way.
@@ -82,8 +89,9 @@ struct SweepFrame {
 void run_sweep(uint32_t lanes, const SweepFrame& frame, uint32_t substep, const std::atomic<uint32_t>* ahead,
                std::atomic<uint32_t>* own);
 
-/// Unit normals of all pixels from their own cells.
-void run_normals(uint32_t lanes, ClothState& state, const RowStream& stream);
+/// Unit normals of the pixels of some rows from their own cells.
+/// @param runs  none reaches over the end of a row
+void run_normals(uint32_t lanes, ClothState& state, std::span<const Run> runs);
 
 /// Lanes of this processor's vectors.
 [[nodiscard]] uint32_t vector_lanes();

@@ -5,8 +5,10 @@
 // Rows are contiguous, so constraints across rows vectorise as they stand. Along a row two vectors are taken apart into
 // the ends of the constraints (even and odd columns) by shuffles that stay within 128 bits, and put together again.
 #include <algorithm>
+#include <cmath>
 #include <thread>
 
+#include "cpu/collider_set.h"
 #include "cpu/sweep.h"
 #include "lib/normal.h"
 
@@ -24,7 +26,9 @@ namespace geocloth::cpu::HWY_NAMESPACE {
 #if HWY_TARGET == HWY_SCALAR  // no vectors: nothing is planned for one lane, the plain path runs
 
 void run_sweep_here(uint32_t, const SweepFrame&, uint32_t, const std::atomic<uint32_t>*, std::atomic<uint32_t>*) {}
-void run_normals_here(uint32_t, ClothState&, const RowStream&) {}
+void run_normals_here(uint32_t, ClothState& state, std::span<const Run> runs) {
+  for (const Run& run : runs) normal_pixels(state, run.first, run.last);
+}
 uint32_t lanes_here() {
   return 1;
 }
@@ -155,7 +159,7 @@ HWY_INLINE void put_together(D d, Vec<D> a, Vec<D> b, float* p) {
 }
 
 template <class D>
-HWY_INLINE void springs_across(D d, const SweepOp& op, ClothState& state, uint32_t first, uint32_t last) {
+HWY_NOINLINE void springs_across(D d, const SweepOp& op, ClothState& state, uint32_t first, uint32_t last) {
   const auto share = hn::Set(d, op.share);
   const size_t size = 2 * hn::Lanes(d);
   for (uint32_t k = first; k < last; ++k) {
@@ -170,7 +174,7 @@ HWY_INLINE void springs_across(D d, const SweepOp& op, ClothState& state, uint32
 }
 
 template <size_t kColumns, class D>
-HWY_INLINE void springs_along(D d, const SweepOp& op, ClothState& state, uint32_t first, uint32_t last) {
+HWY_NOINLINE void springs_along(D d, const SweepOp& op, ClothState& state, uint32_t first, uint32_t last) {
   const auto share = hn::Set(d, op.share);
   const size_t size = 2 * hn::Lanes(d);
   for (uint32_t k = first; k < last; ++k) {
@@ -187,7 +191,7 @@ HWY_INLINE void springs_along(D d, const SweepOp& op, ClothState& state, uint32_
 }
 
 template <class D>
-HWY_INLINE void bends_across(D d, const SweepOp& op, ClothState& state, uint32_t first, uint32_t last) {
+HWY_NOINLINE void bends_across(D d, const SweepOp& op, ClothState& state, uint32_t first, uint32_t last) {
   const size_t size = 3 * hn::Lanes(d);
   for (uint32_t k = first; k < last; ++k) {
     const size_t i = op.stream->pixel[k], m = i + op.offset, j = m + op.offset;
@@ -202,7 +206,7 @@ HWY_INLINE void bends_across(D d, const SweepOp& op, ClothState& state, uint32_t
 }
 
 template <class D>
-HWY_INLINE void bends_along(D d, const SweepOp& op, ClothState& state, uint32_t first, uint32_t last) {
+HWY_NOINLINE void bends_along(D d, const SweepOp& op, ClothState& state, uint32_t first, uint32_t last) {
   const size_t size = 3 * hn::Lanes(d);
   for (uint32_t k = first; k < last; ++k) {
     const size_t i = op.stream->pixel[k];
@@ -222,8 +226,8 @@ HWY_INLINE void bends_along(D d, const SweepOp& op, ClothState& state, uint32_t 
 
 /// lib/limit.h. Points well within their reach need no root.
 template <class D>
-HWY_INLINE void limit(D d, const SweepOp& op, ClothState& state, const float* anchors, uint32_t count, uint32_t first,
-                      uint32_t last) {
+HWY_NOINLINE void limit(D d, const SweepOp& op, ClothState& state, const float* anchors, uint32_t count, uint32_t first,
+                        uint32_t last) {
   const hn::RebindToSigned<D> di;
   const size_t lanes = hn::Lanes(d);
   const auto one = hn::Set(d, 1.F);
@@ -347,7 +351,7 @@ HWY_INLINE Points<D> air_acceleration(D d, const shader::ClothParams& params, co
 
 /// lib/predict.h. What is pinned stays.
 template <class D>
-HWY_INLINE void predict(D d, const PassContext& context, ClothState& state, const Run& run) {
+HWY_NOINLINE void predict(D d, const PassContext& context, ClothState& state, const Run& run) {
   const shader::ClothParams& params = context.cloth.params;
   const Points<D> gravity = set(d, params.gravity_step.x, params.gravity_step.y, params.gravity_step.z);
   const auto keep = hn::Set(d, params.keep), dt2 = hn::Set(d, params.dt * params.dt);
@@ -370,30 +374,166 @@ HWY_INLINE void predict(D d, const PassContext& context, ClothState& state, cons
   });
 }
 
-/// Where no collider can reach, collide.h leaves a point as it is; the others it takes one by one.
+// Collisions ----------------------------------------------------------------------------------------------------------
+
+/// The points of collide.h, lane by lane.
 template <class D>
-HWY_INLINE void collide(D d, const SweepFrame& frame, uint32_t substep, const Run& run) {
+struct PointStates {
+  Points<D> position, previous, carry;
+};
+
+/// lib/collide.h: between the world and a collider's frame.
+template <class D>
+HWY_INLINE Points<D> to_local(D d, const shader::ColliderPose& pose, const Points<D>& p) {
+  const Points<D> from = sub(p, set(d, pose.row0.w, pose.row1.w, pose.row2.w));
+  return add(add(scale(d, set(d, pose.row0.x, pose.row0.y, pose.row0.z), from.x),
+                 scale(d, set(d, pose.row1.x, pose.row1.y, pose.row1.z), from.y)),
+             scale(d, set(d, pose.row2.x, pose.row2.y, pose.row2.z), from.z));
+}
+template <class D>
+HWY_INLINE Points<D> rotate_to_world(D d, const shader::ColliderPose& pose, const Points<D>& v) {
+  return {dot(d, set(d, pose.row0.x, pose.row0.y, pose.row0.z), v),
+          dot(d, set(d, pose.row1.x, pose.row1.y, pose.row1.z), v),
+          dot(d, set(d, pose.row2.x, pose.row2.y, pose.row2.z), v)};
+}
+template <class D>
+HWY_INLINE Points<D> to_world(D d, const shader::ColliderPose& pose, const Points<D>& p) {
+  return add(rotate_to_world(d, pose, p), set(d, pose.row0.w, pose.row1.w, pose.row2.w));
+}
+
+/// lib/shapes.h: signed distance and outward normal.
+template <class D>
+struct Nearest {
+  Vec<D> distance;
+  Points<D> normal;
+};
+template <class D>
+HWY_INLINE Nearest<D> nearest_ball(D d, const Points<D>& from_center, Vec<D> radius) {
+  const auto l = length(d, from_center);
+  const auto has_direction = hn::Gt(l, hn::Set(d, 1e-30F));
+  const auto inverse = hn::IfThenElseZero(has_direction, hn::Div(hn::Set(d, 1.F), l));
+  return {hn::Sub(hn::IfThenElseZero(has_direction, l), radius),
+          choose<D>(has_direction, scale(d, from_center, inverse), set(d, 0, 1, 0))};
+}
+template <class D>
+HWY_INLINE Nearest<D> nearest_of_shape(D d, const shader::ColliderShape& shape, const Points<D>& p) {
+  if (shape.kind == shader::kShapePlane) return {p.y, set(d, 0, 1, 0)};
+  if (shape.kind == shader::kShapeSphere) return nearest_ball(d, p, hn::Set(d, shape.a.x));
+  const auto end = hn::Set(d, shape.a.x), start = hn::Neg(end);
+  const auto rho = hn::Sqrt(hn::Add(hn::Mul(p.y, p.y), hn::Mul(p.z, p.z)));
+  auto along = hn::Sub(p.x, hn::Mul(rho, hn::Set(d, shape.b.y)));
+  along = hn::IfThenElse(hn::Lt(along, start), start, along);
+  along = hn::IfThenElse(hn::Lt(end, along), end, along);
+  const auto radius = hn::Sub(hn::Set(d, 0.5F * (shape.a.y + shape.a.z)), hn::Mul(hn::Set(d, shape.b.x), along));
+  return nearest_ball(d, sub(p, Points<D>{along, hn::Zero(d), hn::Zero(d)}), radius);
+}
+
+/// respond() of lib/collide.h.
+template <class D>
+HWY_INLINE PointStates<D> respond(D d, const PointStates<D>& point, const shader::ColliderPose& before,
+                                  const shader::ColliderPose& after, const Points<D>& local, const Points<D>& normal,
+                                  Vec<D> depth, Vec<D> friction) {
+  const auto one = hn::Set(d, 1.F), zero = hn::Zero(d);
+  const Points<D> n = rotate_to_world(d, after, normal);
+  const Points<D> on_surface = add(local, scale(d, normal, depth));
+  const Points<D> carried = sub(to_world(d, after, on_surface), to_world(d, before, on_surface));
+  const Points<D> displacement = add(sub(point.position, point.previous), point.carry);
+  const Points<D> relative = sub(displacement, carried);
+  const auto along = dot(d, relative, n);
+  const Points<D> sliding = sub(relative, scale(d, n, along));
+  const auto slid = length(d, sliding);
+  const auto brake = hn::Mul(friction, depth);
+  const auto held = hn::IfThenElse(hn::Gt(slid, brake), hn::Mul(brake, hn::Div(one, slid)), one);
+
+  PointStates<D> r;
+  r.position = sub(add(point.position, scale(d, n, depth)), scale(d, sliding, held));
+  const Points<D> kept = add(add(carried, scale(d, sliding, hn::Sub(one, held))),
+                             scale(d, n, hn::IfThenElse(hn::Lt(along, zero), zero, along)));
+  r.previous = sub(r.position, kept);
+  r.carry = sub(kept, sub(r.position, r.previous));
+  return r;
+}
+
+/// collide() of lib/collide.h for simple shapes.
+/// @return false, with nothing done, when a point moves so far that it has to be swept
+template <class D>
+HWY_INLINE bool collide_lanes(D d, const PassContext& context, Mask<D> lanes, PointStates<D>& points) {
+  const FrameInput& frame = context.frame;
+  const shader::ClothParams& params = context.cloth.params;
+  const size_t count = frame.shapes.size();
+  const shader::ColliderPose* poses = frame.poses.data() + context.substep * count;
+  const auto thickness = hn::Set(d, params.thickness);
+  const Points<D> start = points.previous;
+  PointStates<D> state = points;
+  Mask<D> again = lanes;
+  for (uint32_t round = 0; round < shader::kContactRounds && !hn::AllFalse(d, again); ++round) {
+    Mask<D> touched = hn::Gt(hn::Zero(d), hn::Zero(d));
+    auto way = length(d, sub(state.position, start));
+    for (size_t i = 0; i < count; ++i) {
+      const shader::ColliderShape& shape = frame.shapes[i];
+      const shader::ColliderPose &before = poses[i], &after = poses[count + i];
+      const Points<D> local = to_local(d, after, state.position);
+      const Nearest<D> near = nearest_of_shape(d, shape, local);
+      const auto gap = hn::Sub(near.distance, thickness);
+      const auto reach = hn::Mul(hn::Set(d, 2.F), hn::Add(way, hn::Set(d, shape.way)));
+      const auto local_way = length(d, sub(local, to_local(d, before, start)));
+      const auto met = hn::AndNot(hn::Or(hn::Gt(gap, reach), hn::Gt(gap, local_way)), again);
+      if (hn::AllFalse(d, met)) continue;
+      if (round == 0 && !hn::AllFalse(d, hn::And(met, hn::Gt(local_way, hn::Set(d, 0.5F * shape.core))))) return false;
+      const auto depth = hn::Neg(gap);
+      auto touches = hn::And(met, hn::Lt(gap, hn::Zero(d)));
+      if (round > 0) touches = hn::And(touches, hn::Gt(depth, hn::Set(d, shader::kContactSlack)));
+      if (hn::AllFalse(d, touches)) continue;
+      const float friction = round == 0 ? std::sqrt(params.friction * shape.friction) : 0.F;
+      const PointStates<D> moved = respond(d, state, before, after, local, near.normal, depth, hn::Set(d, friction));
+      state = {choose<D>(touches, moved.position, state.position), choose<D>(touches, moved.previous, state.previous),
+               choose<D>(touches, moved.carry, state.carry)};
+      way = length(d, sub(state.position, start));
+      if (count > 1) touched = hn::Or(touched, touches);
+    }
+    again = touched;
+  }
+  points = state;
+  return true;
+}
+
+/// Where no collider can reach, collide.h leaves a point as it is.
+template <class D>
+HWY_NOINLINE void collide(D d, const SweepFrame& frame, uint32_t substep, const Run& run) {
   const PassContext& context = frame.contexts[substep];
   ClothState& state = *frame.state;
   const auto count = static_cast<uint32_t>(context.frame.shapes.size());
   const ColliderGuard* guards = frame.guards + size_t{substep} * count;
-  for_run(d, run, [&](uint32_t i, auto mask) HWY_ATTR {
-    const Points<D> position = load(d, mask, at(state.position, i));
-    const auto way = length(d, sub(position, load(d, mask, at(state.previous, i))));
+  if (frame.collide_all) return collide_pixels(context, state, run.first, run.last);
+  for_run(d, run, [&](uint32_t i, auto lanes) HWY_ATTR {
+    const PointRow p = at(state.position, i), pp = at(state.previous, i), pc = at(state.carry, i);
+    PointStates<D> points;
+    points.position = load(d, lanes, p);
+    points.previous = load(d, lanes, pp);
+    const auto way = length(d, sub(points.position, points.previous));
     const auto twice = hn::Add(way, way);
-    auto near = hn::FirstN(d, frame.collide_all ? hn::Lanes(d) : 0);
+    Mask<D> near = hn::Gt(hn::Zero(d), hn::Zero(d));
     for (uint32_t c = 0; c < count; ++c) {
       const ColliderGuard& guard = guards[c];
       const auto reach = hn::Add(hn::Set(d, guard.reach), twice);
+      Mask<D> near_this;
       if (guard.plane) {
-        near = hn::Or(near, hn::Lt(dot(d, position, set(d, guard.x, guard.y, guard.z)), reach));
+        near_this = hn::Lt(dot(d, points.position, set(d, guard.x, guard.y, guard.z)), reach);
       } else {
-        const Points<D> from = sub(position, set(d, guard.x, guard.y, guard.z));
-        near = hn::Or(near, hn::Lt(dot(d, from, from), hn::Mul(reach, reach)));
+        const Points<D> from = sub(points.position, set(d, guard.x, guard.y, guard.z));
+        near_this = hn::Lt(dot(d, from, from), hn::Mul(reach, reach));
       }
+      near = hn::Or(near, near_this);
     }
     if (hn::AllFalse(d, near)) return;
-    collide_pixels(context, state, i, std::min(run.last, i + static_cast<uint32_t>(hn::Lanes(d))));
+    points.carry = load(d, lanes, pc);
+    const auto free = hn::Gt(load(d, lanes, &state.inverse_mass[i]), hn::Zero(d));
+    if (!frame.simple_colliders || !collide_lanes(d, context, hn::And(free, near), points)) {
+      return collide_pixels(context, state, i, std::min(run.last, i + static_cast<uint32_t>(hn::Lanes(d))));
+    }
+    store(d, points.position, lanes, p);
+    store(d, points.previous, lanes, pp);
+    store(d, points.carry, lanes, pc);
   });
 }
 
@@ -437,7 +577,7 @@ HWY_INLINE Points<D> corner_normal(D d, Lanes mask, ClothState& state, size_t i)
 
 /// Pixels with all four cells inside the image; the outermost ones are taken one by one.
 template <class D>
-HWY_INLINE void normals(D d, ClothState& state, const Run& run) {
+HWY_NOINLINE void normals(D d, ClothState& state, const Run& run) {
   const uint32_t width = state.data.width, y = run.first / width;
   if (y == 0 || y + 1 == state.data.height) return normal_pixels(state, run.first, run.last);
   if (run.first % width == 0) normal_pixels(state, run.first, run.first + 1);
@@ -540,9 +680,9 @@ void run_sweep_here(uint32_t lanes, const SweepFrame& frame, uint32_t substep, c
   with_lanes(lanes, [&](auto d) HWY_ATTR { sweep_rows(d, frame, substep, ahead, own); });
 }
 
-void run_normals_here(uint32_t lanes, ClothState& state, const RowStream& stream) {
+void run_normals_here(uint32_t lanes, ClothState& state, std::span<const Run> runs) {
   with_lanes(lanes, [&](auto d) HWY_ATTR {
-    for (const Run& run : stream.runs) normals(d, state, run);
+    for (const Run& run : runs) normals(d, state, run);
   });
 }
 
@@ -570,8 +710,8 @@ void run_sweep(uint32_t lanes, const SweepFrame& frame, uint32_t substep, const 
                std::atomic<uint32_t>* own) {
   HWY_DYNAMIC_DISPATCH(run_sweep_here)(lanes, frame, substep, ahead, own);
 }
-void run_normals(uint32_t lanes, ClothState& state, const RowStream& stream) {
-  HWY_DYNAMIC_DISPATCH(run_normals_here)(lanes, state, stream);
+void run_normals(uint32_t lanes, ClothState& state, std::span<const Run> runs) {
+  HWY_DYNAMIC_DISPATCH(run_normals_here)(lanes, state, runs);
 }
 uint32_t vector_lanes() {
   return HWY_DYNAMIC_DISPATCH(lanes_here)();

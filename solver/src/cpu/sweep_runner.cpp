@@ -46,6 +46,13 @@ void SweepRunner::run_side_by_side(const SweepFrame& sweep, uint32_t substeps, c
   });
 }
 
+void SweepRunner::normals(const Threads& threads, ClothState& state) const {
+  constexpr uint32_t kRunGrain = 32;
+  threads.for_range(static_cast<uint32_t>(runs_.size()), kRunGrain, [&](uint32_t first, uint32_t last) {
+    run_normals(vector_lanes(), state, std::span(runs_).subspan(first, last - first));
+  });
+}
+
 bool SweepRunner::run(const FrameInput& frame, const ClothFrame& cloth, const ScheduleOptions& options,
                       const Threads& threads, ClothState& state,
                       const std::function<void(const PassStep&, const PassContext&)>& pass) {
@@ -62,7 +69,8 @@ bool SweepRunner::run(const FrameInput& frame, const ClothFrame& cloth, const Sc
                    anchors_.data(),
                    static_cast<uint32_t>(cloth.pins.size()),
                    guards_.data(),
-                   cloth.params.max_step > 0};
+                   cloth.params.max_step > 0,
+                   std::all_of(frame.shapes.begin(), frame.shapes.end(), is_simple)};
 
   const std::vector<SweepPlan::Part>& parts = plan_->parts();
   if (parts.size() == 1 && std::holds_alternative<Sweep>(parts.front())) {

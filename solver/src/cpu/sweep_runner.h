@@ -20,6 +20,9 @@ class SweepRunner {
   bool run(const FrameInput& frame, const ClothFrame& cloth, const ScheduleOptions& options, const Threads& threads,
            ClothState& state, const std::function<void(const PassStep&, const PassContext&)>& pass);
 
+  /// Unit normals of all pixels from their own cells.
+  void normals(const Threads& threads, ClothState& state) const;
+
   [[nodiscard]] size_t memory_bytes() const { return plan_ ? plan_->memory_bytes() : 0; }
 
  private:

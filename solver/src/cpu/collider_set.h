@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+
+#include "shared/layout.h"
+
+namespace geocloth::shader {
+
+/// collide.h reads colliders through this.
+struct ColliderSet {
+  const ColliderShape* shapes;
+  const ColliderPose* poses;
+  uint count;
+};
+inline ColliderShape collider_shape(ColliderSet set, uint i) {
+  return set.shapes[i];
+}
+inline ColliderPose collider_pose(ColliderSet set, uint pose, uint i) {
+  return set.poses[size_t{pose} * set.count + i];
+}
+
+}  // namespace geocloth::shader
+
+#include "lib/collide.h"
