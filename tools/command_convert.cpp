@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // geocloth convert: a mesh file becomes an asset. The outputs are opened before the work starts, so that a folder that
 // cannot be written is known at once, and get their final names together at the end.
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <filesystem>
+#include <list>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -18,12 +21,14 @@
 #include "options.h"
 #include "progress.h"
 #include "render/asset_pictures.h"
+#include "report/conversion_page.h"
 
 namespace geocloth {
 namespace {
 
 struct Options {
-  std::filesystem::path mesh, asset, report, pictures, stages;
+  std::filesystem::path mesh, asset, pictures, stages;
+  std::vector<std::filesystem::path> reports;
   Layout layout = FlattenOptions{}.layout;
   uint32_t resolution = FlattenOptions{}.resolution;
   double spacing = 0;
@@ -62,10 +67,30 @@ void print_summary(const Options& options, const ConvertResult& result) {
              report.quality.max_error, report.quality.l2_stretch);
 }
 
+bool is_page(const std::filesystem::path& report) {
+  const std::string ending = CLI::detail::to_lower(report.extension().string());
+  return ending == ".html" || ending == ".htm";
+}
+
+/// Writes every report, as a page for people or as JSON by its ending.
+void write_reports(const Options& options, const ConvertResult& result, std::list<OutputFile>& files) {
+  const bool pages = std::any_of(options.reports.begin(), options.reports.end(), is_page);
+  const std::string page =
+      pages ? conversion_page(result, draw_page_pictures(std::make_shared<const ClothAsset>(result.asset)),
+                              options.mesh.filename().string())
+            : std::string();
+  auto file = files.begin();
+  for (const std::filesystem::path& report : options.reports) {
+    file->write(is_page(report) ? page : to_json(result) + "\n");
+    file->close();
+    ++file;
+  }
+}
+
 void run(const Options& options) {
   OutputFile asset_file(options.asset);
-  std::optional<OutputFile> report_file;
-  if (!options.report.empty()) report_file.emplace(options.report);
+  std::list<OutputFile> report_files;
+  for (const std::filesystem::path& report : options.reports) report_files.emplace_back(report);
 
   std::optional<ProgressDisplay> progress(std::in_place, "convert", options.quiet);
   const ConvertResult result = name_file_in_errors(options.mesh, [&] {
@@ -74,9 +99,9 @@ void run(const Options& options) {
   });
   asset_file.write(encode_asset(result.asset));
   asset_file.close();
-  if (report_file) {
-    report_file->write(to_json(result) + "\n");
-    report_file->close();
+  if (!options.reports.empty()) {
+    progress->show("report", 0);
+    write_reports(options, result, report_files);
   }
   if (!options.pictures.empty()) {
     progress->show("pictures", 0);
@@ -84,7 +109,7 @@ void run(const Options& options) {
   }
   progress.reset();
 
-  if (report_file) report_file->commit();
+  for (OutputFile& file : report_files) file.commit();
   asset_file.commit();
   for (const std::string& warning : result.report.warnings) {
     fmt::print(stderr, "geocloth convert: {}: warning: {}\n", options.mesh.string(), warning);
@@ -115,8 +140,11 @@ CommandRun add_convert(CLI::App& app) {
   options->scale_option = add_number<double>(app, "--scale", "S", options->scale, 1e-9, 1e9, "m per unit of the file",
                                              "the same as a number", "by --unit");
   options->scale_option->excludes(options->unit_option);
-  add_text(app, "--report", "R.json", options->report, "write topology, repairs, quality and times as JSON",
-           "default none");
+  add_text(app, "--report", "R.html|R.json", options->reports,
+           "write what came out: a page with pictures and the measures against their targets (.html), or topology, "
+           "repairs, quality and times for programs (any other ending); may be given several times",
+           "default none")
+      ->allow_extra_args(false);
   add_text(app, "--pictures", "DIR", options->pictures,
            "write PNGs: geometry image, chart map with the split points, distortion", "default none");
   add_text(app, "--stages", "DIR", options->stages, "write every intermediate as a file", "default none");

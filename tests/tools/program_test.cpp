@@ -2,6 +2,7 @@
 // The program as its users drive it: files in, files out, one clear line and no file when something is wrong.
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 
 #include <gmock/gmock.h>
@@ -57,6 +58,25 @@ TEST_P(BadMesh, IsOneLineAndNoFile) {
                                             "--pictures", folder / "pictures", "--quiet"});
   expect_one_line(result, name);
   EXPECT_THAT(folder.entries(), ElementsAre(name));
+}
+
+TEST(Convert, WritesReportsForPeopleAndForPrograms) {
+  const TemporaryFolder folder;
+  // Without a device there are no pictures of the garment itself, and a sanitizer has no driver to look into.
+  setenv("VK_DRIVER_FILES", "/nowhere", 1);
+  setenv("VK_ICD_FILENAMES", "/nowhere", 1);
+  const ProgramResult result =
+      run_program({"convert", kMeshes + "garments/sleeve.obj", "-o", folder / "sleeve.glb", "--resolution", "24",
+                   "--report", folder / "out.html", "--report", folder / "out.json", "--quiet"});
+  unsetenv("VK_DRIVER_FILES");
+  unsetenv("VK_ICD_FILENAMES");
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(folder.entries(), ElementsAre("out.html", "out.json", "sleeve.glb"));
+  EXPECT_TRUE(json::parse(read_text(folder / "out.json")).contains("quality"));
+  const std::string page = read_text(folder / "out.html");
+  EXPECT_THAT(page, StartsWith("<!DOCTYPE html>"));
+  EXPECT_THAT(page, HasSubstr("<h1>sleeve</h1>"));
+  EXPECT_THAT(page, HasSubstr("There is no picture of the garment itself"));
 }
 
 std::string head_of(const std::string& path, double share) {

@@ -14,6 +14,7 @@
 
 #include "geocloth/asset/error.h"
 #include "render/canvas.h"
+#include "render/chart_labels.h"
 #include "render/color_map.h"
 #include "render/seam_lines.h"
 
@@ -88,12 +89,40 @@ void draw_key(Picture& picture, int x, int y, const std::vector<std::pair<std::s
   }
 }
 
-/// One heat map: how a value becomes a place on the scale, and what stands at the scale's marks.
+/// Dark all around, so that it reads on any colour. @param x, y  middle of the word
+void draw_label(Picture& picture, int x, int y, int scale, const std::string& text, Color color) {
+  const int left = x - text_width(text, scale) / 2, top = y - 7 * scale / 2;
+  for (const int dy : {-2, 0, 2})
+    for (const int dx : {-2, 0, 2}) draw_text(picture, left + dx, top + dy, scale, text, kPaper);
+  draw_text(picture, left, top, scale, text, color);
+}
+
+/// Charts' numbers and seams' letters where they find room.
+void draw_labels(Picture& picture, const ClothAsset& asset, const SeamLines& lines, uint32_t enlarged_by) {
+  const auto draw = [&](const ChartLabel& label, int scale) {
+    const int room = static_cast<int>((2 * label.room + 1) * enlarged_by);
+    if (std::max(text_width(label.text, scale), 7 * scale) + 4 > room) return;
+    const auto middle = [enlarged_by](uint32_t v) { return static_cast<int>(v * enlarged_by + enlarged_by / 2); };
+    draw_label(picture, middle(label.x), middle(label.y), scale, label.text, kNode);
+  };
+  constexpr int kLetterScale = 3, kNumberScale = 5;
+  const uint32_t letter = (7 * kLetterScale + 4) / enlarged_by + 1;  // its height in pixels of the image
+  for (const ChartLabel& label : seam_letters(asset, lines, 2 * letter)) draw(label, kLetterScale);
+  for (const ChartLabel& label : chart_numbers(asset)) draw(label, kNumberScale);
+}
+
+/// One heat map: logarithms, because twice and half are as far from right.
 struct Scale {
   std::string title;
   Color (*color)(float);
-  float (*place)(float);  ///< value to 0..1
-  std::vector<float> marks;
+  bool two_sided;            ///< 1 stands in the middle, or at the left
+  std::vector<float> marks;  ///< from one end to the other
+
+  /// @return value as place on the scale, 0..1
+  [[nodiscard]] float place(float value) const {
+    const float along = value > 0 ? std::log(value) / std::log(marks.back()) : 0;
+    return std::clamp(two_sided ? along / 2 + 0.5F : along, 0.F, 1.F);
+  }
 };
 
 void draw_scale(Picture& picture, int x, int y, int width, const Scale& scale) {
@@ -157,7 +186,7 @@ Picture draw_normal_map(const ClothAsset& asset) {
   });
 }
 
-Picture draw_chart_map(const ClothAsset& asset) {
+Picture draw_chart_map(const ClothAsset& asset, Caption caption) {
   const SeamLines lines = find_seam_lines(asset);
   // Lit by the rest shape, so that one sees which part of the garment lies where.
   std::vector<Vec3> normal;
@@ -171,49 +200,49 @@ Picture draw_chart_map(const ClothAsset& asset) {
     const bool border = lines.on_outline[pixel] != 0 && lines.pixel_seam[pixel] == kNoSeam;
     return border ? shaded(chart_color(pixel), 0.45F) : chart_color(pixel);
   });
-  Picture picture = with_caption(enlarged(base, scale), 3);
-  // A split pixel shows its seam's colour; enough of the chart's own stays around it where there is room.
-  const int inset = scale >= 6 ? static_cast<int>(scale) / 6 : 0;
+  Picture picture = caption == Caption::below ? with_caption(enlarged(base, scale), 3) : enlarged(base, scale);
   for (uint32_t y = 0; y < asset.height; ++y)
     for (uint32_t x = 0; x < asset.width; ++x) {
       const uint32_t seam = lines.pixel_seam[size_t{y} * asset.width + x];
       if (seam == kNoSeam) continue;
-      const int side = static_cast<int>(scale) - 2 * inset;
-      fill_rectangle(picture, static_cast<int>(x * scale) + inset, static_cast<int>(y * scale) + inset, side, side,
-                     seam == kSeamNode ? kNode : distinct_color(seam + 101));
+      const auto side = static_cast<int>(scale);
+      fill_rectangle(picture, static_cast<int>(x * scale), static_cast<int>(y * scale), side, side,
+                     seam == kSeamNode ? kNode : seam_color(seam));
     }
+  draw_labels(picture, asset, lines, scale);
+  if (caption == Caption::none) return picture;
   const int top = static_cast<int>(base.height * scale) + kMargin;
   draw_text(picture, kMargin, top, kTextScale, describe(asset), kInk);
   draw_text(picture, kMargin, top + kLineHeight, kTextScale,
-            fmt::format("{} seams, {} split points; mates have the same colour", lines.seam_count, asset.splits.rows()),
+            fmt::format("{} seams, {} split points; mates have the same colour and letter", lines.seam_count,
+                        asset.splits.rows()),
             kInk);
   draw_key(picture, kMargin, top + 2 * kLineHeight,
-           {{"free border", shaded(distinct_color(0), 0.36F)}, {"seam", distinct_color(101)}, {"node", kNode}});
+           {{"free border", shaded(distinct_color(0), 0.36F)}, {"seam", seam_color(0)}, {"node", kNode}});
   return picture;
 }
 
 Picture draw_distortion(const ClothAsset& asset) {
   const std::vector<PixelDistortion> distortion = measure_distortion(asset);
-  const Scale area{"area of the surface per area of the image",
-                   diverging_color,
-                   [](float v) { return v > 0 ? std::clamp(std::log2(v) / 4 + 0.5F, 0.F, 1.F) : 0.5F; },
-                   {0.25F, 0.5F, 1, 2, 4}};
-  const Scale anisotropy{"anisotropy (larger over smaller stretch)",
-                         sequential_color,
-                         [](float v) { return std::clamp(std::log2(v) / 3, 0.F, 1.F); },
-                         {1, 1.5F, 2, 4, 8}};
-  const uint32_t scale = std::max(1U, enlargement(asset.width, asset.height) * 3 / 4);
-  const Picture left =
-      enlarged(draw_pixels(asset, [&](uint32_t p) { return area.color(area.place(distortion[p].area)); }), scale);
-  const Picture right = enlarged(
-      draw_pixels(asset, [&](uint32_t p) { return anisotropy.color(anisotropy.place(distortion[p].anisotropy)); }),
-      scale);
   std::vector<float> areas, anisotropies;
   for (const PixelDistortion& d : distortion) {
     if (d.area <= 0) continue;
     areas.push_back(d.area);
     anisotropies.push_back(d.anisotropy);
   }
+  constexpr float kFine = 1.5F;
+  const bool fine = percentile(anisotropies, 0.95) <= kFine && percentile(areas, 0.95) <= kFine &&
+                    percentile(areas, 0.05) * kFine >= 1;
+  const Scale area{"area of the surface per area of the image", diverging_color, true,
+                   fine ? std::vector{1 / 1.5F, 0.8F, 1.F, 1.25F, 1.5F} : std::vector{0.25F, 0.5F, 1.F, 2.F, 4.F}};
+  const Scale anisotropy{"anisotropy (larger over smaller stretch)", sequential_color, false,
+                         fine ? std::vector{1.F, 1.1F, 1.2F, 1.35F, 1.5F} : std::vector{1.F, 1.5F, 2.F, 4.F, 8.F}};
+  const uint32_t scale = std::max(1U, enlargement(asset.width, asset.height) * 3 / 4);
+  const Picture left =
+      enlarged(draw_pixels(asset, [&](uint32_t p) { return area.color(area.place(distortion[p].area)); }), scale);
+  const Picture right = enlarged(
+      draw_pixels(asset, [&](uint32_t p) { return anisotropy.color(anisotropy.place(distortion[p].anisotropy)); }),
+      scale);
 
   const int panel = std::max(static_cast<int>(left.width), 620), gap = 2 * kMargin;
   Picture picture(static_cast<uint32_t>(2 * panel + gap), left.height + 5 * kLineHeight + kMargin, kPaper);
@@ -254,20 +283,23 @@ Picture draw_flat_surface(const FlatSurface& flat) {
   return picture;
 }
 
+Picture enlarged_to_see(const Picture& picture) {
+  return enlarged(picture, enlargement(picture.width, picture.height));
+}
+
 std::vector<std::filesystem::path> write_pictures(const ClothAsset& asset, const FlatSurface* flat,
                                                   const std::filesystem::path& folder) {
   std::error_code failure;
   std::filesystem::create_directories(folder, failure);
   if (failure || !std::filesystem::is_directory(folder))
     throw Error(ErrorCode::io, folder.string() + ": the folder cannot be made; choose another for the pictures");
-  const uint32_t scale = enlargement(asset.width, asset.height);
   std::vector<std::filesystem::path> files;
   const auto write = [&](const char* name, const Picture& picture) {
     files.push_back(folder / name);
     write_png(picture, files.back());
   };
-  write("geometry_image.png", enlarged(draw_geometry_image(asset), scale));
-  write("normals.png", enlarged(draw_normal_map(asset), scale));
+  write("geometry_image.png", enlarged_to_see(draw_geometry_image(asset)));
+  write("normals.png", enlarged_to_see(draw_normal_map(asset)));
   write("charts.png", draw_chart_map(asset));
   write("distortion.png", draw_distortion(asset));
   if (flat != nullptr) write("flat.png", draw_flat_surface(*flat));

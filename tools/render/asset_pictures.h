@@ -23,12 +23,17 @@ struct PixelDistortion {
 [[nodiscard]] Picture draw_geometry_image(const ClothAsset& asset);
 /// Rest normals as colours, n/2 + 1/2; one pixel per pixel of the asset.
 [[nodiscard]] Picture draw_normal_map(const ClothAsset& asset);
-/// A colour per chart, free borders dark, seams in colours that mates share, nodes white; with a caption.
-[[nodiscard]] Picture draw_chart_map(const ClothAsset& asset);
-/// Area stretch and anisotropy as two heat maps with scales.
+/// Whether words under a picture say what it shows.
+enum class Caption { none, below };
+/// A colour and a number per chart, free borders dark, seams in colours and with letters that mates share, nodes white.
+[[nodiscard]] Picture draw_chart_map(const ClothAsset& asset, Caption caption = Caption::below);
+/// Area stretch and anisotropy as two heat maps with scales: fine ones where the distortion is small, else coarse ones.
 [[nodiscard]] Picture draw_distortion(const ClothAsset& asset);
 /// The triangles of the cut surface as they lie in the atlas.
 [[nodiscard]] Picture draw_flat_surface(const FlatSurface& flat);
+
+/// A picture of the image's pixels, each a block so large that the whole can be judged.
+[[nodiscard]] Picture enlarged_to_see(const Picture& picture);
 
 /// Writes geometry_image.png, normals.png, charts.png, distortion.png, and flat.png when there is a flat surface, into
 /// a folder that is made if need be. Small images are enlarged so that they can be judged.
