@@ -95,8 +95,8 @@ class BendBuilder {
     const double out_of_plane = scale * std::abs(static_cast<double>(dot(e, normal_[middle])));
     const double within = std::sqrt(std::max(0.0, whole * whole - out_of_plane * out_of_plane));
     const double pull = 2 * rigidity * (2 * within / (h1 * h2)) / (0.5 * (h1 + h2));  // [N/m] if rest were out_of_plane
-    const bool straighten =
-        pull <= kLargestPull * static_cast<double>(std::min(material_.stretch_warp, material_.stretch_weft));
+    const double softest = std::min(material_.stretch_warp, material_.stretch_weft);
+    const bool straighten = within > out_of_plane && pull <= kLargestPull * softest;
     const double compliance = h1 * h2 * h1 * h2 / (4 * rigidity * area);
     bend.rest = static_cast<float>(straighten ? out_of_plane : whole);
     bend.compliance = static_cast<float>(std::clamp(compliance, static_cast<double>(std::numeric_limits<float>::min()),

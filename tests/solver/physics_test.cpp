@@ -228,7 +228,9 @@ TEST(Energy, AnUndampedSwingNeverGainsAny) {
   for (const uint32_t substeps : {1U, 8U, 16U, 30U, 60U}) {
     const Gain gain = largest_gain(17, substeps);
     EXPECT_LE(gain.motion, 0.0) << substeps;
-    if (substeps >= 30) EXPECT_LE(gain.total, 0.0) << substeps;
+    if (substeps >= 30) {
+      EXPECT_LE(gain.total, 0.0) << substeps;
+    }
   }
 }
 

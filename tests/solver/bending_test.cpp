@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Bending with a rigidity where no closed form of a flat strip shows it: over seams, for a curved rest shape, on a grid
+// whose lines are not straight, and beside the seeds' springs.
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "solver_fixture.h"
+
+namespace geocloth {
+namespace {
+
+double farthest_from(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
+  double farthest = 0;
+  for (size_t k = 0; k < a.size(); ++k) farthest = std::max(farthest, static_cast<double>(length(a[k] - b[k])));
+  return farthest;
+}
+
+/// Lets a cloth be for half a second without gravity; how far it moved [m].
+double drift(const ClothDesc& cloth) {
+  SolverSettings settings = test::cpu_settings();
+  settings.gravity = {};
+  Solver solver(std::vector{cloth}, settings);
+  test::run(solver, 30);
+  return farthest_from(test::positions_of(solver), cloth.asset->rest_position);
+}
+
+TEST(Bending, ACurvedRestShapeIsAtRestHoweverItIsCut) {
+  Material material;
+  material.bend_warp = material.bend_weft = 1e-3F;
+  for (const uint32_t charts : {1U, 4U}) {
+    const test::TubeOptions options{.nx = 24, .ny = 17, .charts_x = charts, .charts_y = charts};
+    EXPECT_LT(drift(test::describe(make_tube(options), material)), 1e-5) << charts;
+  }
+}
+
+// A soft knit: bending that straightened the lines within the sheet would pull it out of shape.
+TEST(Bending, GridLinesThatAreNotStraightDoNotPullAFlatSheetOutOfShape) {
+  Material material;
+  material.stretch_warp = 3.27F;
+  material.stretch_weft = 12.49F;
+  material.shear = 8.81F;
+  material.bend_warp = material.bend_weft = 6e-5F;
+  const test::SheetOptions options{.nx = 33, .ny = 33, .width = 0.2F, .height = 0.2F, .charts_x = 2, .jitter = 0.2F};
+  const double spacing = 0.2 / 32;
+  EXPECT_LT(drift(test::describe(make_sheet(options), material)), 0.02 * spacing);
+}
+
+/// Height / width of a strip of 20 cm that is clamped at one end, Gamma = w L^3 / B = 5, cut into charts.
+double droop(uint32_t charts_x, uint32_t charts_y) {
+  constexpr uint32_t kCells = 12;
+  constexpr double kLength = 0.2, kCell = kLength / (kCells - 0.5);  // clamped between rows 0 and 1
+  const test::SheetOptions options{.nx = 5,
+                                   .ny = kCells + 1,
+                                   .width = static_cast<float>(4 * kCell),
+                                   .height = static_cast<float>(kCells * kCell),
+                                   .charts_x = charts_x,
+                                   .charts_y = charts_y,
+                                   .horizontal = true};
+  Material material;
+  material.stretch_warp = material.stretch_weft = 5000;
+  material.shear = 500;
+  material.damping = 8;
+  material.max_stretch = 0;
+  material.bend_warp = material.bend_weft = static_cast<float>(0.2 * 9.81 * kLength * kLength * kLength / 5);
+  const ClothDesc cloth = test::describe(make_sheet(options), material);
+  SolverSettings settings = test::cpu_settings();
+  settings.substeps = 32;
+  settings.relaxation_steps = 4;
+  Solver solver(std::vector{cloth}, settings);
+  std::vector<Pin> pins;
+  for (uint32_t j = 0; j < 2; ++j) {
+    for (uint32_t i = 0; i < options.nx; ++i) {
+      const uint32_t pixel = test::sheet_pixel(options, i, j);
+      pins.push_back({pixel, cloth.asset->rest_position[pixel]});
+    }
+  }
+  solver.set_pins(0, pins);
+  test::run(solver, 180);
+  const std::vector<Vec3> x = test::positions_of(solver);
+  const Vec3 tip = x[test::sheet_pixel(options, 2, kCells)], clamp = x[test::sheet_pixel(options, 2, 0)];
+  EXPECT_EQ(solver.statistics().copy_gap, 0.0);
+  return static_cast<double>(clamp.y - tip.y) / (static_cast<double>(tip.z - clamp.z) - 0.5 * kCell);
+}
+
+TEST(Bending, ASeamIsNoHinge) {
+  constexpr double kHeavyElastica = 0.5857;
+  for (const auto& [charts_x, charts_y] : {std::pair{1U, 1U}, std::pair{1U, 4U}, std::pair{2U, 4U}}) {
+    EXPECT_NEAR(droop(charts_x, charts_y), kHeavyElastica, 0.03 * kHeavyElastica) << charts_x << " x " << charts_y;
+  }
+}
+
+std::vector<std::string> passes_with(const Material& material) {
+  SolverSettings settings = test::cpu_settings();
+  settings.timings = true;
+  Solver solver(std::vector{test::describe(test::make_sheet({.nx = 9, .ny = 9, .charts_x = 2}), material)}, settings);
+  test::run(solver, 2);
+  std::vector<std::string> names;
+  for (const PassTiming& timing : solver.statistics().passes) names.push_back(timing.pass);
+  return names;
+}
+
+TEST(Bending, TheSeedsSpringsAndTheRigidityExcludeEachOther) {
+  Material seeds;
+  seeds.bend_stiffness = 0.5F;
+  EXPECT_THAT(passes_with(seeds), testing::IsSupersetOf({"bending", "seam_bends"}));
+  EXPECT_THAT(passes_with(seeds), testing::Not(testing::Contains("curvature")));
+  EXPECT_THAT(passes_with({}), testing::IsSupersetOf({"curvature", "seam_curvature"}));
+  EXPECT_THAT(passes_with({}), testing::Not(testing::Contains("bending")));
+  Material limp;
+  limp.bend_warp = limp.bend_weft = 0;
+  EXPECT_THAT(passes_with(limp), testing::Not(testing::Contains("curvature")));
+}
+
+}  // namespace
+}  // namespace geocloth
