@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How far the solver is from its closed forms, by what is spent: cells along the strip, substeps, relaxation steps.
+// Writes a Markdown table for each form.
+//
+//   convergence_table OUT.md [NAME]     only forms whose name contains NAME
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <iostream>
+#include <sstream>
+#include <string>
+
+#include "geocloth/asset/output_file.h"
+#include "support/closed_forms.h"
+
+namespace {
+
+using geocloth::test::ClosedForm;
+
+constexpr uint32_t kCells[] = {8, 16, 32};
+constexpr uint32_t kSubsteps[] = {8, 16, 32, 64};
+constexpr uint32_t kRelaxationSteps[] = {1, 2, 4, 8, 16};
+
+std::string percent(double error) {
+  if (!(std::abs(error) < 10)) return "-";
+  char text[32];
+  std::snprintf(text, sizeof text, "%+.2f", 100 * error);
+  return text;
+}
+
+void write_header(std::ostream& out, const ClosedForm& form) {
+  out << "\n## " << form.name << "\n\n"
+      << form.what << ": " << form.reference << ", wanted within " << 100 * form.tolerance << " % (" << form.source
+      << "). Error in percent:\n\n| cells | substeps |";
+  for (const uint32_t relaxation : kRelaxationSteps) out << ' ' << relaxation << " |";
+  out << "\n|---|---|";
+  for (std::size_t i = 0; i < std::size(kRelaxationSteps); ++i) out << "---|";
+  out << '\n';
+}
+
+std::string table_of(const ClosedForm& form) {
+  std::ostringstream out;
+  write_header(out, form);
+  for (const uint32_t cells : kCells) {
+    for (const uint32_t substeps : kSubsteps) {
+      out << "| " << cells << " | " << substeps << " |";
+      for (const uint32_t relaxation : kRelaxationSteps) {
+        const double measured = form.measure({cells, substeps, relaxation}, geocloth::test::make_cpu_solver);
+        const double error = measured / form.reference - 1;
+        const char* bold = std::abs(error) <= form.tolerance ? "**" : "";
+        out << ' ' << bold << percent(error) << bold << " |";
+      }
+      out << '\n';
+    }
+  }
+  std::cout << out.str() << std::flush;
+  return out.str();
+}
+
+int run(const std::string& out, const std::string& name) {
+  std::string text =
+      "# Error against the closed forms\n\n"
+      "Strips four points wide with square cells, on the cpu; columns are relaxation steps, substeps are those of a "
+      "60 Hz frame. Bold: within what is wanted; -: more than ten times off. Made by `convergence_table " +
+      out + "`.\n";
+  for (const ClosedForm& form : geocloth::test::closed_forms()) {
+    if (form.name.find(name) != std::string::npos) text += table_of(form);
+  }
+  geocloth::write_file(out, text);
+  return EXIT_SUCCESS;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 2 || argc > 3 || argv[1][0] == '-') {
+    std::cerr << "usage: convergence_table OUT.md [NAME]\n";
+    return 2;
+  }
+  try {
+    return run(argv[1], argc == 3 ? argv[2] : "");
+  } catch (const std::exception& e) {
+    std::cerr << e.what() << '\n';
+    return EXIT_FAILURE;
+  }
+}
