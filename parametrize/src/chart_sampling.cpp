@@ -18,6 +18,34 @@ namespace {
 constexpr int32_t kMargin = 4;       // [pixels] the plane may reach beyond the chain of outline pixels
 constexpr int kDiffusionSteps = 12;  // displacement fades over about as many square roots of rings
 
+/// Moves pixels inside so that no spring to a neighbour in row or column is much shorter or longer than a pixel: sweeps
+/// over the springs that are, as constraints are projected in position based dynamics (Mueller et al. 2007).
+/// @param place  per pixel of a rectangle `width` wide: where it samples the plane
+void limit_springs(std::vector<Point2>& place, const std::vector<uint8_t>& inside, size_t width) {
+  constexpr double kShortest = 0.7, kLongest = 1.4;  // [pixels]
+  constexpr int kSweeps = 12;
+  // Springs from inside pixels; those to the left and above belong to the neighbour when that is inside as well.
+  std::vector<std::array<size_t, 2>> springs;
+  for (size_t i = 0; i < place.size(); ++i) {
+    if (inside[i] == 0) continue;
+    springs.push_back({i, i + 1});
+    springs.push_back({i, i + width});
+    if (inside[i - 1] == 0) springs.push_back({i, i - 1});
+    if (inside[i - width] == 0) springs.push_back({i, i - width});
+  }
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    for (const auto& [a, b] : springs) {
+      Point2 &p = place[a], &q = place[b];
+      const double dx = q[0] - p[0], dy = q[1] - p[1], l = std::hypot(dx, dy);
+      const double wanted = std::clamp(l, kShortest, kLongest);
+      if (wanted == l || !(l > 0)) continue;
+      const double share = (l - wanted) / l / (inside[b] != 0 ? 2 : 1);
+      p = {p[0] + share * dx, p[1] + share * dy};
+      if (inside[b] != 0) q = {q[0] - share * dx, q[1] - share * dy};
+    }
+  }
+}
+
 /// Nearest point of segment a-b to p, as its parameter.
 double nearest_on_segment(const Point2& a, const Point2& b, const Point2& p) {
   const double dx = b[0] - a[0], dy = b[1] - a[1];
@@ -133,6 +161,7 @@ std::vector<Point2> sampling_places(const FlatSurface& flat, const FlatChart& ch
       p = {static_cast<double>(x) + p[0], static_cast<double>(y) + p[1]};
     }
   }
+  if (displaced) limit_springs(shift, inside, width);
   return shift;
 }
 

@@ -214,6 +214,41 @@ struct ChartChain {
   }
 };
 
+/// Samples that are neighbours on the lattice but lie far apart in the plane: a spring between them would be long.
+std::vector<ApartSamples> overstretched(const ChartChain& chart) {
+  constexpr double kLongest = 1.8;  // [pixels]
+  std::vector<std::pair<Pixel, uint32_t>> place;
+  const auto count = static_cast<uint32_t>(chart.chain.pixel.size());
+  for (uint32_t i = 0; i < count; ++i) place.emplace_back(chart.chain.pixel[i], i);
+  std::sort(place.begin(), place.end());
+  std::vector<ApartSamples> pairs;
+  for (const auto& [p, i] : place) {
+    for (const Pixel& q : {Pixel{p[0] + 1, p[1]}, Pixel{p[0], p[1] + 1}}) {
+      const auto other = std::lower_bound(place.begin(), place.end(), std::pair<Pixel, uint32_t>(q, 0));
+      if (other == place.end() || other->first != q) continue;
+      const uint32_t low = std::min(i, other->second), high = std::max(i, other->second);
+      if (high - low == 1 || high - low == count - 1) continue;
+      if (planar_distance(chart.target[low], chart.target[high]) > kLongest) pairs.push_back({low, high, 2});
+    }
+  }
+  return pairs;
+}
+
+/// Moves such samples apart where that is possible.
+void part_overstretched(ChartChain& chart) {
+  constexpr int kTries = 3;
+  std::vector<ApartSamples> pairs = overstretched(chart);
+  for (int attempt = 0; attempt < kTries && !pairs.empty(); ++attempt) {
+    ChartChain trial = chart;
+    trial.apart.insert(trial.apart.end(), pairs.begin(), pairs.end());
+    trial.place(chart.chain.pixel);
+    std::vector<ApartSamples> left = overstretched(trial);
+    if (trial.chain.result != PixelChain::Result::found || left.size() >= pairs.size()) return;
+    chart = std::move(trial);
+    pairs = std::move(left);
+  }
+}
+
 /// Finds the pixels of all charts; those whose targets are as before keep what they had.
 void place_chains(const Laid& laid, std::vector<ChartChain>& charts) {
   charts.resize(laid.sampled.size());
@@ -222,6 +257,7 @@ void place_chains(const Laid& laid, std::vector<ChartChain>& charts) {
     if (target == charts[c].target) continue;
     charts[c] = {std::move(target), {}, {}};
     charts[c].place({});
+    if (charts[c].chain.result == PixelChain::Result::found) part_overstretched(charts[c]);
   }
 }
 

@@ -22,7 +22,7 @@ namespace {
 constexpr std::array<Pixel, 8> kStep{{{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 /// Cost of a turn by 0, 45, 90 and 135 degrees, in squared pixels: keeps straight outlines straight.
-constexpr std::array<float, 4> kTurnCost{0, 0, 0.15F, 1.5F};
+constexpr std::array<float, 4> kTurnCost{0, 0, 0.3F, 2};
 constexpr int kRounds = 60;
 constexpr size_t kNoDirection = 8;
 
