@@ -52,10 +52,8 @@ std::vector<PassStep> substep_schedule(const ScheduleOptions& options) {
   for (uint32_t r = 0; r < options.relaxation_steps; ++r) add_relaxation(steps, options, r);
   if (options.attachments) steps.push_back({Pass::limit});
   if (options.collide) steps.push_back({Pass::collide});
-  if (options.check) {
-    steps.push_back({Pass::check_copies});
-    steps.push_back({Pass::check_colliders});
-  }
+  if (options.check && options.splits) steps.push_back({Pass::check_copies});
+  if (options.check && options.collide) steps.push_back({Pass::check_colliders});
   return steps;
 }
 

@@ -6,6 +6,7 @@
 #include <random>
 
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 
 #include "solver_fixture.h"
 
@@ -27,6 +28,7 @@ struct Case {
 
 struct State {
   std::vector<Vec3> positions, velocities, normals;
+  SolverStatistics statistics;
 };
 
 State state_after(const Case& c, bool plain, uint32_t threads, uint32_t frames) {
@@ -34,8 +36,8 @@ State state_after(const Case& c, bool plain, uint32_t threads, uint32_t frames) 
   settings.backend = Backend::cpu;
   settings.plain = plain;
   settings.threads = threads;
+  settings.check_copies = settings.timings = threads != 2;
   Solver solver(std::vector{test::describe(c.asset, c.material)}, settings);
-  EXPECT_EQ(solver.statistics().path == "plain", plain);
   solver.set_pins(0, test::pins_at_rest(c.asset, c.pinned));
   if (c.wind) solver.set_wind(*c.wind);
   for (uint32_t f = 0; f < frames; ++f) {
@@ -54,6 +56,7 @@ State state_after(const Case& c, bool plain, uint32_t threads, uint32_t frames) 
   solver.read_positions(0, state.positions);
   solver.read_velocities(0, state.velocities);
   solver.read_normals(0, state.normals);
+  state.statistics = solver.statistics();
   return state;
 }
 
@@ -154,20 +157,82 @@ std::vector<Case> cases() {
   return list;
 }
 
+void expect_same(const State& fast, const State& plain, const std::string& where) {
+  EXPECT_EQ(differences(fast.positions, plain.positions), 0U) << where;
+  EXPECT_EQ(differences(fast.velocities, plain.velocities), 0U) << where;
+  EXPECT_EQ(differences(fast.normals, plain.normals), 0U) << where;
+}
+
+constexpr uint32_t kFrames = 16;
+
 TEST(Sweep, HasTheBitsOfThePlainPathForAnyNumberOfThreads) {
   for (const Case& c : cases()) {
-    constexpr uint32_t kFrames = 16;
     const State plain = state_after(c, true, 1, kFrames);
     ASSERT_TRUE(test::all_finite(plain.positions)) << c.name;
     for (const uint32_t threads : {1U, 2U, 5U}) {
       const State fast = state_after(c, false, threads, kFrames);
       const std::string where =
           std::string(c.name) + ", width " + std::to_string(c.asset.width) + ", threads " + std::to_string(threads);
-      EXPECT_EQ(differences(fast.positions, plain.positions), 0U) << where;
-      EXPECT_EQ(differences(fast.velocities, plain.velocities), 0U) << where;
-      EXPECT_EQ(differences(fast.normals, plain.normals), 0U) << where;
+      expect_same(fast, plain, where);
+      if (threads == 2) continue;  // nothing is measured there
+      EXPECT_EQ(fast.statistics.penetration, plain.statistics.penetration) << where;
+      EXPECT_EQ(fast.statistics.copy_gap, plain.statistics.copy_gap) << where;
+      ASSERT_EQ(fast.statistics.passes.size(), plain.statistics.passes.size()) << where;
+      for (size_t k = 0; k < fast.statistics.passes.size(); ++k) {
+        EXPECT_EQ(fast.statistics.passes[k].pass, plain.statistics.passes[k].pass) << where;
+      }
     }
   }
+}
+
+/// Back to the best instruction set after the test.
+class Targets : public testing::TestWithParam<int64_t> {
+ protected:
+  void SetUp() override { hwy::SetSupportedTargetsForTest(GetParam()); }
+  void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
+};
+
+TEST_P(Targets, HaveTheBitsOfThePlainPath) {
+  for (const Case& c : cases()) {
+    const State fast = state_after(c, false, 1, kFrames);
+    EXPECT_EQ(fast.statistics.path, std::string("sweep ") + hwy::TargetName(GetParam()));
+    expect_same(fast, state_after(c, true, 1, kFrames), c.name);
+  }
+}
+
+std::vector<int64_t> targets_here() {
+  std::vector<int64_t> list;
+  for (const int64_t target : {int64_t{HWY_SSE4}, int64_t{HWY_AVX2}, int64_t{HWY_AVX3}, int64_t{HWY_NEON}})
+    if ((hwy::SupportedTargets() & target) != 0) list.push_back(target);
+  return list;
+}
+INSTANTIATE_TEST_SUITE_P(Sweep, Targets, testing::ValuesIn(targets_here()),
+                         [](const auto& target) { return std::string(hwy::TargetName(target.param)); });
+
+/// Threads share out whole cloths when there are enough, and substeps of one cloth when there are not.
+TEST(Sweep, ClothsSideBySideDoNotDependOnThreads) {
+  const Case c{"crowd", make_sheet({.nx = 40, .ny = 30}), attached(), few_substeps(), {}, {}};
+  const auto run = [&](uint32_t threads, bool plain) {
+    SolverSettings settings = c.settings;
+    settings.backend = Backend::cpu;
+    settings.threads = threads;
+    settings.plain = plain;
+    std::vector<ClothDesc> cloths(5, test::describe(c.asset, c.material));
+    for (size_t i = 0; i < cloths.size(); ++i) cloths[i].transform.translate.x = 2 * static_cast<float>(i);
+    Solver solver(cloths, settings);
+    for (uint32_t i = 0; i < 5; ++i) {
+      solver.set_pins(i, test::pins_at_rest(c.asset, "top", {2 * static_cast<float>(i), 0, 0}));
+    }
+    test::run(solver, 5);
+    std::vector<Vec3> all;
+    for (uint32_t i = 0; i < 5; ++i) {
+      const std::vector<Vec3> one = test::positions_of(solver, i);
+      all.insert(all.end(), one.begin(), one.end());
+    }
+    return all;
+  };
+  const std::vector<Vec3> plain = run(1, true);
+  for (const uint32_t threads : {1U, 2U, 16U}) EXPECT_EQ(differences(run(threads, false), plain), 0U) << threads;
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs the schedules on the cpu: cloth by cloth, pass by pass.
+// Runs the schedules on the cpu: by sweeps through the rows where it can, else pass by pass.
 
 #include <algorithm>
 #include <array>
@@ -18,45 +18,65 @@ namespace {
 
 using shader::vec4;
 
+using PassSeconds = std::array<double, kPasses.size()>;
+
+/// One cloth with what goes with it.
+struct Cloth {
+  Cloth(const ClothData& data, bool accumulate) : state(data, accumulate), sweep(state) {}
+
+  cpu::ClothState state;
+  cpu::SweepRunner sweep;
+  bool normals_stale = true;  ///< the positions have changed since
+  cpu::Measures measures;
+  PassSeconds seconds{};
+};
+
 class CpuBackend final : public SolverBackend {
  public:
   CpuBackend(SimulationData data, uint32_t threads) : data_(std::move(data)), threads_(threads) {
+    cloths_.reserve(data_.cloths.size());
     for (ClothData& cloth : data_.cloths) {
-      states_.emplace_back(cloth, data_.relaxation_steps > 1);
-      sweeps_.emplace_back(states_.back());
+      cloths_.emplace_back(cloth, data_.relaxation_steps > 1);
       cloth.position = {};
       cloth.springs = {};
     }
-    normals_stale_.assign(states_.size(), true);
   }
 
+  /// Enough cloths keep every thread busy by themselves; threads within a cloth have to wait for each other.
   void run_frame(const FrameInput& frame) override {
-    for (uint32_t c = 0; c < states_.size(); ++c) run_cloth(c, frame);
+    const auto count = static_cast<uint32_t>(cloths_.size());
+    if (threads_.count() == 1 || count < threads_.count()) {
+      for (uint32_t c = 0; c < count; ++c) run_cloth(c, frame, threads_);
+    } else {
+      threads_.for_range(count, 1, [&](uint32_t first, uint32_t last) {
+        for (uint32_t c = first; c < last; ++c) run_cloth(c, frame, alone_);
+      });
+    }
   }
 
   void wait() override {}
 
   void read_positions(uint32_t cloth, std::vector<vec4>& out) override {
-    gather(cloth, states_[cloth].position, states_[cloth].inverse_mass, out);
+    gather(cloths_[cloth].state, cloths_[cloth].state.position, cloths_[cloth].state.inverse_mass, out);
   }
   void read_previous(uint32_t cloth, std::vector<vec4>& out) override {
-    gather(cloth, states_[cloth].previous, states_[cloth].inverse_mass, out);
+    gather(cloths_[cloth].state, cloths_[cloth].state.previous, cloths_[cloth].state.inverse_mass, out);
   }
   /// Nobody else looks at the normals after a frame, so they are computed when they are asked for.
   void read_normals(uint32_t cloth, std::vector<vec4>& out) override {
-    if (normals_stale_[cloth]) compute_normals(cloth);
-    gather(cloth, states_[cloth].normal, states_[cloth].normal_length, out);
+    if (cloths_[cloth].normals_stale) compute_normals(cloths_[cloth], threads_);
+    gather(cloths_[cloth].state, cloths_[cloth].state.normal, cloths_[cloth].state.normal_length, out);
   }
 
   void write_state(uint32_t cloth, std::span<const vec4> position, std::span<const vec4> previous) override {
-    cpu::ClothState& state = states_[cloth];
+    cpu::ClothState& state = cloths_[cloth].state;
     for (size_t i = 0; i < state.pixel_count(); ++i) {
       state.position.set(i, {position[i].x, position[i].y, position[i].z});
       state.inverse_mass[i] = position[i].w;
       state.previous.set(i, {previous[i].x, previous[i].y, previous[i].z});
       state.carry.set(i, {0, 0, 0});
     }
-    normals_stale_[cloth] = true;
+    cloths_[cloth].normals_stale = true;
   }
 
   void fill_statistics(SolverStatistics& statistics) override {
@@ -64,85 +84,89 @@ class CpuBackend final : public SolverBackend {
     statistics.device = cpu::cpu_name();
     statistics.path = by_sweeps() ? std::string("sweep ") + cpu::vector_target() : "plain";
     statistics.threads = threads_.count();
-    for (const cpu::ClothState& state : states_) statistics.memory_bytes += state.memory_bytes();
-    for (const cpu::SweepRunner& sweep : sweeps_) statistics.memory_bytes += sweep.memory_bytes();
-    statistics.copy_gap = static_cast<double>(measures_.copy_gap);
-    statistics.penetration = static_cast<double>(measures_.penetration);
+    PassSeconds seconds{};
+    for (const Cloth& cloth : cloths_) {
+      statistics.memory_bytes += cloth.state.memory_bytes() + cloth.sweep.memory_bytes();
+      statistics.copy_gap = std::max(statistics.copy_gap, static_cast<double>(cloth.measures.copy_gap));
+      statistics.penetration = std::max(statistics.penetration, static_cast<double>(cloth.measures.penetration));
+      for (size_t k = 0; k < seconds.size(); ++k) seconds[k] += cloth.seconds[k];
+    }
     for (const PassInfo& pass : kPasses) {
-      const double seconds = seconds_[static_cast<size_t>(pass.pass)];
-      if (seconds > 0) statistics.passes.push_back({std::string(pass.name), seconds});
+      const double time = seconds[static_cast<size_t>(pass.pass)];
+      if (time > 0) statistics.passes.push_back({std::string(pass.name), time});
     }
   }
 
  private:
-  void run_cloth(uint32_t c, const FrameInput& frame) {
-    cpu::ClothState& state = states_[c];
-    const ClothFrame& cloth = frame.cloths[c];
-    if (cloth.pins_changed) {
-      std::copy(cloth.inverse_mass.begin(), cloth.inverse_mass.end(), state.inverse_mass.begin());
-      if (state.data.attachments) state.attachments = cloth.attachments;
+  void run_cloth(uint32_t c, const FrameInput& frame, const cpu::Threads& threads) {
+    Cloth& cloth = cloths_[c];
+    cpu::ClothState& state = cloth.state;
+    const ClothFrame& input = frame.cloths[c];
+    if (input.pins_changed) {
+      std::copy(input.inverse_mass.begin(), input.inverse_mass.end(), state.inverse_mass.begin());
+      if (state.data.attachments) state.attachments = input.attachments;
     }
     const ScheduleOptions options = schedule_options(data_, c, frame);
-    const auto run_one = [&](const PassStep& step, const cpu::PassContext& context) {
-      cpu::run_pass(step, context, state, measures_);
-    };
-    normals_stale_[c] = true;
-    if (by_sweeps() && sweeps_[c].run(frame, cloth, options, threads_, state, run_one)) return;
+    run_substeps(cloth, frame, input, options, threads);
+    cloth.normals_stale = true;
+    if (data_.timings) compute_normals(cloth, threads);
+  }
+
+  void run_substeps(Cloth& cloth, const FrameInput& frame, const ClothFrame& input, const ScheduleOptions& options,
+                    const cpu::Threads& threads) {
+    const auto run_one = [&](const PassStep& step, const cpu::PassContext& context) { run(step, context, cloth); };
+    const cpu::SweepRunner::Measuring measuring{&cloth.measures, data_.timings ? &cloth.seconds : nullptr};
+    if (by_sweeps() && cloth.sweep.run(frame, input, options, threads, cloth.state, measuring, run_one)) return;
     const std::vector<PassStep> substep = substep_schedule(options);
-    cpu::PassContext context{frame, cloth, threads_, 0, data_.relaxation_steps};
+    cpu::PassContext context{frame, input, threads, 0, data_.relaxation_steps};
     for (uint32_t s = 0; s < data_.substeps; ++s) {
       context.substep = s;
-      run(substep, context, state);
+      for (const PassStep& step : substep) run(step, context, cloth);
     }
-    if (!data_.timings) return;
-    run(frame_schedule(options), context, state);
-    normals_stale_[c] = false;
   }
 
-  /// Pass by pass is the reference, and the way to time each pass.
-  [[nodiscard]] bool by_sweeps() const { return !data_.plain && !data_.timings; }
+  /// Pass by pass is the reference.
+  [[nodiscard]] bool by_sweeps() const { return !data_.plain; }
 
-  void run(const std::vector<PassStep>& steps, const cpu::PassContext& context, cpu::ClothState& state) {
+  void run(const PassStep& step, const cpu::PassContext& context, Cloth& cloth) const {
+    timed(cloth, step.pass, [&] { cpu::run_pass(step, context, cloth.state, cloth.measures); });
+  }
+
+  template <class Work>
+  void timed(Cloth& cloth, Pass pass, const Work& work) const {
     using Clock = std::chrono::steady_clock;
-    for (const PassStep& step : steps) {
-      if (!data_.timings) {
-        cpu::run_pass(step, context, state, measures_);
-        continue;
-      }
-      const auto start = Clock::now();
-      cpu::run_pass(step, context, state, measures_);
-      seconds_[static_cast<size_t>(step.pass)] += std::chrono::duration<double>(Clock::now() - start).count();
-    }
+    if (!data_.timings) return work();
+    const auto start = Clock::now();
+    work();
+    cloth.seconds[static_cast<size_t>(pass)] += std::chrono::duration<double>(Clock::now() - start).count();
   }
 
-  void compute_normals(uint32_t c) {
-    FrameInput nothing;
-    nothing.cloths.resize(states_.size());
-    const cpu::PassContext context{nothing, nothing.cloths[c], threads_, 0, data_.relaxation_steps};
+  void compute_normals(Cloth& cloth, const cpu::Threads& threads) const {
+    const FrameInput no_frame{};
+    const ClothFrame no_input{};
+    const cpu::PassContext context{no_frame, no_input, threads, 0, data_.relaxation_steps};
     ScheduleOptions options;
-    options.splits = states_[c].data.split_rows() > 0;
+    options.splits = cloth.state.data.split_rows() > 0;
     for (const PassStep& step : frame_schedule(options)) {
       if (step.pass == Pass::normals && by_sweeps()) {
-        sweeps_[c].normals(threads_, states_[c]);
+        timed(cloth, step.pass, [&] { cloth.sweep.normals(threads, cloth.state); });
       } else {
-        cpu::run_pass(step, context, states_[c], measures_);
+        run(step, context, cloth);
       }
     }
-    normals_stale_[c] = false;
+    cloth.normals_stale = false;
   }
 
-  void gather(uint32_t cloth, const cpu::Vec3Array& xyz, const std::vector<float>& w, std::vector<vec4>& out) const {
-    out.resize(states_[cloth].pixel_count());
+  static void gather(const cpu::ClothState& state, const cpu::Vec3Array& xyz, const std::vector<float>& w,
+                     std::vector<vec4>& out) {
+    out.resize(state.pixel_count());
     for (size_t i = 0; i < out.size(); ++i) out[i] = {xyz.at(i), w[i]};
   }
 
-  SimulationData data_;  ///< positions and springs have moved to states_
+  SimulationData data_;  ///< positions and springs have moved to the cloths
   cpu::Threads threads_;
-  std::vector<cpu::ClothState> states_;
-  std::vector<cpu::SweepRunner> sweeps_;  ///< of each cloth
-  std::vector<bool> normals_stale_;       ///< of each cloth: its positions have changed since
-  cpu::Measures measures_;
-  std::array<double, kPasses.size()> seconds_{};
+  cpu::Threads alone_{1};
+  std::vector<Cloth> cloths_;
 };
 
 }  // namespace

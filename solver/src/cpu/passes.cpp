@@ -262,14 +262,13 @@ void collide(const PassContext& context, ClothState& state) {
                             [&](uint32_t first, uint32_t last) { collide_pixels(context, state, first, last); });
 }
 
-/// Largest value(i) over 0..count. A maximum does not depend on the order.
-template <class Value>
-float largest(const Threads& threads, uint32_t count, const Value& value) {
+/// Largest of largest_of(first, last) over parts of 0..count. A maximum does not depend on the order.
+template <class LargestOf>
+float largest(const Threads& threads, uint32_t count, const LargestOf& largest_of) {
   std::mutex mutex;
   float result = 0;
   threads.for_range(count, kPixelGrain, [&](uint32_t first, uint32_t last) {
-    float part = 0;
-    for (uint32_t i = first; i < last; ++i) part = std::max(part, value(i));
+    const float part = largest_of(first, last);
     const std::lock_guard lock(mutex);
     result = std::max(result, part);
   });
@@ -277,22 +276,21 @@ float largest(const Threads& threads, uint32_t count, const Value& value) {
 }
 
 float copy_gap(const PassContext& context, const ClothState& state) {
-  return largest(context.threads, state.data.split_rows(), [&](uint32_t r) {
-    const uint32_t begin = state.data.split_offset[r];
-    const vec3 first = state.position.at(state.data.split_pixel[begin]);
+  return largest(context.threads, state.data.split_rows(), [&](uint32_t first_row, uint32_t last_row) {
     float gap = 0;
-    for (uint32_t k = begin + 1; k < state.data.split_offset[r + 1]; ++k)
-      gap = std::max(gap, shader::length3(state.position.at(state.data.split_pixel[k]) - first));
+    for (uint32_t r = first_row; r < last_row; ++r) {
+      const uint32_t begin = state.data.split_offset[r];
+      const vec3 first = state.position.at(state.data.split_pixel[begin]);
+      for (uint32_t k = begin + 1; k < state.data.split_offset[r + 1]; ++k)
+        gap = std::max(gap, shader::length3(state.position.at(state.data.split_pixel[k]) - first));
+    }
     return gap;
   });
 }
 
 float penetration(const PassContext& context, const ClothState& state) {
-  const shader::ColliderSet set = colliders_of(context.frame);
-  return largest(context.threads, static_cast<uint32_t>(state.pixel_count()), [&](uint32_t i) {
-    if (state.inverse_mass[i] == 0) return 0.F;
-    return shader::depth_in_colliders(set, set.count, context.substep, state.position.at(i));
-  });
+  return largest(context.threads, static_cast<uint32_t>(state.pixel_count()),
+                 [&](uint32_t first, uint32_t last) { return penetration_of_pixels(context, state, first, last); });
 }
 
 }  // namespace
@@ -338,6 +336,16 @@ void collide_pixels(const PassContext& context, ClothState& state, uint32_t firs
     state.previous.set(i, after.previous);
     state.carry.set(i, after.carry);
   }
+}
+
+float penetration_of_pixels(const PassContext& context, const ClothState& state, uint32_t first, uint32_t last) {
+  const shader::ColliderSet set = colliders_of(context.frame);
+  float depth = 0;
+  for (uint32_t i = first; i < last; ++i) {
+    if (state.inverse_mass[i] == 0) continue;
+    depth = std::max(depth, shader::depth_in_colliders(set, set.count, context.substep, state.position.at(i)));
+  }
+  return depth;
 }
 
 void run_pass(const PassStep& step, const PassContext& context, ClothState& state, Measures& measures) {

@@ -27,6 +27,9 @@ struct PassContext {
 void move_pins(const PassContext& context, ClothState& state, uint32_t first, uint32_t last);  ///< entries of the list
 void collide_pixels(const PassContext& context, ClothState& state, uint32_t first, uint32_t last);
 void normal_pixels(ClothState& state, uint32_t first, uint32_t last);
+/// Largest depth of a pixel in a collider [m].
+[[nodiscard]] float penetration_of_pixels(const PassContext& context, const ClothState& state, uint32_t first,
+                                          uint32_t last);
 /// Where the pins pass puts a pin that is at `position`.
 [[nodiscard]] shader::vec3 pinned_position(const PassContext& context, uint32_t pin, const shader::vec3& position);
 

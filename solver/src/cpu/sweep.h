@@ -24,7 +24,8 @@ enum class RowKernel : uint8_t {
   bends_across,       ///< blocks: rest, inverse, chord
   bends_along,        ///< blocks over every third column and the next two: rest, inverse, chord
   limit,              ///< blocks: longest; anchors
-  collide             ///< runs
+  collide,            ///< runs
+  check_colliders     ///< runs
 };
 
 /// Neighbouring pixels, first <= i < last.
@@ -46,6 +47,7 @@ struct RowStream {
 /// One pass in a sweep: at the time t of the sweep it works on the row t - lag.
 struct SweepOp {
   RowKernel kernel;
+  Pass pass = Pass::predict;  ///< whose time it is
   uint32_t lag = 0;
   uint32_t offset = 0;  ///< pixels from one end of a constraint to the next
   float share = 1;
@@ -81,6 +83,8 @@ struct SweepFrame {
   const ColliderGuard* guards = nullptr;  ///< for each substep one for each collider
   bool collide_all = false;               ///< no point is certainly untouched
   bool simple_colliders = false;          ///< see is_simple()
+  float* penetration = nullptr;           ///< [m] of each substep, raised by check_colliders
+  double* seconds = nullptr;              ///< of a sample of the rows, for each substep one for each pass
 };
 
 /// Runs the sweep of one substep. Waits, row by row, until `ahead` has come far enough, and tells its own way.

@@ -5,6 +5,8 @@
 // Rows are contiguous, so constraints across rows vectorise as they stand. Along a row two vectors are taken apart into
 // the ends of the constraints (even and odd columns) by shuffles that stay within 128 bits, and put together again.
 #include <algorithm>
+#include <array>
+#include <chrono>
 #include <cmath>
 #include <thread>
 
@@ -262,22 +264,40 @@ HWY_NOINLINE void limit(D d, const SweepOp& op, ClothState& state, const float* 
 
 /// Which lanes count: all of a vector, or the first ones at the end of a run.
 struct AllLanes {};
-template <class D>
-HWY_INLINE Vec<D> load(D d, AllLanes, const float* p) {
+struct FirstLanes {
+  size_t count;
+};
+template <class D, class T>
+HWY_INLINE hn::Vec<D> load(D d, AllLanes, const T* p) {
   return hn::LoadU(d, p);
-}
-template <class D>
-HWY_INLINE Vec<D> load(D d, Mask<D> lanes, const float* p) {
-  return hn::MaskedLoad(lanes, d, p);
 }
 template <class D>
 HWY_INLINE void store(D d, Vec<D> v, AllLanes, float* p) {
   hn::StoreU(v, d, p);
 }
-template <class D>
-HWY_INLINE void store(D d, Vec<D> v, Mask<D> lanes, float* p) {
-  hn::BlendedStore(v, lanes, d, p);
+#if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3
+template <class D, class T>
+HWY_INLINE hn::Vec<D> load(D d, FirstLanes lanes, const T* p) {
+  return hn::MaskedLoad(hn::FirstN(d, lanes.count), d, p);
 }
+template <class D>
+HWY_INLINE void store(D d, Vec<D> v, FirstLanes lanes, float* p) {
+  hn::BlendedStore(v, hn::FirstN(d, lanes.count), d, p);
+}
+#else  // there masked access touches all of a vector, and wants it aligned
+template <class D, class T>
+HWY_INLINE hn::Vec<D> load(D d, FirstLanes lanes, const T* p) {
+  HWY_ALIGN std::array<T, hn::MaxLanes(D())> buffer{};
+  std::copy_n(p, lanes.count, buffer.begin());
+  return hn::Load(d, buffer.data());
+}
+template <class D>
+HWY_INLINE void store(D d, Vec<D> v, FirstLanes lanes, float* p) {
+  HWY_ALIGN std::array<float, hn::MaxLanes(D())> buffer;
+  hn::Store(v, d, buffer.data());
+  std::copy_n(buffer.begin(), lanes.count, p);
+}
+#endif
 template <class D, class Lanes>
 HWY_INLINE Points<D> load(D d, Lanes lanes, const PointRow& p) {
   return {load(d, lanes, p.x), load(d, lanes, p.y), load(d, lanes, p.z)};
@@ -303,7 +323,7 @@ HWY_INLINE void for_run(D d, const Run& run, const Body& body) {
   const auto lanes = static_cast<uint32_t>(hn::Lanes(d));
   uint32_t i = run.first;
   for (; i + lanes <= run.last; i += lanes) body(i, AllLanes());
-  if (i < run.last) body(i, hn::FirstN(d, run.last - i));
+  if (i < run.last) body(i, FirstLanes{run.last - i});
 }
 
 /// lib/vector.h: sin(2 pi t).
@@ -497,13 +517,33 @@ HWY_INLINE bool collide_lanes(D d, const PassContext& context, Mask<D> lanes, Po
   return true;
 }
 
+/// Points that a collider may touch when they went that way.
+template <class D>
+HWY_INLINE Mask<D> near_colliders(D d, const SweepFrame& frame, uint32_t substep, const Points<D>& position,
+                                  Vec<D> way) {
+  const size_t count = frame.contexts[substep].frame.shapes.size();
+  const ColliderGuard* guards = frame.guards + substep * count;
+  const auto twice = hn::Add(way, way);
+  Mask<D> near = hn::Gt(hn::Zero(d), hn::Zero(d));
+  for (size_t c = 0; c < count; ++c) {
+    const ColliderGuard& guard = guards[c];
+    const Points<D> place = set(d, guard.x, guard.y, guard.z);
+    const auto reach = hn::Add(hn::Set(d, guard.reach), twice);
+    if (guard.plane) {
+      near = hn::Or(near, hn::Lt(dot(d, position, place), reach));
+    } else {
+      const Points<D> from = sub(position, place);
+      near = hn::Or(near, hn::Lt(dot(d, from, from), hn::Mul(reach, reach)));
+    }
+  }
+  return near;
+}
+
 /// Where no collider can reach, collide.h leaves a point as it is.
 template <class D>
 HWY_NOINLINE void collide(D d, const SweepFrame& frame, uint32_t substep, const Run& run) {
   const PassContext& context = frame.contexts[substep];
   ClothState& state = *frame.state;
-  const auto count = static_cast<uint32_t>(context.frame.shapes.size());
-  const ColliderGuard* guards = frame.guards + size_t{substep} * count;
   if (frame.collide_all) return collide_pixels(context, state, run.first, run.last);
   for_run(d, run, [&](uint32_t i, auto lanes) HWY_ATTR {
     const PointRow p = at(state.position, i), pp = at(state.previous, i), pc = at(state.carry, i);
@@ -511,20 +551,7 @@ HWY_NOINLINE void collide(D d, const SweepFrame& frame, uint32_t substep, const 
     points.position = load(d, lanes, p);
     points.previous = load(d, lanes, pp);
     const auto way = length(d, sub(points.position, points.previous));
-    const auto twice = hn::Add(way, way);
-    Mask<D> near = hn::Gt(hn::Zero(d), hn::Zero(d));
-    for (uint32_t c = 0; c < count; ++c) {
-      const ColliderGuard& guard = guards[c];
-      const auto reach = hn::Add(hn::Set(d, guard.reach), twice);
-      Mask<D> near_this;
-      if (guard.plane) {
-        near_this = hn::Lt(dot(d, points.position, set(d, guard.x, guard.y, guard.z)), reach);
-      } else {
-        const Points<D> from = sub(points.position, set(d, guard.x, guard.y, guard.z));
-        near_this = hn::Lt(dot(d, from, from), hn::Mul(reach, reach));
-      }
-      near = hn::Or(near, near_this);
-    }
+    const auto near = near_colliders(d, frame, substep, points.position, way);
     if (hn::AllFalse(d, near)) return;
     points.carry = load(d, lanes, pc);
     const auto free = hn::Gt(load(d, lanes, &state.inverse_mass[i]), hn::Zero(d));
@@ -538,25 +565,29 @@ HWY_NOINLINE void collide(D d, const SweepFrame& frame, uint32_t substep, const 
 }
 
 template <class D>
+HWY_NOINLINE void check_colliders(D d, const SweepFrame& frame, uint32_t substep, const Run& run) {
+  const PassContext& context = frame.contexts[substep];
+  ClothState& state = *frame.state;
+  float depth = frame.penetration[substep];
+  for_run(d, run, [&](uint32_t i, auto lanes) HWY_ATTR {
+    const Points<D> position = load(d, lanes, at(state.position, i));
+    if (hn::AllFalse(d, near_colliders(d, frame, substep, position, hn::Zero(d)))) return;
+    const uint32_t last = std::min(run.last, i + static_cast<uint32_t>(hn::Lanes(d)));
+    depth = std::max(depth, penetration_of_pixels(context, state, i, last));
+  });
+  frame.penetration[substep] = depth;
+}
+
+template <class D>
 HWY_INLINE Points<D> cross(const Points<D>& a, const Points<D>& b) {
   return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)), hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
           hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
 }
-template <class D>
-HWY_INLINE auto load_bits(D, AllLanes, const uint32_t* p) {
-  return hn::LoadU(hn::RebindToUnsigned<D>(), p);
-}
-template <class D>
-HWY_INLINE auto load_bits(D, Mask<D> lanes, const uint32_t* p) {
-  const hn::RebindToUnsigned<D> du;
-  return hn::MaskedLoad(hn::RebindMask(du, lanes), du, p);
-}
-
 /// lib/normal.h: what the cells from pixel i on give to their corner, for as many cells as a vector has lanes.
 template <size_t kCorner, class D, class Lanes>
 HWY_INLINE Points<D> corner_normal(D d, Lanes mask, ClothState& state, size_t i) {
   const hn::RebindToUnsigned<D> du;
-  const auto bits = load_bits(d, mask, &state.data.cell[i]);
+  const auto bits = load(du, mask, &state.data.cell[i]);
   const auto has = [&](uint32_t bit)
                        HWY_ATTR { return hn::RebindMask(d, hn::Ne(hn::And(bits, hn::Set(du, bit)), hn::Zero(du))); };
   const size_t width = state.data.width;
@@ -634,6 +665,9 @@ HWY_INLINE void run_row(D d, const SweepFrame& frame, const SweepOp& op, uint32_
     case RowKernel::collide:
       for (uint32_t k = first; k < last; ++k) collide(d, frame, substep, stream.runs[k]);
       break;
+    case RowKernel::check_colliders:
+      for (uint32_t k = first; k < last; ++k) check_colliders(d, frame, substep, stream.runs[k]);
+      break;
   }
 }
 
@@ -651,6 +685,25 @@ inline void wait_until(const std::atomic<uint32_t>& progress, uint32_t time) {
   }
 }
 
+/// One row in so many is timed: odd and no multiple of 3, so that all groups of rows are met.
+constexpr uint32_t kSampledRows = 13;
+constexpr uint32_t kFewRows = 100;  ///< that all are timed
+
+template <class D>
+HWY_NOINLINE void time_rows(D d, const SweepFrame& frame, uint32_t substep, uint32_t time) {
+  using Clock = std::chrono::steady_clock;
+  const std::vector<SweepOp>& ops = frame.sweep->ops;
+  double* seconds = frame.seconds + substep * ops.size();
+  auto start = Clock::now();
+  for (size_t k = 0; k < ops.size() && ops[k].lag <= time; ++k) {
+    if (time - ops[k].lag >= frame.state->data.height) continue;
+    run_row(d, frame, ops[k], substep, time - ops[k].lag);
+    const auto end = Clock::now();
+    seconds[k] += std::chrono::duration<double>(end - start).count();
+    start = end;
+  }
+}
+
 template <class D>
 void sweep_rows(D d, const SweepFrame& frame, uint32_t substep, const std::atomic<uint32_t>* ahead,
                 std::atomic<uint32_t>* own) {
@@ -658,9 +711,13 @@ void sweep_rows(D d, const SweepFrame& frame, uint32_t substep, const std::atomi
   const uint32_t height = frame.state->data.height, end = height + sweep.last_lag;
   for (uint32_t time = 0; time < end; ++time) {
     if (ahead != nullptr) wait_until(*ahead, std::min(end, time + sweep.distance));
-    for (const SweepOp& op : sweep.ops) {
-      if (op.lag > time) break;  // lags ascend
-      if (time - op.lag < height) run_row(d, frame, op, substep, time - op.lag);
+    if (frame.seconds != nullptr && (end < kFewRows || time % kSampledRows == 0)) {
+      time_rows(d, frame, substep, time);
+    } else {
+      for (const SweepOp& op : sweep.ops) {
+        if (op.lag > time) break;  // lags ascend
+        if (time - op.lag < height) run_row(d, frame, op, substep, time - op.lag);
+      }
     }
     if (own != nullptr) own->store(time + 1, std::memory_order_release);
   }

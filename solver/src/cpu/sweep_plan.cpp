@@ -84,13 +84,14 @@ class SweepPlanner {
         plan_->parts_.emplace_back(Sweep{});
         reaches_.clear();
       }
-      append(std::get<Sweep>(plan_->parts_.back()), *op);
+      append(std::get<Sweep>(plan_->parts_.back()), step.pass, *op);
     }
     return std::move(plan_);
   }
 
  private:
-  void append(Sweep& sweep, SweepOp op) {
+  void append(Sweep& sweep, Pass pass, SweepOp op) {
+    op.pass = pass;
     const Reach reach = reach_of(op);
     for (size_t k = 0; k < sweep.ops.size(); ++k) {
       op.lag = std::max(op.lag, sweep.ops[k].lag + reach.down + reaches_[k].up);
@@ -132,6 +133,8 @@ class SweepPlanner {
         return over_runs(RowKernel::predict);
       case Pass::collide:
         return over_runs(RowKernel::collide);
+      case Pass::check_colliders:
+        return over_runs(RowKernel::check_colliders);
       case Pass::pins:
         return pins();
       case Pass::structural:
@@ -157,13 +160,13 @@ class SweepPlanner {
       run_stream_->runs = runs_;
       first_of_rows(*run_stream_, runs_.size(), [&](size_t k) { return runs_[k].first; });
     }
-    return {kernel, 0, 0, 1, run_stream_};
+    return {.kernel = kernel, .stream = run_stream_};
   }
 
   SweepOp pins() {
     RowStream& stream = new_stream();
     first_of_rows(stream, cloth_.pins.size(), [&](size_t k) { return cloth_.pins[k].pixel.x; });
-    return {RowKernel::pins, 0, 0, 1, &stream};
+    return {.kernel = RowKernel::pins, .stream = &stream};
   }
 
   /// Entries whose pixels ascend.
@@ -228,7 +231,7 @@ class SweepPlanner {
           });
     }
     stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
-    return {kernel, 0, offset, share_of(cloth_.params, component), &stream};
+    return {.kernel = kernel, .offset = offset, .share = share_of(cloth_.params, component), .stream = &stream};
   }
 
   void add_block(RowStream& stream, uint32_t first, uint32_t constants) const {
@@ -276,7 +279,7 @@ class SweepPlanner {
           });
     }
     stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
-    return {kernel, 0, offset, 1, &stream};
+    return {.kernel = kernel, .offset = offset, .stream = &stream};
   }
 
   struct BendConstants {
@@ -326,7 +329,7 @@ class SweepPlanner {
     }
     stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
     for (size_t k = 0; k < stream.pixel.size(); ++k) stream.first_anchor.push_back(first_anchor(stream, k));
-    return SweepOp{RowKernel::limit, 0, 0, 1, &stream};
+    return SweepOp{.kernel = RowKernel::limit, .stream = &stream};
   }
 
   /// Of a block whose lanes' anchors follow each other.

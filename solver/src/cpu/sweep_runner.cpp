@@ -6,6 +6,8 @@
 #include "cpu/sweep_runner.h"
 
 #include <algorithm>
+#include <chrono>
+#include <numeric>
 
 namespace geocloth::cpu {
 
@@ -34,16 +36,30 @@ void SweepRunner::place_anchors(const ClothState& state) {
   }
 }
 
-void SweepRunner::run_side_by_side(const SweepFrame& sweep, uint32_t substeps, const Threads& threads) {
-  if (progress_.size() != substeps) progress_ = std::vector<std::atomic<uint32_t>>(substeps);
+void SweepRunner::run_substeps(SweepFrame& frame, const Sweep& sweep, uint32_t first, uint32_t last,
+                               const Threads& threads, const Measuring& measuring) {
+  using Clock = std::chrono::steady_clock;
+  const auto start = Clock::now();
+  frame.sweep = &sweep;
+  if (measuring.seconds != nullptr) seconds_.assign(contexts_.size() * sweep.ops.size(), 0.0);
+  frame.seconds = measuring.seconds != nullptr ? seconds_.data() : nullptr;
+
+  if (progress_.size() != contexts_.size()) progress_ = std::vector<std::atomic<uint32_t>>(contexts_.size());
   for (std::atomic<uint32_t>& p : progress_) p.store(0, std::memory_order_relaxed);
   // Substeps are taken in order, so the first unfinished one never waits for one that nobody has begun.
-  std::atomic<uint32_t> next{0};
-  threads.for_each_thread(substeps, [&] {
-    for (uint32_t s = next.fetch_add(1); s < substeps; s = next.fetch_add(1)) {
-      run_sweep(plan_->lanes(), sweep, s, s > 0 ? &progress_[s - 1] : nullptr, &progress_[s]);
+  std::atomic<uint32_t> next{first};
+  threads.for_each_thread(last - first, [&] {
+    for (uint32_t s = next.fetch_add(1); s < last; s = next.fetch_add(1)) {
+      run_sweep(plan_->lanes(), frame, s, s > first ? &progress_[s - 1] : nullptr, &progress_[s]);
     }
   });
+
+  if (measuring.seconds == nullptr) return;
+  const double sampled = std::accumulate(seconds_.begin(), seconds_.end(), 0.0);
+  const double all = std::chrono::duration<double>(Clock::now() - start).count();
+  for (size_t k = 0; k < seconds_.size(); ++k) {
+    (*measuring.seconds)[static_cast<size_t>(sweep.ops[k % sweep.ops.size()].pass)] += all * seconds_[k] / sampled;
+  }
 }
 
 void SweepRunner::normals(const Threads& threads, ClothState& state) const {
@@ -54,7 +70,7 @@ void SweepRunner::normals(const Threads& threads, ClothState& state) const {
 }
 
 bool SweepRunner::run(const FrameInput& frame, const ClothFrame& cloth, const ScheduleOptions& options,
-                      const Threads& threads, ClothState& state,
+                      const Threads& threads, ClothState& state, const Measuring& measuring,
                       const std::function<void(const PassStep&, const PassContext&)>& pass) {
   prepare(state, cloth, options);
   if (!plan_) return false;
@@ -72,21 +88,25 @@ bool SweepRunner::run(const FrameInput& frame, const ClothFrame& cloth, const Sc
                    cloth.params.max_step > 0,
                    std::all_of(frame.shapes.begin(), frame.shapes.end(), is_simple)};
 
+  penetration_.assign(substeps, 0.F);
+  sweep.penetration = penetration_.data();
+
   const std::vector<SweepPlan::Part>& parts = plan_->parts();
   if (parts.size() == 1 && std::holds_alternative<Sweep>(parts.front())) {
-    sweep.sweep = &std::get<Sweep>(parts.front());
-    run_side_by_side(sweep, substeps, threads);
-    return true;
-  }
-  for (uint32_t s = 0; s < substeps; ++s) {
-    for (const SweepPlan::Part& part : parts) {
-      if (const auto* step = std::get_if<PassStep>(&part)) {
-        pass(*step, contexts_[s]);
-      } else {
-        sweep.sweep = &std::get<Sweep>(part);
-        run_sweep(plan_->lanes(), sweep, s, nullptr, nullptr);
+    run_substeps(sweep, std::get<Sweep>(parts.front()), 0, substeps, threads, measuring);
+  } else {
+    for (uint32_t s = 0; s < substeps; ++s) {
+      for (const SweepPlan::Part& part : parts) {
+        if (const auto* step = std::get_if<PassStep>(&part)) {
+          pass(*step, contexts_[s]);
+        } else {
+          run_substeps(sweep, std::get<Sweep>(part), s, s + 1, threads, measuring);
+        }
       }
     }
+  }
+  for (const float depth : penetration_) {
+    measuring.measures->penetration = std::max(measuring.measures->penetration, depth);
   }
   return true;
 }

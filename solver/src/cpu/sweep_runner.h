@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -14,11 +15,18 @@ class SweepRunner {
  public:
   explicit SweepRunner(const ClothState& state) : runs_(valid_runs(state)) {}
 
+  /// What is measured on the way.
+  struct Measuring {
+    Measures* measures = nullptr;                           ///< raised by the checks
+    std::array<double, kPasses.size()>* seconds = nullptr;  ///< of each pass, added to; none: not measured
+  };
+
   /// Runs all substeps of a frame.
-  /// @param pass  runs what does not go by rows: one entry of the schedule in one substep
+  /// @param pass  runs, and times, what does not go by rows: one entry of the schedule in one substep
   /// @return false, with nothing done, when the cloth is too narrow for vectors
   bool run(const FrameInput& frame, const ClothFrame& cloth, const ScheduleOptions& options, const Threads& threads,
-           ClothState& state, const std::function<void(const PassStep&, const PassContext&)>& pass);
+           ClothState& state, const Measuring& measuring,
+           const std::function<void(const PassStep&, const PassContext&)>& pass);
 
   /// Unit normals of all pixels from their own cells.
   void normals(const Threads& threads, ClothState& state) const;
@@ -35,7 +43,9 @@ class SweepRunner {
 
   void prepare(const ClothState& state, const ClothFrame& cloth, const ScheduleOptions& options);
   void place_anchors(const ClothState& state);
-  void run_side_by_side(const SweepFrame& sweep, uint32_t substeps, const Threads& threads);
+  /// Runs a sweep in the substeps first .. last - 1 and shares its time out among its passes.
+  void run_substeps(SweepFrame& frame, const Sweep& sweep, uint32_t first, uint32_t last, const Threads& threads,
+                    const Measuring& measuring);
 
   std::vector<Run> runs_;
   bool planned_ = false;
@@ -44,6 +54,8 @@ class SweepRunner {
   std::vector<PassContext> contexts_;
   std::vector<float> anchors_;
   std::vector<ColliderGuard> guards_;
+  std::vector<float> penetration_;
+  std::vector<double> seconds_;
   std::vector<std::atomic<uint32_t>> progress_;
 };
 
