@@ -11,6 +11,7 @@
 
 #include <sys/resource.h>
 
+#include "canonical_order.h"
 #include "geocloth/asset/error.h"
 #include "geocloth/asset/grid_mesh.h"
 #include "point_math.h"
@@ -133,7 +134,11 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& optio
   report.source_faces = polygon_count(mesh);
   report.source_bbox_diagonal = bounding_diagonal(mesh.position);
 
-  const RepairResult repaired = stages.run("repair", [&] { return repair_mesh(mesh, options.repair, progress); });
+  const RepairResult repaired = stages.run("repair", [&] {
+    RepairResult r = repair_mesh(mesh, options.repair, progress);
+    put_in_canonical_order(r.surface);
+    return r;
+  });
   report.source = repaired.source;
   report.repairs = repaired.repairs;
   report.cleaned = repaired.cleaned;

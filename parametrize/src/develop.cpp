@@ -11,7 +11,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
+
+#include <tbb/parallel_for.h>
 
 #include "chart_overlap.h"
 #include "embed_chart.h"
@@ -25,11 +28,17 @@
 namespace geocloth {
 namespace {
 
+constexpr size_t kTrialWork = 40'000;  // triangles that trials of a cut may have together
+constexpr size_t kLeastTrials = 1, kMostTrials = 6;
+constexpr uint32_t kTrialSteps = 6;
+constexpr double kApart = 0.15;  // between the places tried, by the root of the area
+
 // ------------------------------------------------------------------------------------------------ cuts that pay
 
-/// Places worth a cut, worst first: interior vertices by the excess energy of the triangles within two rings.
-std::vector<uint32_t> worst_vertices(const Chart& c, const std::vector<double>& energy,
-                                     const std::vector<uint8_t>& closed) {
+/// Places worth a cut, worst first: interior vertices by the excess energy of the triangles within two rings, apart
+/// from each other and as far from the outline as a cut should be long.
+std::vector<uint32_t> worst_vertices(const Chart& c, const std::vector<double>& energy, const Distances& way_out,
+                                     double least_cut, size_t count) {
   std::vector<double> ring(c.position.size(), 0), score(c.position.size(), 0);
   for (size_t t = 0; t < c.triangle.size(); ++t) {
     const Triangle& k = c.triangle[t];
@@ -41,13 +50,20 @@ std::vector<uint32_t> worst_vertices(const Chart& c, const std::vector<double>& 
   }
   std::vector<uint32_t> order;
   for (uint32_t v = 0; v < score.size(); ++v) {
-    if (closed[v] == 0) order.push_back(v);
+    if (way_out.value[v] > 0 && way_out.value[v] >= least_cut && way_out.from[v] != kNone) order.push_back(v);
   }
-  const size_t keep = std::min<size_t>(order.size(), 64);
-  std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(keep), order.end(),
-                    [&](uint32_t a, uint32_t b) { return score[a] != score[b] ? score[a] > score[b] : a < b; });
-  order.resize(keep);
-  return order;
+  std::sort(order.begin(), order.end(),
+            [&](uint32_t a, uint32_t b) { return score[a] != score[b] ? score[a] > score[b] : a < b; });
+  // One of each region.
+  const double apart = kApart * std::sqrt(total_area(c));
+  std::vector<uint32_t> chosen;
+  for (const uint32_t v : order) {
+    if (chosen.size() == count) break;
+    const bool near = std::any_of(chosen.begin(), chosen.end(),
+                                  [&](uint32_t w) { return distance(c.position[v], c.position[w]) < apart; });
+    if (!near) chosen.push_back(v);
+  }
+  return chosen;
 }
 
 class Developer {
@@ -78,33 +94,43 @@ class Developer {
   /// Minimises the energy and opens cuts while they pay.
   void relax(Chart& chart) {
     double energy = minimise(chart, 80, 1e-4);
-    int refused = 0;
-    while (energy > options_.target_energy && cuts_left_ > 0 && refused < 3) {
-      const std::vector<uint8_t> closed = on_outline(chart);
-      const std::vector<double> per_triangle =
-          SymmetricDirichlet(chart.position, chart.triangle, {}).energy_per_triangle(chart.uv);
-      const std::vector<uint32_t> worst = worst_vertices(chart, per_triangle, closed);
-      const auto candidate = static_cast<size_t>(refused) * 20;
-      if (candidate >= worst.size()) break;
-      const std::vector<uint32_t> path = distances(chart, outline_loop(chart), closed).path_from(worst[candidate]);
-      if (path.size() < 2) break;
-      if (path_length(chart, path) < options_.least_cut) {
-        ++refused;
-        continue;
-      }
-      Chart trial = opened(chart, path);
-      const double reached = minimise(trial, 12, 1e-3);
-      const double price = options_.cut_price * path_length(chart, path) / std::sqrt(total_area(chart));
-      if (energy - reached > price) {
-        chart = std::move(trial);
-        energy = reached;
-        --cuts_left_;
-        refused = 0;
-      } else {
-        ++refused;
-      }
+    while (energy > options_.target_energy && cuts_left_ > 0) {
+      std::optional<Trial> best = best_cut(chart, energy);
+      if (!best) break;
+      chart = std::move(best->chart);
+      energy = minimise(chart, 20, 5e-5);
+      --cuts_left_;
     }
     minimise(chart, 30, 1e-6);
+  }
+
+  struct Trial {
+    Chart chart;
+    double energy = 0;
+    double gain = 0;  // fall of the energy beyond the price of the cut
+  };
+
+  /// Of several places, the cut that brings most for its length; nothing when none pays.
+  [[nodiscard]] std::optional<Trial> best_cut(const Chart& chart, double energy) const {
+    const size_t count = std::clamp<size_t>(kTrialWork / chart.triangle.size(), kLeastTrials, kMostTrials);
+    const Distances way_out = distances(chart, outline_loop(chart), on_outline(chart));
+    const std::vector<double> per_triangle =
+        SymmetricDirichlet(chart.position, chart.triangle, {}).energy_per_triangle(chart.uv);
+    const std::vector<uint32_t> worst = worst_vertices(chart, per_triangle, way_out, options_.least_cut, count);
+    std::vector<std::optional<Trial>> trials(worst.size());
+    tbb::parallel_for(size_t{0}, worst.size(), [&](size_t i) {
+      const std::vector<uint32_t> path = way_out.path_from(worst[i]);
+      const double length = path_length(chart, path);
+      Trial trial{opened(chart, path)};
+      trial.energy = minimise(trial.chart, kTrialSteps, 5e-5);
+      trial.gain = energy - trial.energy - options_.cut_price * length / std::sqrt(total_area(chart));
+      if (trial.gain > 0) trials[i] = std::move(trial);
+    });
+    std::optional<Trial> best;
+    for (std::optional<Trial>& t : trials) {
+      if (t && (!best || t->gain > best->gain)) best = std::move(t);
+    }
+    return best;
   }
 
   static double minimise(Chart& chart, uint32_t iterations, double tolerance) {
@@ -159,13 +185,14 @@ DevelopedSurface assembled(const CutSurface& cut, const std::vector<Chart>& char
 }  // namespace
 
 DevelopedSurface develop(const CutSurface& cut, const DevelopOptions& options, const Progress& progress) {
+  std::vector<std::vector<uint32_t>> parts = triangles_of_components(cut);
+  std::vector<std::vector<Chart>> developed(parts.size());
+  tbb::parallel_for(size_t{0}, parts.size(),
+                    [&](size_t i) { developed[i] = Developer(cut, options).develop_component(std::move(parts[i])); });
+  if (progress) progress("flatten", 0.3);
   std::vector<Chart> charts;
-  size_t finished = 0;
-  Developer developer(cut, options);
-  for (std::vector<uint32_t>& part : triangles_of_components(cut)) {
-    finished += part.size();
-    for (Chart& chart : developer.develop_component(std::move(part))) charts.push_back(std::move(chart));
-    if (progress) progress("flatten", static_cast<double>(finished) / static_cast<double>(cut.triangle.size()));
+  for (std::vector<Chart>& of_part : developed) {
+    for (Chart& chart : of_part) charts.push_back(std::move(chart));
   }
   const Sheet sheet = find_sheet(cut);
   merge_charts(charts, sheet, {.most_energy = options.target_energy, .seam_price = options.cut_price});

@@ -22,9 +22,10 @@
 namespace geocloth {
 namespace {
 
-constexpr double kSameGrain = 0.9;       // least cosine between two charts' grain lines
+constexpr double kSameGrain = 0.7;       // least cosine between two charts' grain lines
 constexpr double kLevel = 0.3;           // strength below which a chart's grain says nothing
 constexpr size_t kMostWork = 1'000'000;  // triangles relaxed in attempts
+constexpr size_t kFreshStart = 5;        // what a start from Tutte's embedding costs, in attempts
 constexpr double kLeastShare = 0.05;     // of the shorter outline: shorter arcs make no good seam to keep closed
 
 /// A stretch that two charts' outlines share: places in the loops, that of the first ascending, of the second
@@ -133,7 +134,12 @@ class Merger {
     const double before = (energy_[arc.a] * total_area(a) + energy_[arc.b] * total_area(b)) / area;
     const double most = std::min(options_.most_energy, before + options_.seam_price * arc.length / std::sqrt(area));
     std::optional<Chart> merged = sewn(arc);
-    if (!merged || !flip_free(*merged)) return std::nullopt;
+    if (!merged) return std::nullopt;
+    if (!flip_free(*merged)) {
+      work_ += kFreshStart * merged->triangle.size();
+      if (!embed_on_circle(*merged)) return std::nullopt;
+      (void)SymmetricDirichlet(merged->position, merged->triangle, {}).minimise(merged->uv, 60, 1e-3);
+    }
     SymmetricDirichlet energy(merged->position, merged->triangle, {});
     // A few steps tell most failures.
     for (const uint32_t steps : {5U, 30U}) {
