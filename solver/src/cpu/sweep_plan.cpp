@@ -369,6 +369,27 @@ size_t SweepPlan::memory_bytes() const {
   return sum;
 }
 
+size_t SweepPlan::bytes_per_substep() const {
+  constexpr size_t kPoint = 3 * sizeof(float);
+  size_t pixels = 0;
+  for (const auto& s : streams_)
+    for (const Run& run : s->runs) pixels += run.last - run.first;
+  size_t sum = 0;
+  for (const Part& part : parts_) {
+    if (!std::holds_alternative<Sweep>(part)) continue;
+    bool moves_history = false;
+    for (const SweepOp& op : std::get<Sweep>(part).ops) {
+      moves_history = moves_history || op.kernel == RowKernel::predict || op.kernel == RowKernel::collide;
+      sum += sizeof(float) * (op.stream->constants.size() + op.stream->anchors.size()) +
+             sizeof(uint32_t) * op.stream->pixel.size();
+      if (op.kernel == RowKernel::normals) sum += pixels * (sizeof(uint32_t) + kPoint + sizeof(float));
+    }
+    sum += pixels * (2 * kPoint + sizeof(float));         // position both ways, inverse mass
+    if (moves_history) sum += pixels * (2 * kPoint * 2);  // previous and carry both ways
+  }
+  return sum;
+}
+
 std::vector<Run> valid_runs(const ClothState& state) {
   std::vector<Run> runs;
   const uint32_t width = state.data.width;

@@ -23,6 +23,8 @@ class SweepPlan {
   [[nodiscard]] uint32_t lanes() const { return lanes_; }
   [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
   [[nodiscard]] size_t memory_bytes() const;
+  /// What a substep reads and writes of state and constants when every sweep goes through memory once.
+  [[nodiscard]] size_t bytes_per_substep() const;
 
  private:
   friend class SweepPlanner;

@@ -48,11 +48,12 @@ void SweepRunner::run_substeps(SweepFrame& frame, const Sweep& sweep, uint32_t f
   for (std::atomic<uint32_t>& p : progress_) p.store(0, std::memory_order_relaxed);
   // Substeps are taken in order, so the first unfinished one never waits for one that nobody has begun.
   std::atomic<uint32_t> next{first};
-  threads.for_each_thread(last - first, [&] {
+  const auto work = [&] {
     for (uint32_t s = next.fetch_add(1); s < last; s = next.fetch_add(1)) {
       run_sweep(plan_->lanes(), frame, s, s > first ? &progress_[s - 1] : nullptr, &progress_[s]);
     }
-  });
+  };
+  threads.for_each_thread(last - first, work);
 
   if (measuring.seconds == nullptr) return;
   const double sampled = std::accumulate(seconds_.begin(), seconds_.end(), 0.0);

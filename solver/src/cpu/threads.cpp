@@ -27,7 +27,7 @@ Threads::~Threads() = default;
 Threads::Threads(Threads&&) noexcept = default;
 Threads& Threads::operator=(Threads&&) noexcept = default;
 
-void Threads::for_range(uint32_t count, uint32_t grain, const std::function<void(uint32_t, uint32_t)>& body) const {
+void Threads::run_range(uint32_t count, uint32_t grain, const std::function<void(uint32_t, uint32_t)>& body) const {
   if (!arena_ || count <= grain) {
     if (count > 0) body(0, count);
     return;
@@ -41,7 +41,7 @@ void Threads::for_range(uint32_t count, uint32_t grain, const std::function<void
   });
 }
 
-void Threads::for_each_thread(uint32_t most, const std::function<void()>& body) const {
+void Threads::run_in_each(uint32_t most, const std::function<void()>& body) const {
   const int workers = arena_ ? std::min(arena_->arena.max_concurrency(), static_cast<int>(most)) : 1;
   if (workers <= 1) return body();
   arena_->arena.execute([&] {
