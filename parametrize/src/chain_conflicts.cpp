@@ -213,6 +213,26 @@ void add_conflicts(std::span<const Edge> same, std::vector<ChainConflict>& confl
   }
 }
 
+/// What keeps a cell from being split along a diagonal.
+/// @param edges  all edges, ascending by their points
+void add_diagonal_conflicts(const Edge& diagonal, const std::vector<Edge>& edges,
+                            std::vector<ChainConflict>& conflicts) {
+  const auto add = [&](uint32_t a, uint32_t b, int32_t least) {
+    conflicts.push_back({diagonal.chart, {std::min(a, b), std::max(a, b), least}});
+  };
+  const auto [a, b] = diagonal.samples;
+  if (a != kInside && b != kInside) {
+    add(a, b, 3);  // not in one cell
+    return;
+  }
+  // The pixel inside has another copy of the point as its neighbour.
+  const auto by_points = [](const Edge& x, const Edge& y) { return x.points < y.points; };
+  const auto [first, last] = std::equal_range(edges.begin(), edges.end(), diagonal, by_points);
+  for (auto e = first; e != last; ++e) {
+    if (e->samples[0] != a) add(a, e->samples[0], 4);
+  }
+}
+
 }  // namespace
 
 std::vector<ChainConflict> chain_conflicts(std::span<const PointChain> charts) {
@@ -232,12 +252,7 @@ std::vector<ChainConflict> chain_conflicts(std::span<const PointChain> charts) {
   points.reserve(edges.size());
   for (const Edge& e : edges) points.push_back(e.points);
   for (const WholeCell& cell : cells_without_diagonal(std::move(cells), KnownEdges(std::move(points)))) {
-    for (const Edge& diagonal : {cell.falling, cell.rising}) {
-      const auto [a, b] = diagonal.samples;
-      if (a != kInside && b != kInside) {
-        conflicts.push_back({diagonal.chart, {std::min(a, b), std::max(a, b), 3}});  // not in one cell
-      }
-    }
+    for (const Edge& diagonal : {cell.falling, cell.rising}) add_diagonal_conflicts(diagonal, edges, conflicts);
   }
   std::sort(conflicts.begin(), conflicts.end());
   conflicts.erase(std::unique(conflicts.begin(), conflicts.end()), conflicts.end());

@@ -159,20 +159,20 @@ class CellSplitter {
   void split_all() {
     asset_.cell.assign(asset_.pixel_count(), 0);
     split_.assign(asset_.pixel_count(), false);
+    settled_.assign(asset_.pixel_count(), false);
     for (const uint32_t pixel : asset_.splits.pixel) split_[pixel] = true;
     keep_structural_edges();
-    std::vector<uint32_t> open;
     for (uint32_t y = 0; y + 1 < asset_.height; ++y) {
       for (uint32_t x = 0; x + 1 < asset_.width; ++x) {
-        if (!settle(y * asset_.width + x)) open.push_back(y * asset_.width + x);
+        const uint32_t i = y * asset_.width + x;
+        if (!settle(i)) leave_open(i);
       }
     }
-    // A settled cell can take away a choice of another near a seam.
-    for (std::size_t before = open.size() + 1; open.size() < before;) {
-      before = open.size();
-      std::erase_if(open, [&](uint32_t i) { return settle(i); });
+    // A settled cell can take away a choice of others near a seam: they are asked before any further choice.
+    for (const uint32_t i : open_) ask_again(i);
+    for (const uint32_t i : open_) {
+      if (!settled_[i]) decide(i);
     }
-    for (const uint32_t i : open) choose(Cell(asset_, i), possible_diagonals(Cell(asset_, i)));
   }
 
  private:
@@ -208,6 +208,56 @@ class CellSplitter {
     if (possible == both && (may_repeat(k.a, k.d) || may_repeat(k.b, k.c))) return false;
     choose(k, possible);
     return true;
+  }
+
+  [[nodiscard]] PixelPair edge(uint32_t p, uint32_t q) const {
+    return sorted(image_.first_copy[p], image_.first_copy[q]);
+  }
+
+  void leave_open(uint32_t i) {
+    open_.push_back(i);
+    const Cell k(asset_, i);
+    wishes_[edge(k.a, k.d)].push_back(i);
+    wishes_[edge(k.b, k.c)].push_back(i);
+  }
+
+  /// Settles an open cell if no more than one diagonal is left to it, and then those that lost theirs by that.
+  void ask_again(uint32_t cell) {
+    std::vector<uint32_t> asked{cell};
+    while (!asked.empty()) {
+      const uint32_t i = asked.back();
+      asked.pop_back();
+      if (settled_[i] || !settle(i)) continue;
+      settled_[i] = true;
+      append_rivals(i, asked);
+    }
+  }
+
+  /// Splits an open cell that has both diagonals still: by the one that no other open cell may need, if there is one.
+  void decide(uint32_t i) {
+    const Cell k(asset_, i);
+    Diagonal wanted = preferred(k);
+    const bool right_rivals = open_rivals(i, edge(k.a, k.d)), left_rivals = open_rivals(i, edge(k.b, k.c));
+    if (right_rivals != left_rivals) wanted = right_rivals ? left : right;
+    cut(k, wanted);
+    settled_[i] = true;
+    std::vector<uint32_t> rivals;
+    append_rivals(i, rivals);
+    for (const uint32_t r : rivals) ask_again(r);
+  }
+
+  [[nodiscard]] bool open_rivals(uint32_t i, const PixelPair& diagonal) const {
+    const std::vector<uint32_t>& cells = wishes_.at(diagonal);
+    return std::any_of(cells.begin(), cells.end(), [&](uint32_t c) { return c != i && !settled_[c]; });
+  }
+
+  void append_rivals(uint32_t i, std::vector<uint32_t>& rivals) const {
+    const Cell k(asset_, i);
+    for (const PixelPair& diagonal : {edge(k.a, k.d), edge(k.b, k.c)}) {
+      for (const uint32_t c : wishes_.at(diagonal)) {
+        if (!settled_[c]) rivals.push_back(c);
+      }
+    }
   }
 
   void choose(const Cell& k, Diagonal possible) {
@@ -254,6 +304,9 @@ class CellSplitter {
   ClothAsset& asset_;
   std::vector<bool> split_;
   std::unordered_set<PixelPair, PixelPairHash> edges_;
+  std::vector<uint32_t> open_;  ///< cells whose choice matters to others, in order
+  std::vector<bool> settled_;   ///< per cell, of the open ones
+  std::unordered_map<PixelPair, std::vector<uint32_t>, PixelPairHash> wishes_;  ///< open cells by diagonal
 };
 
 // ---------------------------------------------------------------------------------------------------- areas
