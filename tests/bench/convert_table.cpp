@@ -1,23 +1,36 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Converts every mesh of a folder and writes what came out as a Markdown table, one line per file: topology of the
-// surface and of the welded image, the measures that tell a good image from a poor one, and the time; or the reason why
-// the file was refused.
+// Converts every mesh of a folder in each layout and writes what came out as Markdown tables, one line per file, with
+// what misses its target marked; or the reason why a file was refused. Times stand in a table of their own, so that a
+// change of the other lines in git is a change of the geometry.
 //
-//   convert_table FOLDER OUT.md [RESOLUTION]
+//   convert_table FOLDER OUT.md [--resolution N] [--compare OLD.md] [--only PART_OF_NAME]
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <iostream>
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "child_run.h"
 #include "geocloth/asset/error.h"
 #include "geocloth/asset/output_file.h"
 #include "geocloth/parametrize/convert.h"
+#include "markdown_table.h"
+#include "report/targets.h"
 
+namespace geocloth::bench {
 namespace {
+
+constexpr unsigned kLimitSeconds = 900;
+constexpr char kNextCell = '\t';
+
+struct Settings {
+  std::filesystem::path folder, out, old;
+  std::string only;
+  uint32_t resolution = FlattenOptions{}.resolution;
+};
 
 std::string number(double value, int digits) {
   char text[64];
@@ -25,93 +38,227 @@ std::string number(double value, int digits) {
   return text;
 }
 
-std::string topology(uint32_t components, uint32_t loops, int64_t euler) {
-  return std::to_string(components) + " / " + std::to_string(loops) + " / " + std::to_string(euler);
+/// The measures of the report that the table shows, and which way is better.
+struct Column {
+  const char* key;
+  const char* title;
+  Better better;
+};
+constexpr Column kColumns[] = {{"l2_stretch", "L2 stretch", Better::less},
+                               {"symmetric_dirichlet", "Dirichlet", Better::less},
+                               {"anisotropy_p95", "anisotropy p95", Better::less},
+                               {"spring_p99_over_p1", "springs p99/p1", Better::less},
+                               {"spring_min", "spring min", Better::more},
+                               {"spring_max", "spring max", Better::less},
+                               {"shear_deg_p50", "angle p50", Better::less},
+                               {"shear_deg_p95", "angle p95", Better::less},
+                               {"psnr_db", "PSNR", Better::more},
+                               {"max_error", "deviation", Better::less},
+                               {"seam_length", "seam", Better::less},
+                               {"border_share", "border", Better::less},
+                               {"utilisation", "utilisation", Better::more}};
+constexpr const char* kMissed = "missed";
+
+/// Seams are to be no longer than those of the best peer, where there is one (OptCuts, measured), and squares no more
+/// stretched than by the best implementation of the published method (OpenGI, measured).
+struct PeerTarget {
+  const char* mesh;
+  Layout layout;
+  const char* key;
+  double at_most;
+};
+constexpr PeerTarget kPeerTargets[] = {{"diffcloth_tshirt", Layout::panels, "seam_length", 1.79},
+                                       {"diffcloth_sock", Layout::panels, "seam_length", 1.69},
+                                       {"mh_skirt_tube", Layout::panels, "seam_length", 0.59},
+                                       {"codimipc_circle_skirt", Layout::panels, "seam_length", 0.59},
+                                       {"gaia_patterned_skirt", Layout::panels, "seam_length", 0.59},
+                                       {"diffcloth_tshirt", Layout::square, "l2_stretch", 1.434},
+                                       {"diffcloth_sock", Layout::square, "l2_stretch", 1.290}};
+
+double peer_measure(const Quality& q, const std::string& key) {
+  return key == "seam_length" ? q.seam_length : q.l2_stretch;
 }
 
-std::string line_of(const std::filesystem::path& file, const geocloth::ConvertOptions& options) {
-  const geocloth::ConvertResult result = geocloth::convert(file, options);
-  const geocloth::ConvertReport& r = result.report;
-  const geocloth::Quality& q = r.quality;
-  const geocloth::ClothAsset& asset = result.asset;
-  std::string line = std::to_string(r.source_faces) + " | ";
-  line += topology(r.represented.components, r.represented.boundary_loops, r.represented.euler_characteristic) + " | ";
-  line += topology(r.welded.components, r.welded.boundary_loops, r.welded.euler_characteristic) + " | ";
-  line += std::to_string(asset.width) + " x " + std::to_string(asset.height) + " | ";
-  line += std::to_string(asset.chart_count) + " | " + std::to_string(asset.splits.rows()) + " | ";
-  line +=
-      number(q.l2_stretch, 4) + " | " + number(q.symmetric_dirichlet, 4) + " | " + number(q.anisotropy_p95, 3) + " | ";
-  line += number(q.spring_min, 2) + " - " + number(q.spring_max, 3) + " (" + number(q.spring_p99_over_p1, 3) + ") | " +
-          number(q.shear_deg_p50, 2) + " / " + number(q.shear_deg_p95, 3) + " | ";
-  line += number(q.seam_length, 3) + " | " + number(q.psnr_db, 3) + " | " + number(q.binding_error, 2) + " | ";
-  line += number(r.seconds.back().second, 3);
-  std::cout << "  ";
-  for (const auto& [stage, seconds] : r.seconds) std::cout << ' ' << stage << ' ' << number(seconds, 3);
-  std::cout << '\n';
-  for (const std::string& warning : r.warnings) std::cout << "   warning: " << warning << '\n';
-  return line;
+/// Bold where the target is missed, in italics where it is missed by little. Only garments have targets.
+std::string marked(const Measure& measure, const std::filesystem::path& file, const ConvertResult& result) {
+  std::string value = measure.value.substr(0, measure.value.find_first_of(" \xC2"));  // without a unit
+  Verdict verdict = file.parent_path().filename() == "garments" ? measure.verdict : Verdict::none;
+  for (const PeerTarget& peer : kPeerTargets) {
+    if (measure.key != peer.key || file.stem() != peer.mesh || result.asset.layout != peer.layout) continue;
+    verdict = peer_measure(result.report.quality, peer.key) <= peer.at_most ? Verdict::met : Verdict::missed;
+  }
+  if (verdict == Verdict::missed) return "**" + value + "**";
+  return verdict == Verdict::near ? "*" + value + "*" : value;
 }
 
-std::vector<std::filesystem::path> meshes_in(const std::filesystem::path& folder) {
+std::string topology(const Topology& t) {
+  return std::to_string(t.components) + " / " + std::to_string(t.boundary_loops) + " / " +
+         std::to_string(t.euler_characteristic);
+}
+
+/// Runs in the child: all cells but the name, then the seconds of every stage.
+std::string convert_to_cells(const std::filesystem::path& file, const ConvertOptions& options) {
+  const ConvertResult result = convert(file, options);
+  const ConvertReport& report = result.report;
+  std::vector<std::string> cells{std::to_string(report.source_faces), topology(report.represented),
+                                 std::to_string(report.carried.size()), std::to_string(result.asset.chart_count)};
+  const std::vector<MeasureGroup> groups = judge(result);
+  std::size_t missed = 0;
+  for (const Column& column : kColumns) {
+    for (const MeasureGroup& group : groups) {
+      for (const Measure& measure : group.measures) {
+        if (measure.key != column.key) continue;
+        cells.push_back(marked(measure, file, result));
+        if (cells.back().starts_with('*')) ++missed;
+      }
+    }
+  }
+  cells.push_back(std::to_string(missed));
+  std::string stages;
+  for (const auto& [stage, seconds] : report.seconds) stages += stage + " " + number(seconds, 2) + ", ";
+  cells.push_back(stages.substr(0, stages.size() - 2));
+  std::string text;
+  for (const std::string& cell : cells) text += cell + kNextCell;
+  return text;
+}
+
+std::vector<std::string> split(const std::string& text) {
+  std::vector<std::string> cells;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = text.find(kNextCell, at);
+    cells.push_back(text.substr(at, end - at));
+    at = end + 1;
+  }
+  return cells;
+}
+
+std::vector<std::filesystem::path> meshes_in(const Settings& settings) {
   const std::set<std::string> endings{".obj", ".gltf", ".glb", ".ply", ".stl", ".fbx", ".dae"};
   std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
-    if (endings.contains(entry.path().extension().string())) files.push_back(entry.path());
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(settings.folder)) {
+    const bool wanted = entry.path().string().find(settings.only) != std::string::npos;
+    if (wanted && endings.contains(entry.path().extension().string())) files.push_back(entry.path());
   }
   std::sort(files.begin(), files.end());
   return files;
 }
 
-int run(const std::filesystem::path& folder, const std::filesystem::path& out, const std::string& layout,
-        uint32_t resolution) {
-  geocloth::ConvertOptions options;
-  options.flatten.layout = layout == "panels" ? geocloth::Layout::panels : geocloth::Layout::square;
-  options.flatten.resolution = resolution;
+/// The reason of a refusal, with the file's folder left out: that is different everywhere.
+std::string without_folder(std::string text, const std::filesystem::path& file) {
+  const std::string folder = file.parent_path().string() + "/";
+  for (std::size_t at = text.find(folder); at != std::string::npos; at = text.find(folder))
+    text.erase(at, folder.size());
+  return text;
+}
+
+struct LayoutTables {
+  MarkdownTable measures, times;
+  std::string summary;
+};
+
+LayoutTables tables_of(const Settings& settings, Layout layout) {
+  ConvertOptions options;
+  options.flatten.layout = layout;
+  options.flatten.resolution = settings.resolution;
   options.square_if_panels_fail = false;
-  std::string table =
-      "Layout " + layout + ", resolution " + std::to_string(options.flatten.resolution) +
-      ". Topology is components / boundary loops / Euler characteristic of the tied surface. Springs are structural, "
-      "relative to the nominal spacing; shear is in degrees, PSNR in dB, binding relative to the diagonal.\n\n"
-      "| mesh | faces | surface | welded image | pixels | charts | split points | L2 stretch | Dirichlet | anisotropy "
-      "p95 | "
-      "springs "
-      "| shear p50 / p95 | seam | PSNR | binding | seconds "
-      "|\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
-  std::size_t done = 0;
-  const std::vector<std::filesystem::path> files = meshes_in(folder);
+  const std::string name = geocloth::to_string(layout);
+  LayoutTables tables;
+  tables.measures = {name, {"mesh", "faces", "surface", "carried", "charts"}, {}};
+  for (const Column& column : kColumns) tables.measures.column.emplace_back(column.title);
+  tables.measures.column.emplace_back(kMissed);
+  tables.times = {name + ", time and memory", {"mesh", "seconds", "CPU seconds", "MiB", "stages"}, {}};
+
+  const std::vector<std::filesystem::path> files = meshes_in(settings);
+  std::size_t done = 0, all_met = 0;
   for (const auto& file : files) {
-    const std::string name = std::filesystem::relative(file, folder).string();
-    std::string line;
-    try {
-      line = line_of(file, options);
+    const std::string mesh = std::filesystem::relative(file, settings.folder).string();
+    const ChildRun run = run_in_child([&] { return convert_to_cells(file, options); }, kLimitSeconds);
+    std::vector<std::string> row{mesh};
+    if (run.done) {
+      const std::vector<std::string> cells = split(run.text);
+      row.insert(row.end(), cells.begin(), cells.end() - 1);
       ++done;
-    } catch (const geocloth::Error& e) {
-      line = "refused: " + std::string(e.what());
-      for (std::string where = file.parent_path().string() + "/"; line.find(where) != std::string::npos;) {
-        line.erase(line.find(where), where.size());
-      }
+      if (row.back() == "0") ++all_met;
+      tables.times.row.push_back(
+          {mesh, number(run.seconds, 2), std::to_string(run.peak_memory_bytes >> 20U), cells.back()});
+    } else {
+      row.push_back(without_folder(run.text, file));
     }
-    std::cout << name << ": " << line << std::endl;
-    table += "| " + name + " | " + line + " |\n";
+    for (const std::string& cell : row) std::cout << cell << " | ";
+    std::cout << number(run.seconds, 2) << " s" << std::endl;
+    tables.measures.row.push_back(row);
   }
-  table += "\n" + std::to_string(done) + " of " + std::to_string(files.size()) + " converted.\n";
-  std::cout << done << " of " << files.size() << " converted\n";
-  geocloth::write_file(out, table);
+  tables.summary = "- " + name + ": " + std::to_string(done) + " of " + std::to_string(files.size()) + " converted, " +
+                   std::to_string(all_met) + " of them with nothing missed.\n";
+  return tables;
+}
+
+std::string text_of(const std::filesystem::path& file) {
+  const std::vector<std::byte> bytes = read_file(file);
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+int run(const Settings& settings) {
+  std::string measures, times, summary;
+  for (const Layout layout : {Layout::panels, Layout::square}) {
+    const LayoutTables tables = tables_of(settings, layout);
+    measures += to_markdown(tables.measures);
+    times += to_markdown(tables.times);
+    summary += tables.summary;
+  }
+  const std::string text =
+      "# Conversion of the shared meshes\n\n"
+      "Made by `convert_table ../shared/meshes tests/bench/results/convert.md`; `--compare OLD.md` says what got "
+      "better "
+      "or worse. Resolution " +
+      std::to_string(settings.resolution) +
+      ". Surface: components / boundary loops / Euler characteristic, which the image has too or the asset would have "
+      "been refused. Springs are structural, relative to the nominal spacing; angles in degrees off a right one, PSNR "
+      "in "
+      "dB, deviation relative to the diagonal, seam relative to the square root of the area, border and utilisation in "
+      "percent of the pixels. **Bold**: a target is missed; *italics*: by little; \"missed\" counts both. Targets are "
+      "those "
+      "of `tools/report/targets.cpp`, and hold for garments.\n\n" +
+      summary + "\n" + measures + times;
+  if (!settings.old.empty()) {
+    std::map<std::string, Better> direction{
+        {kMissed, Better::less}, {"CPU seconds", Better::less}, {"MiB", Better::less}};
+    for (const Column& column : kColumns) direction[column.title] = column.better;
+    std::cout << '\n'
+              << differences(parse_markdown(text_of(settings.old)), parse_markdown(text), direction) << std::flush;
+  }
+  write_file(settings.out, text);
   return EXIT_SUCCESS;
 }
 
 }  // namespace
+}  // namespace geocloth::bench
 
 int main(int argc, char** argv) {
-  const std::string layout = argc > 3 ? argv[3] : "square";
-  if (argc < 3 || argc > 5 || (layout != "square" && layout != "panels")) {
-    std::cerr << "usage: convert_table FOLDER OUT.md [square|panels [RESOLUTION]]\n";
-    return 2;
+  geocloth::bench::Settings settings;
+  bool good = argc >= 3 && argc % 2 == 1;
+  if (good) {
+    settings.folder = argv[1];
+    settings.out = argv[2];
   }
   try {
-    return run(argv[1], argv[2], layout, argc == 5 ? static_cast<uint32_t>(std::stoul(argv[4])) : 128);
+    for (int i = 3; good && i < argc; i += 2) {
+      const std::string option = argv[i], value = argv[i + 1];
+      if (option == "--resolution") {
+        settings.resolution = static_cast<uint32_t>(std::stoul(value));
+      } else if (option == "--compare") {
+        settings.old = value;
+      } else if (option == "--only") {
+        settings.only = value;
+      } else {
+        good = false;
+      }
+    }
+    if (good) return geocloth::bench::run(settings);
   } catch (const std::exception& e) {
     std::cerr << e.what() << '\n';
     return EXIT_FAILURE;
   }
+  std::cerr << "usage: convert_table FOLDER OUT.md [--resolution N] [--compare OLD.md] [--only PART_OF_NAME]\n";
+  return 2;
 }
