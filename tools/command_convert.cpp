@@ -18,6 +18,7 @@
 #include "geocloth/asset/asset_file.h"
 #include "geocloth/asset/output_file.h"
 #include "geocloth/parametrize/convert.h"
+#include "geocloth/parametrize/parts.h"
 #include "options.h"
 #include "progress.h"
 #include "render/asset_pictures.h"
@@ -29,6 +30,7 @@ namespace {
 struct Options {
   std::filesystem::path mesh, asset, pictures, stages;
   std::vector<std::filesystem::path> reports;
+  std::string parts;
   Layout layout = FlattenOptions{}.layout;
   uint32_t resolution = FlattenOptions{}.resolution;
   double spacing = 0;
@@ -37,8 +39,12 @@ struct Options {
   bool quiet = false;
 };
 
+/// Said in place of a selection of parts.
+constexpr const char* kListParts = "list";
+
 ConvertOptions convert_options(const Options& options) {
   ConvertOptions result;
+  result.parts = options.parts;
   if (options.unit_option->count() > 0) result.import.scale = options.unit;
   if (options.scale_option->count() > 0) result.import.scale = options.scale;
   result.flatten.layout = options.layout;
@@ -87,7 +93,24 @@ void write_reports(const Options& options, const ConvertResult& result, std::lis
   }
 }
 
+/// One line per part: what --parts can choose from.
+void list_parts(const Options& options) {
+  const TriangleMesh mesh = name_file_in_errors(
+      options.mesh, [&] { return with_choosable_parts(import_mesh(options.mesh, convert_options(options).import)); });
+  fmt::print("{:>5}  {:24}  {:20}  {:>9}  {:>9}  {}\n", "part", "name", "material", "triangles", "area m2", "size m");
+  int number = 0;
+  for (const PartSummary& part : summarize_parts(mesh)) {
+    fmt::print("{:>5}  {:24}  {:20}  {:>9}  {:>9.3g}  {:.3g} x {:.3g} x {:.3g}\n", number++, part.name, part.material,
+               part.triangles, part.area, part.high[0] - part.low[0], part.high[1] - part.low[1],
+               part.high[2] - part.low[2]);
+  }
+}
+
 void run(const Options& options) {
+  if (options.parts == kListParts) {
+    list_parts(options);
+    return;
+  }
   OutputFile asset_file(options.asset);
   std::list<OutputFile> report_files;
   for (const std::filesystem::path& report : options.reports) report_files.emplace_back(report);
@@ -117,14 +140,23 @@ void run(const Options& options) {
   print_summary(options, result);
 }
 
+CLI::Validator is_selection() {
+  const auto check = [](const std::string& given) {
+    const std::string framed = "," + given + ",";
+    const bool empty_term = framed.find(",,") != framed.npos || framed.find(",-,") != framed.npos;
+    return empty_term ? fmt::format("'{}' has an empty term; write for example 0,2 or -3", given) : std::string();
+  };
+  return CLI::Validator(check, "");
+}
+
 }  // namespace
 
 CommandRun add_convert(CLI::App& app) {
   auto options = std::make_shared<Options>();
   add_text(app, "mesh", "MESH", options->mesh, "OBJ, glTF, GLB, PLY, STL, FBX or DAE file", "required")->required();
-  add_text(app, "-o,--output", "ASSET.glb", options->asset, "the asset to write", "required")
-      ->required()
-      ->check(ends_with({".glb"}));
+  CLI::Option* output =
+      add_text(app, "-o,--output", "ASSET.glb", options->asset, "the asset to write", "required, but with --parts list")
+          ->check(ends_with({".glb"}));
   options->layout_option = add_choice<Layout>(
       app, "--layout", options->layout, {{"panels", Layout::panels}, {"square", Layout::square}, {"uv", Layout::uv}},
       "how the surface lies in the image; panels that are not asked for give way to squares where "
@@ -140,6 +172,15 @@ CommandRun add_convert(CLI::App& app) {
   options->scale_option = add_number<double>(app, "--scale", "S", options->scale, 1e-9, 1e9, "m per unit of the file",
                                              "the same as a number", "by --unit");
   options->scale_option->excludes(options->unit_option);
+  add_text(app, "--parts", "SELECTION", options->parts,
+           "parts of the file to convert, with commas between: N, N-M, NAME or material:NAME; -N, -NAME, ... leaves "
+           "out. 'list' lists them and converts nothing. Parts are the file's objects, groups or primitives, or the "
+           "connected pieces of its only one",
+           "default all")
+      ->check(is_selection());
+  app.callback([options, output] {
+    if (options->parts != kListParts && output->count() == 0) throw CLI::RequiredError("--output");
+  });
   add_text(app, "--report", "R.html|R.json", options->reports,
            "write what came out: a page with pictures and the measures against their targets (.html), or topology, "
            "repairs, quality and times for programs (any other ending); may be given several times",

@@ -14,9 +14,11 @@
 #include "canonical_order.h"
 #include "geocloth/asset/error.h"
 #include "geocloth/asset/grid_mesh.h"
+#include "geocloth/parametrize/parts.h"
 #include "point_math.h"
 #include "small_pieces.h"
 #include "stage_files.h"
+#include "uv_layout.h"
 #include "verify.h"
 #include "warnings.h"
 
@@ -99,6 +101,12 @@ struct Prepared {
   const CutSurface& cut;
 };
 
+/// Layout uv is cut where the garment's own texture coordinates are.
+CutOptions cut_options(const CleanSurface& clean, const FlattenOptions& options) {
+  if (options.layout != Layout::uv) return {};
+  return {.extra_edges = usable_uv_pattern(clean).seam};
+}
+
 /// From the cut surface to a verified asset.
 void lay_out(const Prepared& prepared, const FlattenOptions& options, const Progress& progress, Stages& stages,
              const StageFiles& files, ConvertResult& result) {
@@ -151,7 +159,8 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& optio
   report.carried = carried.carried;
   report.represented = measure_topology(point_triangles(clean), clean.point_count);
 
-  const CutSurface cut = stages.run("cut", [&] { return cut_to_disks(clean, {}, progress); });
+  const CutSurface cut =
+      stages.run("cut", [&] { return cut_to_disks(clean, cut_options(clean, options.flatten), progress); });
   files.save(cut);
 
   const Prepared prepared{mesh, clean, carried.piece_of_point, cut};
@@ -178,6 +187,11 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& optio
   return result;
 }
 
+TriangleMesh chosen_parts(TriangleMesh mesh, const ConvertOptions& options) {
+  if (options.parts.empty()) return mesh;
+  return select_parts(with_choosable_parts(std::move(mesh)), options.parts);
+}
+
 /// Foreign failures in our own words, once for the whole conversion.
 template <class Work>
 ConvertResult translated(const Work& work) {
@@ -194,8 +208,9 @@ ConvertResult convert(const TriangleMesh& mesh, const ConvertOptions& options, c
   return translated([&] {
     const StageFiles files(options.stages);
     Stages stages(progress);
-    files.save(mesh);
-    return convert_mesh(mesh, options, progress, stages, files);
+    const TriangleMesh chosen = chosen_parts(mesh, options);
+    files.save(chosen);
+    return convert_mesh(chosen, options, progress, stages, files);
   });
 }
 
@@ -204,7 +219,8 @@ ConvertResult convert(const std::filesystem::path& path, const ConvertOptions& o
     return translated([&] {
       const StageFiles files(options.stages);
       Stages stages(progress);
-      const TriangleMesh mesh = stages.run("import", [&] { return import_mesh(path, options.import); });
+      const TriangleMesh mesh =
+          stages.run("import", [&] { return chosen_parts(import_mesh(path, options.import), options); });
       files.save(mesh);
       return convert_mesh(mesh, options, progress, stages, files);
     });

@@ -8,6 +8,7 @@
 #include "geocloth/asset/error.h"
 #include "panel_layout.h"
 #include "square_layout.h"
+#include "uv_layout.h"
 
 namespace geocloth {
 namespace {
@@ -40,9 +41,9 @@ FlatSurface flatten(const CleanSurface& clean, const CutSurface& cut, const Flat
     case Layout::panels:
       return lay_out_panels(cut, options, progress);
     case Layout::uv:
-      break;
+      return lay_out_developed(take_uv(clean, cut, usable_uv_pattern(clean)), options, progress);
   }
-  throw Error(ErrorCode::unsupported, std::string("layout ") + to_string(options.layout) + " does not exist yet");
+  throw Error(ErrorCode::invalid_argument, "no such layout");
 }
 
 }  // namespace geocloth

@@ -10,7 +10,8 @@
 
 #include <gtest/gtest.h>
 
-#include "geocloth/parametrize/import.h"
+#include "geocloth/asset/error.h"
+#include "geocloth/parametrize/convert.h"
 #include "geocloth/parametrize/repair.h"
 #include "parametrize/clean_surfaces.h"
 
@@ -18,6 +19,14 @@ namespace geocloth {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+const std::filesystem::path kGarments =
+    std::filesystem::path(GEOCLOTH_SOURCE_DIR) / ".." / "shared" / "meshes" / "garments";
+
+CleanSurface sheet(uint32_t nx, uint32_t ny, double width = 1, double height = 1) {
+  CleanSurface surface = test::disk(nx, ny, width, height);
+  for (Point3& p : surface.position) p[2] = 0;
+  return surface;
+}
 
 /// Gives every corner the coordinates of its position, a function of place and of the triangle's middle.
 CleanSurface with_uv(CleanSurface surface, const std::function<Point2(const Point3&, const Point3&)>& uv) {
@@ -69,8 +78,8 @@ TEST(Uv, APatternDrawnFaceDownIsKnown) {
 
 // Left and right half over one piece of texture, as painters like it: two pieces that touch at the fold.
 TEST(Uv, HalvesThatShareTheirTextureAreTwoPieces) {
-  const CleanSurface surface = with_uv(test::disk(21, 21, 1, 1), [](const Point3& p, const Point3&) -> Point2 {
-    return {std::abs(p[0] - 0.5), p[1] + p[2]};
+  const CleanSurface surface = with_uv(sheet(21, 21, 1, 1), [](const Point3& p, const Point3&) -> Point2 {
+    return {std::abs(p[0] - 0.5), p[1]};
   });
   const UvPattern pattern = read_uv_pattern(surface);
   EXPECT_EQ(pattern.refusal, "");
@@ -81,9 +90,9 @@ TEST(Uv, HalvesThatShareTheirTextureAreTwoPieces) {
 
 TEST(Uv, APaintersAtlasIsNoSewingPattern) {
   // Two halves at different scales: each without distortion, but not drawn to one scale.
-  const CleanSurface surface = with_uv(test::disk(21, 21, 1, 1), [](const Point3& p, const Point3& middle) -> Point2 {
+  const CleanSurface surface = with_uv(sheet(21, 21, 1, 1), [](const Point3& p, const Point3& middle) -> Point2 {
     const double scale = middle[0] < 0.5 ? 1 : 2;
-    return {scale * p[0], -scale * (p[1] + p[2])};
+    return {scale * p[0], -scale * p[1]};
   });
   const UvPattern pattern = read_uv_pattern(surface);
   EXPECT_EQ(pattern.refusal, "");
@@ -92,28 +101,28 @@ TEST(Uv, APaintersAtlasIsNoSewingPattern) {
 }
 
 TEST(Uv, SaysThatThereAreNone) {
-  EXPECT_NE(read_uv_pattern(test::disk(4, 4)).refusal.find("no texture coordinates"), std::string::npos);
+  EXPECT_NE(read_uv_pattern(sheet(4, 4)).refusal.find("no texture coordinates"), std::string::npos);
 }
 
 TEST(Uv, SaysThatTheyDistort) {
-  const CleanSurface surface = with_uv(test::disk(11, 11), [](const Point3& p, const Point3&) -> Point2 {
-    return {3 * p[0], -(p[1] + p[2])};
+  const CleanSurface surface = with_uv(sheet(11, 11), [](const Point3& p, const Point3&) -> Point2 {
+    return {3 * p[0], -p[1]};
   });
   EXPECT_NE(read_uv_pattern(surface).refusal.find("distort"), std::string::npos);
 }
 
 TEST(Uv, SaysThatTheyAreInFragments) {
-  const CleanSurface surface = with_uv(test::disk(11, 11), [](const Point3& p, const Point3& middle) -> Point2 {
-    return {p[0] + 10 * middle[0], -(p[1] + p[2]) + 10 * middle[1]};
+  const CleanSurface surface = with_uv(sheet(11, 11), [](const Point3& p, const Point3& middle) -> Point2 {
+    return {p[0] + 10 * middle[0], -p[1] + 10 * middle[1]};
   });
   EXPECT_NE(read_uv_pattern(surface).refusal.find("200 fragments"), std::string::npos);
 }
 
 TEST(Uv, SaysThatTrianglesAreFlipped) {
   // Vertices here and there pushed across the triangles beside them.
-  const CleanSurface surface = with_uv(test::disk(41, 41, 1, 1), [](const Point3& p, const Point3&) -> Point2 {
-    const bool pushed = std::lround(40 * p[0]) % 4 == 0 && std::lround(40 * (p[1] + p[2])) % 4 == 0;
-    return {p[0] + (pushed ? 1.5 / 40 : 0), -(p[1] + p[2])};
+  const CleanSurface surface = with_uv(sheet(41, 41, 1, 1), [](const Point3& p, const Point3&) -> Point2 {
+    const bool pushed = std::lround(40 * p[0]) % 4 == 0 && std::lround(40 * p[1]) % 4 == 0;
+    return {p[0] + (pushed ? 1.5 / 40 : 0), -p[1]};
   });
   EXPECT_NE(read_uv_pattern(surface).refusal.find("flipped"), std::string::npos);
 }
@@ -146,6 +155,82 @@ TEST(Uv, RepairCarriesThemAlong) {
   EXPECT_NEAR(pattern.energy, 4, 1e-9);
 }
 
+FlatSurface flatten_uv(const CleanSurface& surface) {
+  const CutSurface cut = cut_to_disks(surface, {.extra_edges = read_uv_pattern(surface).seam});
+  return flatten(surface, cut, {.layout = Layout::uv, .resolution = 64});
+}
+
+std::string refusal_of(const CleanSurface& surface) {
+  try {
+    (void)flatten_uv(surface);
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::unsupported);
+    return e.what();
+  }
+  return "";
+}
+
+/// Every edge of the charts is as long as on the cloth, within a share; triangles lie face up.
+void expect_isometric(const FlatSurface& flat, double tolerance) {
+  for (size_t t = 0; t < flat.triangle.size(); ++t) {
+    const Triangle& k = flat.triangle[t];
+    const double spacing = flat.charts[flat.chart[t]].spacing;
+    const Point2 &a = flat.uv[k[0]], &b = flat.uv[k[1]], &c = flat.uv[k[2]];
+    EXPECT_LT((b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]), 0);  // v runs down
+    for (size_t i = 0; i < 3; ++i) {
+      const uint32_t v = k[i], w = k[(i + 1) % 3];
+      const Point3 &p = flat.position[v], &q = flat.position[w];
+      const double in_space = std::hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]);
+      const double in_plane = spacing * std::hypot(flat.uv[v][0] - flat.uv[w][0], flat.uv[v][1] - flat.uv[w][1]);
+      EXPECT_NEAR(in_plane, in_space, tolerance * in_space);
+    }
+  }
+}
+
+TEST(UvLayout, ASleeveLiesAsInItsPattern) {
+  const FlatSurface flat = flatten_uv(sleeve(0.01));
+  ASSERT_EQ(flat.charts.size(), 1U);
+  expect_isometric(flat, 0.01);
+  for (size_t v = 1; v < flat.uv.size(); ++v) {  // the pattern's up is the image's up
+    EXPECT_NEAR((flat.uv[v][1] - flat.uv[0][1]) * flat.charts[0].spacing, flat.position[0][1] - flat.position[v][1],
+                0.01 * 0.6);
+  }
+}
+
+// Pieces at different scales, one of them face down: the cloth has one.
+TEST(UvLayout, PiecesAreScaledToMetresAndTurnedFaceUp) {
+  const CleanSurface surface = with_uv(sheet(21, 21, 1, 1), [](const Point3& p, const Point3& middle) -> Point2 {
+    const double scale = middle[0] < 0.5 ? -0.02 : 7;
+    return {scale * p[0], -std::abs(scale) * p[1]};
+  });
+  const FlatSurface flat = flatten_uv(surface);
+  ASSERT_EQ(flat.charts.size(), 2U);
+  expect_isometric(flat, 0.01);
+}
+
+TEST(UvLayout, RefusesWithReasonAndRemedy) {
+  EXPECT_NE(refusal_of(sheet(4, 4)).find("no texture coordinates"), std::string::npos);
+  EXPECT_NE(refusal_of(sheet(4, 4)).find("--layout panels"), std::string::npos);
+  // A belt wound round one and a quarter times.
+  const CleanSurface belt = with_uv(sheet(161, 3, 1.25 * 2 * kPi, 0.05), [](const Point3& p, const Point3&) {
+    const double r = 1 - p[1];
+    return Point2{r * std::cos(p[0]), r * std::sin(p[0])};
+  });
+  EXPECT_NE(refusal_of(belt).find("overlap"), std::string::npos);
+}
+
+TEST(UvLayout, WantsItsSeamsCut) {
+  const CleanSurface halves = with_uv(sheet(21, 21, 1, 1), [](const Point3& p, const Point3&) -> Point2 {
+    return {std::abs(p[0] - 0.5), p[1]};
+  });
+  try {
+    (void)flatten(halves, cut_to_disks(halves), {.layout = Layout::uv, .resolution = 32});
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::invalid_argument);
+  }
+}
+
 // What a file holds, as counted by another program (INDEX.tsv).
 struct Expected {
   const char* file;
@@ -155,8 +240,7 @@ struct Expected {
 class SharedUv : public ::testing::TestWithParam<Expected> {};
 
 TEST_P(SharedUv, IsJudged) {
-  const std::filesystem::path path =
-      std::filesystem::path(GEOCLOTH_SOURCE_DIR) / ".." / "shared" / "meshes" / "garments" / GetParam().file;
+  const std::filesystem::path path = kGarments / GetParam().file;
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
   const UvPattern pattern = read_uv_pattern(repair_mesh(import_mesh(path)).surface);
   EXPECT_EQ(pattern.refusal.empty(), GetParam().islands > 0) << pattern.refusal;
@@ -164,6 +248,21 @@ TEST_P(SharedUv, IsJudged) {
     EXPECT_EQ(pattern.island.size(), GetParam().islands);
   }
   EXPECT_EQ(pattern.is_sewing_pattern, GetParam().sewing_pattern);
+}
+
+/// Converts with the file's own pieces; what convert() checks (topology, flips, overlap) must hold.
+TEST(UvLayout, SharedGarmentsConvert) {
+  for (const auto& [file, pieces] : {std::pair{"sf_man_shorts.glb", 16U}, {"mh_tee_shorts.obj", 9U}}) {
+    const std::filesystem::path path = kGarments / file;
+    if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
+    ConvertOptions options;
+    options.flatten.layout = Layout::uv;
+    options.flatten.resolution = 64;
+    const ConvertResult result = convert(path, options);
+    EXPECT_EQ(result.asset.layout, Layout::uv);
+    EXPECT_EQ(result.asset.chart_count, pieces);
+    EXPECT_LT(result.report.quality.symmetric_dirichlet, 4.2);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(

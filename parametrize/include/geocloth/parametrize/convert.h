@@ -12,6 +12,7 @@ namespace geocloth {
 
 struct ConvertOptions {
   ImportOptions import;
+  std::string parts;  ///< which parts to convert, as of select_parts(); empty: all
   RepairOptions repair;
   FlattenOptions flatten;
   /// Layout::panels falls back to Layout::square, with a warning in the report, where panels are refused.

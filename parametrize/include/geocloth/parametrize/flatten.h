@@ -49,7 +49,10 @@ struct FlattenOptions {
 /// large beside the pixels are subdivided. The interior starts from a convex embedding with positive weights (Floater
 /// 1997, 2003: no flips) and is improved for stretch without flips. Where a square cannot hold a part (long tubes) the
 /// cut is extended to the vertices of greatest stretch (Gu et al. 2002, section 4).
-/// @throws Error(limit) when the atlas would exceed kMaxImageSide, Error(unsupported) for a layout that does not exist
+/// Layout uv: the pieces of read_uv_pattern(clean) as they are, each scaled to metres; the surface has to be cut along
+/// their seams (CutOptions::extra_edges).
+/// @throws Error(limit) when the atlas would exceed kMaxImageSide, Error(unsupported) when layout uv cannot take the
+///   texture coordinates, with the reason, Error(invalid_argument) when `cut` does not fit the other arguments
 [[nodiscard]] FlatSurface flatten(const CleanSurface& clean, const CutSurface& cut, const FlattenOptions& options,
                                   const Progress& progress = {});
 
