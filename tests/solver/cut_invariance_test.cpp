@@ -90,6 +90,7 @@ Surface hang_sheet(const Charts& charts) {
   const test::SheetOptions options{.nx = 25, .ny = 25, .charts_x = charts.x, .charts_y = charts.y};
   Material material;
   material.damping = 3;
+  material.max_stretch = 0;  // springs and bends alone
   const ClothDesc cloth = test::describe(make_sheet(options), material);
   Solver solver(std::vector{cloth}, settings_of());
   std::vector<Pin> pins = test::pins_at_rest(*cloth.asset, "corners");
@@ -107,6 +108,7 @@ Surface pull_sleeve(const Charts& charts) {
       .nx = 24, .ny = 25, .radius = 0.06F, .height = 0.4F, .charts_x = charts.x, .charts_y = charts.y};
   Material material;
   material.damping = 3;
+  material.max_stretch = 0;  // springs and bends alone
   material.bend_warp = material.bend_weft = 1e-4F;
   const ClothDesc cloth = test::describe(make_tube(options), material);
   SolverSettings settings = settings_of();
@@ -122,7 +124,9 @@ Surface pull_sleeve(const Charts& charts) {
 /// Period [s] of a sheet of 1 m that swings by a little about its upper edge.
 double swing_period(const Charts& charts) {
   const test::SheetOptions options{.nx = 25, .ny = 25, .charts_x = charts.x, .charts_y = charts.y};
-  const ClothDesc cloth = test::describe(make_sheet(options), test::undamped());
+  Material material = test::undamped();
+  material.max_stretch = 0;
+  const ClothDesc cloth = test::describe(make_sheet(options), material);
   Solver solver(std::vector{cloth}, settings_of());
   std::vector<Vec3> x = cloth.asset->rest_position;
   for (uint32_t p = 0; p < x.size(); ++p)

@@ -106,6 +106,7 @@ Drape drape(const std::shared_ptr<const ClothAsset>& disc, double bend_warp, dou
   cloth.material.bend_warp = static_cast<float>(bend_warp);
   cloth.material.bend_weft = static_cast<float>(bend_weft);
   cloth.material.damping = 4;
+  cloth.material.max_stretch = 0;
   SolverSettings settings = test::cpu_settings();
   settings.substeps = 32;
   settings.relaxation_steps = 4;
