@@ -412,9 +412,11 @@ class CutStraightener {
     return sum;
   }
 
-  /// No edge is crossed twice, and vertices that follow each other are joined by an edge.
+  /// No edge is crossed twice, vertices that follow each other are joined by an edge, and a cut that abuts on nothing
+  /// has an inside: a single edge between two free ends would open nothing.
   [[nodiscard]] bool is_sound(const std::vector<Stop>& way) const {
     if (way.size() < 2) return false;
+    if (way.size() == 2 && degree_[way[0].vertex] == 0 && degree_[way[1].vertex] == 0) return false;
     std::vector<std::pair<uint32_t, uint32_t>> crossed;
     for (size_t i = 0; i < way.size(); ++i) {
       if (way[i].on_edge()) {
