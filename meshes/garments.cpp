@@ -139,7 +139,7 @@ void smooth(ObjMesh& mesh, int rounds) {
 
 /// Half a T-shirt's outline, the wearer's left (+x), all in metres above the floor.
 constexpr Point2 kNeckSide{0.085, 1.46}, kShoulder{0.21, 1.42}, kCuffTop{0.40, 1.25}, kCuffBottom{0.315, 1.155},
-    kArmpit{0.235, 1.235}, kHemSide{0.25, 0.86};
+    kArmpit{0.235, 1.235}, kHemSide{0.25, 0.86}, kDressHem{0.45, 0.42};
 
 std::vector<Point2> mirrored_and_reversed(std::vector<Point2> points) {
   std::reverse(points.begin(), points.end());
@@ -153,7 +153,7 @@ struct ShirtPanel {
   std::vector<bool> on_seam;
 };
 
-ShirtPanel make_shirt_panel(double neck_depth, double spacing) {
+ShirtPanel make_shirt_panel(const Point2& hem_side, double neck_depth, double spacing) {
   std::vector<Point2> outline;
   std::vector<bool> on_seam;
   // The last point belongs to the next stretch; a corner between a seam and an opening lies on the seam.
@@ -172,9 +172,9 @@ ShirtPanel make_shirt_panel(double neck_depth, double spacing) {
   }
   neck.front() = kNeckSide;
   neck.back() = {-kNeckSide[0], kNeckSide[1]};
-  const std::vector<Point2> side{kHemSide, kArmpit, kCuffBottom}, cuff{kCuffBottom, kCuffTop},
+  const std::vector<Point2> side{hem_side, kArmpit, kCuffBottom}, cuff{kCuffBottom, kCuffTop},
       top{kCuffTop, kShoulder, kNeckSide};
-  add({{-kHemSide[0], kHemSide[1]}, kHemSide}, false);
+  add({{-hem_side[0], hem_side[1]}, hem_side}, false);
   add(side, true);
   add(cuff, false);
   add(top, true);
@@ -199,7 +199,8 @@ ShirtPanel make_shirt_panel(double neck_depth, double spacing) {
   return panel;
 }
 
-ObjMesh make_t_shirt() {
+/// Front and back, sewn along the sides and over the shoulders.
+ObjMesh make_top(const std::string& name, const std::string& comment, const Point2& hem_side) {
   constexpr double kSpacing = 0.025, kFrontNeck = 0.09, kBackNeck = 0.02;
   constexpr double kTorsoAspect = 0.45, kSleeveAspect = 0.9;
   // Depth over width of the cross-section: the torso is flat, sleeves are round.
@@ -208,9 +209,9 @@ ObjMesh make_t_shirt() {
     const double aspect = kTorsoAspect + (kSleeveAspect - kTorsoAspect) * t * t * (3 - 2 * t);
     return aspect * aspect;
   };
-  Sewing sewing("t_shirt", "T-shirt sewn from a front and a back: openings at neck, two cuffs and hem");
+  Sewing sewing(name, comment);
   for (const bool is_front : {true, false}) {
-    const ShirtPanel panel = make_shirt_panel(is_front ? kFrontNeck : kBackNeck, kSpacing);
+    const ShirtPanel panel = make_shirt_panel(hem_side, is_front ? kFrontNeck : kBackNeck, kSpacing);
     const std::vector<double> u = solve_poisson(panel.mesh, panel.on_seam, curvature);
     const double side = is_front ? 1 : -1;
     sewing.add(
@@ -226,6 +227,25 @@ ObjMesh make_t_shirt() {
   constexpr int kRounds = 80;
   smooth(shirt, kRounds);
   return shirt;
+}
+
+ObjMesh make_t_shirt() {
+  return make_top("t_shirt", "T-shirt sewn from a front and a back: openings at neck, two cuffs and hem", kHemSide);
+}
+
+ObjMesh make_dress() {
+  return make_top("dress",
+                  "Dress with sleeves, flared, sewn from a front and a back: openings at neck, two cuffs and hem",
+                  kDressHem);
+}
+
+ObjMesh make_flag() {
+  constexpr double kWidth = 1.2, kHeight = 0.8, kBottom = 1.0, kSpacing = 0.035;
+  const PlanarMesh panel = triangulate(
+      {sample_polyline({{0, 0}, {kWidth, 0}, {kWidth, kHeight}, {0, kHeight}, {0, 0}}, kSpacing)}, kSpacing);
+  Sewing sewing("flag", "Flag: a rectangle, upright, its pole along x = 0");
+  sewing.add(panel, [&](uint32_t i) { return Point3{panel.position[i][0], kBottom + panel.position[i][1], 0}; });
+  return sewing.finish();
 }
 
 std::vector<Point2> circle(double radius, double spacing) {
@@ -320,7 +340,7 @@ ObjMesh make_sleeve() {
 }  // namespace
 
 std::vector<ObjMesh> make_garments() {
-  return {make_t_shirt(), make_poncho(), make_cape(), make_skirt(), make_sleeve()};
+  return {make_t_shirt(), make_poncho(), make_cape(), make_skirt(), make_sleeve(), make_dress(), make_flag()};
 }
 
 }  // namespace geocloth::meshes

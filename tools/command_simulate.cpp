@@ -18,6 +18,7 @@
 #include "file_error.h"
 #include "geocloth/asset/grid_mesh.h"
 #include "geocloth/asset/output_file.h"
+#include "geocloth/parametrize/import.h"
 #include "geocloth/solver/scene.h"
 #include "options.h"
 #include "progress.h"
@@ -48,6 +49,17 @@ Scene load_scene(const Options& options) {
   Scene scene = is_asset ? default_scene(options.input) : read_scene(options.input);
   if (options.frames_option->count() > 0) scene.frames = options.frames;
   return scene;
+}
+
+/// A collider's mesh may be of any kind that a garment may be.
+TriangleSurface read_body(const std::filesystem::path& path) {
+  const TriangleMesh mesh = import_mesh(path);
+  TriangleSurface surface;
+  surface.position.reserve(mesh.position.size());
+  for (const auto& p : mesh.position)
+    surface.position.push_back({static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])});
+  surface.triangle.assign(mesh.triangle.begin(), mesh.triangle.end());
+  return surface;
 }
 
 SolverSettings solver_settings(const Options& options) {
@@ -151,8 +163,8 @@ void play(const Options& options, Simulation& simulation) {
 }
 
 void run(const Options& options) {
-  Simulation simulation =
-      name_file_in_errors(options.input, [&] { return Simulation(load_scene(options), solver_settings(options)); });
+  Simulation simulation = name_file_in_errors(
+      options.input, [&] { return Simulation(load_scene(options), solver_settings(options), read_body); });
   if (options.check) {
     print_check(options, simulation);
   } else {

@@ -25,6 +25,7 @@ layout(set = 0, binding = kBindingColliderPoses, std430) readonly buffer PoseBlo
 layout(set = 0, binding = kBindingSubsteps, std430) readonly buffer SubstepBlock { Substep substeps[]; };
 layout(set = 0, binding = kBindingMeasures, std430) buffer MeasureBlock { uint measures[kMeasureCount]; };
 layout(set = 0, binding = kBindingInverseMass, std430) readonly buffer InverseMassBlock { float inverse_mass[]; };
+layout(set = 0, binding = kBindingColliderNumbers, std430) readonly buffer NumberBlock { float collider_numbers[]; };
 layout(push_constant, std430) uniform ConstantsBlock { PassConstants constants; };
 
 // The pixel of this invocation; it may lie outside the image.

@@ -12,4 +12,8 @@ ColliderPose collider_pose(ColliderSet set, uint pose, uint i) {
   return poses[pose * params.collider_count + i];
 }
 
+float collider_number(ColliderSet set, uint i) {
+  return collider_numbers[i];
+}
+
 #include "../lib/collide.h"

@@ -27,8 +27,13 @@ void main() {
     vec3 normal = imageLoad(normal_image, texel(p)).xyz;
     acceleration = air_acceleration(params, air_at(position.xyz), velocity, normal);
   }
-  Predicted next = predict(params, position.xyz, previous, carry, acceleration);
-  imageStore(previous_image, texel(p), position);
+  Predicted next;
+  if (params.moving != 0u) {
+    next = predict_along(params, float(constants.substep), position.xyz, previous, carry, acceleration);
+  } else {
+    next = predict(params, position.xyz, previous, carry, acceleration);
+  }
+  imageStore(previous_image, texel(p), vec4(next.previous, position.w));
   imageStore(position_image, texel(p), vec4(next.position, position.w));
   imageStore(carry_image, texel(p), vec4(next.carry, 0.0f));
 }

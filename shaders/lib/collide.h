@@ -4,11 +4,13 @@
 //
 // The includer defines before this file:
 //   struct ColliderSet (a handle), ColliderShape collider_shape(ColliderSet set, uint i),
-//   ColliderPose collider_pose(ColliderSet set, uint pose, uint i)   with pose s before substep s and s + 1 after it.
+//   ColliderPose collider_pose(ColliderSet set, uint pose, uint i)   with pose s before substep s and s + 1 after it,
+//   float collider_number(ColliderSet set, uint i).
 #ifndef GEOCLOTH_LIB_COLLIDE_H
 #define GEOCLOTH_LIB_COLLIDE_H
 
 #include "../shared/layout.h"
+#include "frame.h"
 #include "shapes.h"
 #include "vector.h"
 
@@ -16,7 +18,8 @@
 namespace geocloth::shader {
 #endif
 
-const uint kSweepSteps = 16u;
+const uint kSweepSteps = 32u;
+const float kSweepClose = 1e-3f;  // [m] nearer than this to the surface the sweep has arrived
 const uint kContactRounds = 12u;
 const float kContactSlack = 1e-6f;  // [m] overlap between colliders that is not worth another round
 
@@ -56,19 +59,17 @@ inline Contact no_contact() {
 }
 
 // The point's way p0 -> p1 in the collider's frame is longer than the collider is thick: find where it enters, by steps
-// as long as the distance to the surface, and keep the point on the outer side of the tangent plane there.
-inline Contact sweep(ColliderShape shape, vec3 p0, vec3 p1, float way, float thickness) {
+// as long as the distance to the surface, and keep the point on the outer side of the tangent plane there. A point that
+// starts on the surface, or in it, has arrived already: it stays on the side that it came from.
+inline Contact sweep(ColliderSet set, ColliderShape shape, vec3 p0, vec3 p1, float way, float thickness) {
   precise vec3 direction = (p1 - p0) * (1.0f / way);
-  precise float gap = nearest_of_shape(shape, p0).distance - thickness;
-  if (gap <= 0.0f) return no_contact();
+  float close = min(0.01f * shape.core, kSweepClose);
   precise float travelled = 0.0f;
   for (uint i = 0u; i < kSweepSteps; ++i) {
-    travelled = travelled + gap;
-    if (travelled >= way) return no_contact();
     precise vec3 q = p0 + direction * travelled;
-    Nearest near = nearest_of_shape(shape, q);
-    gap = near.distance - thickness;
-    if (gap < 0.01f * shape.core) {
+    Nearest near = nearest_of_shape(set, shape, q);
+    precise float gap = near.distance - thickness;
+    if (gap < close) {
       precise float height = dot3(p1 - q, near.normal) + gap;
       Contact r;
       r.touches = height < 0.0f;
@@ -76,16 +77,19 @@ inline Contact sweep(ColliderShape shape, vec3 p0, vec3 p1, float way, float thi
       r.depth = -height;
       return r;
     }
+    travelled = travelled + gap;
+    if (travelled >= way) return no_contact();
   }
   return no_contact();
 }
 
-inline Contact find_contact(ColliderShape shape, vec3 p0, vec3 p1, Nearest near, float thickness, bool swept) {
+inline Contact find_contact(ColliderSet set, ColliderShape shape, vec3 p0, vec3 p1, Nearest near, float thickness,
+                            bool swept) {
   precise float gap = near.distance - thickness;
   precise float way = length3(p1 - p0);
   if (gap > way) return no_contact();
   if (swept && way > 0.5f * shape.core) {
-    Contact entry = sweep(shape, p0, p1, way, thickness);
+    Contact entry = sweep(set, shape, p0, p1, way, thickness);
     if (entry.touches) return entry;
   }
   Contact r;
@@ -143,9 +147,8 @@ inline bool out_of_reach(ColliderShape shape, float gap, float way) {
 
 // All colliders in their order, with sweep and friction; then, while the point is still in one of several, it is only
 // pushed out, until all agree or the rounds are used up.
-inline PointState collide(ColliderSet set, ClothParams params, uint substep, PointState point) {
+inline PointState push_out(ColliderSet set, ClothParams params, uint substep, PointState point) {
   PointState state = point;
-  if (params.max_step > 0.0f) state = limit_speed(point, params.max_step);
   vec3 start = state.previous;
   bool again = params.collider_count > 0u;
   for (uint round = 0u; round < kContactRounds && again; ++round) {
@@ -155,19 +158,41 @@ inline PointState collide(ColliderSet set, ClothParams params, uint substep, Poi
       ColliderShape shape = collider_shape(set, i);
       ColliderPose after = collider_pose(set, substep + 1u, i);
       vec3 local = to_local(after, state.position);
-      Nearest near = nearest_of_shape(shape, local);
+      Nearest near = nearest_of_shape(set, shape, local);
       if (out_of_reach(shape, near.distance - params.thickness, way)) continue;
       ColliderPose before = collider_pose(set, substep, i);
-      Contact contact = find_contact(shape, to_local(before, start), local, near, params.thickness, round == 0u);
+      Contact contact = find_contact(set, shape, to_local(before, start), local, near, params.thickness, round == 0u);
       if (contact.touches && (round == 0u || contact.depth > kContactSlack)) {
         float friction = round == 0u ? sqrt(params.friction * shape.friction) : 0.0f;
         state = respond(state, before, after, local, contact, friction);
         way = length3(state.position - start);
-        again = params.collider_count > 1u;
+        again = params.collider_count > 1u || shape.kind == kShapeMesh;  // its field is not quite a distance
       }
     }
   }
   return state;
+}
+
+// On a moving parent the stored displacement leaves out `taken`, what the cloth was taken along with in this substep;
+// colliders meet all of it.
+inline PointState collide(ColliderSet set, ClothParams params, uint substep, PointState point) {
+  PointState slow = point;
+  if (params.max_step > 0.0f) slow = limit_speed(point, params.max_step);
+  if (params.moving == 0u) return push_out(set, params, substep, slow);
+  PointState whole;
+  whole.position = slow.position;
+  whole.previous = field_back(params.taken, float(substep), slow.previous);
+  whole.carry = slow.carry;
+  PointState after = push_out(set, params, substep, whole);
+  precise vec3 taken = slow.previous - whole.previous;
+  precise vec3 displacement = ((after.position - after.previous) - taken) + after.carry;
+  precise vec3 previous = after.position - displacement;
+  precise vec3 carry = displacement - (after.position - previous);
+  PointState r;
+  r.position = after.position;
+  r.previous = previous;
+  r.carry = carry;
+  return r;
 }
 
 // Largest depth [m] of a point below a collider's surface after a substep; 0 outside of all.
@@ -175,7 +200,7 @@ inline float depth_in_colliders(ColliderSet set, uint collider_count, uint subst
   float depth = 0.0f;
   for (uint i = 0u; i < collider_count; ++i) {
     vec3 local = to_local(collider_pose(set, substep + 1u, i), position);
-    depth = max(depth, -nearest_of_shape(collider_shape(set, i), local).distance);
+    depth = max(depth, -nearest_of_shape(set, collider_shape(set, i), local).distance);
   }
   return depth;
 }

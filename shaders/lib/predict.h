@@ -10,6 +10,7 @@
 #define GEOCLOTH_LIB_PREDICT_H
 
 #include "../shared/layout.h"
+#include "frame.h"
 #include "vector.h"
 
 #ifdef __cplusplus
@@ -18,6 +19,7 @@ namespace geocloth::shader {
 
 struct Predicted {
   vec3 position;
+  vec3 previous;
   vec3 carry;
 };
 
@@ -46,15 +48,29 @@ inline vec3 air_acceleration(ClothParams params, vec3 air, vec3 velocity, vec3 n
 }
 
 // Compensated: `carry` is the part of the displacement that position - previous cannot show in single precision.
-inline Predicted predict(ClothParams params, vec3 position, vec3 previous, vec3 carry, vec3 acceleration) {
-  precise vec3 way = (position - previous) + carry;
-  precise vec3 increment = way * params.keep + xyz(params.gravity_step) + acceleration * (params.dt * params.dt);
-  precise vec3 next = position + increment;
-  precise vec3 lost = increment - (next - position);
+inline Predicted advance(ClothParams params, vec3 start, vec3 kept_way, vec3 acceleration) {
+  precise vec3 increment = kept_way + xyz(params.gravity_step) + acceleration * (params.dt * params.dt);
+  precise vec3 next = start + increment;
+  precise vec3 lost = increment - (next - start);
   Predicted r;
   r.position = next;
+  r.previous = start;
   r.carry = lost;
   return r;
+}
+
+inline Predicted predict(ClothParams params, vec3 position, vec3 previous, vec3 carry, vec3 acceleration) {
+  precise vec3 way = (position - previous) + carry;
+  precise vec3 kept = way * params.keep;
+  return advance(params, position, kept, acceleration);
+}
+
+// The same on a moving parent.
+inline Predicted predict_along(ClothParams params, float substep, vec3 position, vec3 previous, vec3 carry,
+                               vec3 acceleration) {
+  precise vec3 way = (position - previous) + carry;
+  FramedStep framed = take_along(params, substep, position, way);
+  return advance(params, framed.start, framed.way, acceleration);
 }
 
 #ifdef __cplusplus

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Signed distance and outward normal of every collider shape, in the shape's own frame. Exact, hence 1-Lipschitz, which
-// the sweep in collide.h relies on.
+// Signed distance and outward normal of every collider shape, in the shape's own frame. Exact, or at least 1-Lipschitz,
+// which the sweep in collide.h relies on; a mesh's field nearly so.
+//
+// The includer defines before this file: struct ColliderSet (a handle), float collider_number(ColliderSet set, uint i).
 #ifndef GEOCLOTH_LIB_SHAPES_H
 #define GEOCLOTH_LIB_SHAPES_H
 
@@ -96,11 +98,70 @@ inline Nearest nearest_ellipsoid_in_reach(vec3 radii, vec3 p) {
   return nearest_ellipsoid(radii, p);
 }
 
-inline Nearest nearest_of_shape(ColliderShape shape, vec3 p) {
+// The plane that the point is highest above: exact inside and beside a face.
+inline Nearest nearest_convex(ColliderSet set, ColliderShape shape, vec3 p) {
+  float height = -1e30f;
+  vec3 normal = vec3(0.0f, 1.0f, 0.0f);
+  for (uint i = 0u; i < shape.data.y; ++i) {
+    uint k = shape.data.x + 4u * i;
+    vec3 n = vec3(collider_number(set, k), collider_number(set, k + 1u), collider_number(set, k + 2u));
+    precise float h = dot3(n, p) - collider_number(set, k + 3u);
+    if (h > height) {
+      height = h;
+      normal = n;
+    }
+  }
+  return make_nearest(height, normal);
+}
+
+inline float mix1(float a, float b, float t) {
+  precise float r = a + (b - a) * t;
+  return r;
+}
+
+// Trilinear in the cell of the point, with the gradient of that; beyond the grid, where no surface is, a lower bound.
+inline Nearest nearest_mesh(ColliderSet set, ColliderShape shape, vec3 p) {
+  precise vec3 g = (p - xyz(shape.a)) * shape.b.x;
+  precise vec3 side = vec3(float(shape.data.y - 1u), float(shape.data.z - 1u), float(shape.data.w - 1u));
+  precise vec3 q = vec3(min(max(g.x, 0.0f), side.x), min(max(g.y, 0.0f), side.y), min(max(g.z, 0.0f), side.z));
+  precise vec3 beyond = (g - q) * shape.a.w;
+  vec4 out_of = unit_and_length(beyond);
+  if (out_of.w > 0.0f) return make_nearest(out_of.w + shape.b.y, xyz(out_of));
+
+  precise vec3 cell =
+      vec3(min(floor(q.x), side.x - 1.0f), min(floor(q.y), side.y - 1.0f), min(floor(q.z), side.z - 1.0f));
+  precise vec3 t = q - cell;
+  uint row = shape.data.y;
+  uint layer = shape.data.y * shape.data.z;
+  uint k = shape.data.x + uint(cell.x) + uint(cell.y) * row + uint(cell.z) * layer;
+  float d000 = collider_number(set, k);
+  float d100 = collider_number(set, k + 1u);
+  float d010 = collider_number(set, k + row);
+  float d110 = collider_number(set, k + row + 1u);
+  float d001 = collider_number(set, k + layer);
+  float d101 = collider_number(set, k + layer + 1u);
+  float d011 = collider_number(set, k + layer + row);
+  float d111 = collider_number(set, k + layer + row + 1u);
+  float d00 = mix1(d000, d100, t.x);
+  float d10 = mix1(d010, d110, t.x);
+  float d01 = mix1(d001, d101, t.x);
+  float d11 = mix1(d011, d111, t.x);
+  float d0 = mix1(d00, d10, t.y);
+  float d1 = mix1(d01, d11, t.y);
+  float distance = mix1(d0, d1, t.z);
+  float along_x = mix1(mix1(d100 - d000, d110 - d010, t.y), mix1(d101 - d001, d111 - d011, t.y), t.z);
+  float along_y = mix1(d10 - d00, d11 - d01, t.z);
+  vec4 gradient = unit_and_length(vec3(along_x, along_y, d1 - d0));
+  return make_nearest(distance, gradient.w > 0.0f ? xyz(gradient) : vec3(0.0f, 1.0f, 0.0f));
+}
+
+inline Nearest nearest_of_shape(ColliderSet set, ColliderShape shape, vec3 p) {
   if (shape.kind == kShapePlane) return make_nearest(p.y, vec3(0.0f, 1.0f, 0.0f));
   if (shape.kind == kShapeSphere) return nearest_ball(p, shape.a.x);
   if (shape.kind == kShapeCapsule) return nearest_capsule(shape, p);
   if (shape.kind == kShapeBox) return nearest_box(xyz(shape.a), p);
+  if (shape.kind == kShapeConvex) return nearest_convex(set, shape, p);
+  if (shape.kind == kShapeMesh) return nearest_mesh(set, shape, p);
   return nearest_ellipsoid_in_reach(xyz(shape.a), p);
 }
 

@@ -46,6 +46,7 @@ const uint kBindingColliderPoses = 16u;     // buffer ColliderPose[(substeps + 1
 const uint kBindingSubsteps = 17u;          // buffer Substep[substeps]
 const uint kBindingMeasures = 18u;          // buffer uint[kMeasureCount], bits of non-negative floats, atomicMax
 const uint kBindingInverseMass = 19u;       // buffer float[pixels], read when the pins change
+const uint kBindingColliderNumbers = 20u;   // buffer float[], see ColliderShape::data
 
 // Springs: component c = 0..5 in the order of SpringBit; the multiplier of component c at a pixel is at
 // c * pixels + pixel, that of seam bend i at kSpringComponents * pixels + i.
@@ -60,10 +61,20 @@ const uint kShapeSphere = 1u;
 const uint kShapeCapsule = 2u;
 const uint kShapeBox = 3u;
 const uint kShapeEllipsoid = 4u;
+const uint kShapeConvex = 5u;
+const uint kShapeMesh = 6u;
 
 const uint kMeasureCopyGap = 0u;      // [m] largest distance between copies
 const uint kMeasurePenetration = 1u;  // [m] largest depth below a collider's surface, points that are not pinned
 const uint kMeasureCount = 2u;
+
+// Displacement of every point of a moving rigid frame in substep s: (R - 1) p + shift + drift s.
+struct FrameField {
+  vec4 row0;  // xyz: row of R - 1, w: component of the shift [m]
+  vec4 row1;
+  vec4 row2;
+  vec4 drift;  // xyz [m]
+};
 
 // What changes from frame to frame and cloth to cloth.
 struct ClothParams {
@@ -87,8 +98,10 @@ struct ClothParams {
   float share_structural;  // share of the error that a projection removes: 1, or the seeds' stiffness
   float share_shear;
   float share_bending;
+  uint moving;  // 1: the cloth's parent moves in this frame; see lib/frame.h
   float unused0;
-  float unused1;
+  FrameField whole;
+  FrameField taken;
 };
 
 // A gust: velocity gust * sin(dot(wave, position) + phase).
@@ -98,16 +111,17 @@ struct Wave {
 };
 
 struct Substep {
-  float pin_fraction;  // share of the way that is left to its target that a pinned point goes: 1 / (substeps left)
-  float unused0;
+  float pin_fraction;    // share of the way that is left to its target that a pinned point goes: 1 / (substeps left)
+  float frame_fraction;  // share of the frame that is over after this substep
+  float substep_share;   // 1 / substeps
   float unused1;
-  float unused2;
   Wave waves[kWindWaves];
 };
 
-// A pinned pixel; all copies of a point are listed.
+// A pinned pixel; all copies of a point are listed. Held pins have no inverse mass; soft ones keep it.
 struct PinTarget {
-  vec4 target;  // xyz [m] relative to the origin
+  vec4 target;  // xyz [m] relative to the origin; w: A / (1 + A + B) of lib/pin.h, 0: held
+  vec4 start;   // xyz: target at the start of the frame; w: B / (1 + A + B)
   uvec4 pixel;  // x
 };
 
@@ -138,9 +152,13 @@ struct SeamSpring {
 //              b.y = tangent of that taper; neither end ball holds the other
 //   box        a.xyz half extents
 //   ellipsoid  a.xyz radii
+//   convex     numbers from data.x on: unit normal and offset of each of data.y planes; inside all n . p <= offset
+//   mesh       numbers from data.x on: signed distances [m] at data.y x data.z x data.w nodes, x fastest; a.xyz first
+//              node, a.w spacing, b.x = 1 / spacing, b.y margin: no surface is nearer to the sides of the grid
 struct ColliderShape {
   vec4 a;
   vec4 b;
+  uvec4 data;
   uint kind;
   float friction;
   float core;  // [m] smallest half width: a way longer than this is swept
@@ -165,11 +183,11 @@ struct PassConstants {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(ClothParams) == 112 && offsetof(ClothParams, gravity_step) == 16 &&
-              offsetof(ClothParams, dt) == 48);
+static_assert(sizeof(ClothParams) == 240 && offsetof(ClothParams, whole) == 112 &&
+              offsetof(ClothParams, gravity_step) == 16 && offsetof(ClothParams, dt) == 48);
 static_assert(sizeof(Wave) == 32 && sizeof(Substep) == 16 + 32 * kWindWaves);
-static_assert(sizeof(PinTarget) == 32 && sizeof(Attachment) == 8 && sizeof(SeamSpring) == 32);
-static_assert(sizeof(ColliderShape) == 48 && sizeof(ColliderPose) == 48 && sizeof(PassConstants) == 24);
+static_assert(sizeof(PinTarget) == 48 && sizeof(Attachment) == 8 && sizeof(SeamSpring) == 32);
+static_assert(sizeof(ColliderShape) == 64 && sizeof(ColliderPose) == 48 && sizeof(PassConstants) == 24);
 }  // namespace geocloth::shader
 #endif
 

@@ -61,6 +61,8 @@ struct ClothFrame {
 struct FrameInput {
   std::vector<shader::ColliderShape> shapes;
   std::vector<shader::ColliderPose> poses;  ///< (substeps + 1) * shapes: pose s is before substep s, s + 1 after it
+  std::shared_ptr<const std::vector<float>>
+      collider_numbers;  ///< see shader::ColliderShape; another one when it changes
   std::vector<shader::Substep> substeps;
   std::vector<ClothFrame> cloths;
 };

@@ -83,6 +83,13 @@ struct ShapeCheck {
     check_sizes(s.radii, where, "radii");
     check_rotation(s.rotate, where);
   }
+  void operator()(const Convex& s) const {
+    if (s.planes.empty()) throw Error(ErrorCode::invalid_argument, where + ": has no planes; see convex_hull");
+    for (const Plane& plane : s.planes) (*this)(plane);
+  }
+  void operator()(const MeshSolid& s) const {
+    if (!s.field) throw Error(ErrorCode::invalid_argument, where + ": has no field; see make_distance_field");
+  }
 };
 
 /// The seeds' parameters: not set when negative, else 0..1.
@@ -94,6 +101,10 @@ void check_share(double value, const std::string& where, const char* field) {
 
 void check_position(const Vec3& position, const std::string& where) {
   check_vector(position, kLargestLength, where, "a position");
+}
+
+void check_pin_frequency(double frequency, const std::string& where) {
+  check_at_least(frequency, 0, where, "frequency", 1e4);
 }
 
 void check_gravity(const Vec3& gravity, const std::string& where) {
@@ -120,7 +131,7 @@ void check(const Material& m, const std::string& where) {
   check_at_least(m.thickness, 0, where, "thickness", 1);
   check_at_least(m.friction, 0, where, "friction", 1e3);
   check_at_least(m.max_speed, 0, where, "max_speed");
-  check_at_least(m.max_stretch, 0, where, "max_stretch");
+  if (!(m.max_stretch < 0 && std::isfinite(m.max_stretch))) check_at_least(m.max_stretch, 0, where, "max_stretch");
   check_share(m.stiffness, where, "stiffness");
   check_share(m.bend_stiffness, where, "bend_stiffness");
   check_share(m.verlet_damping, where, "verlet_damping");
@@ -130,6 +141,14 @@ void check(const Transform& t, const std::string& where) {
   check_vector(t.translate, kLargestLength, where, "translate");
   check_rotation(t.rotate, where);
   check_above(t.scale, 0, where, "scale", 1e6);
+}
+
+void check_parent(const Transform& pose, const Vec3& inertia_scale, const std::string& where) {
+  check(pose, where);
+  if (pose.scale != 1.F) refuse(where, "scale", pose.scale, "1");
+  for (const float s : {inertia_scale.x, inertia_scale.y, inertia_scale.z}) {
+    check_at_least(s, 0, where, "inertia_scale", 1);
+  }
 }
 
 void check(const Collider& c, const std::string& where) {

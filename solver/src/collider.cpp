@@ -4,6 +4,19 @@
 #include "geocloth/solver/collider.h"
 
 #include "frame_input.h"
+
+namespace geocloth::shader {
+
+/// shapes.h reads the numbers of hulls and meshes through this.
+struct ColliderSet {
+  const float* numbers;
+};
+inline float collider_number(ColliderSet set, uint i) {
+  return set.numbers[i];
+}
+
+}  // namespace geocloth::shader
+
 #include "lib/shapes.h"
 
 namespace geocloth {
@@ -12,9 +25,10 @@ float signed_distance(const Collider& collider, const Vec3& point) {
   const Transform frame = collider_frame(collider);
   const Vec3 local = rotate(conjugate(frame.rotate), point - frame.translate);
   const shader::vec3 p{local.x, local.y, local.z};
-  const shader::ColliderShape shape = collider_shape_of(collider);
+  std::vector<float> numbers;
+  const shader::ColliderShape shape = collider_shape_of(collider, numbers);
   if (shape.kind == shader::kShapeEllipsoid) return shader::nearest_ellipsoid(shader::xyz(shape.a), p).distance;
-  return shader::nearest_of_shape(shape, p).distance;
+  return shader::nearest_of_shape({numbers.data()}, shape, p).distance;
 }
 
 }  // namespace geocloth

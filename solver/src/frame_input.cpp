@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 namespace geocloth {
@@ -36,6 +37,22 @@ Quat rotation_between(const Vec3& from, const Vec3& to) {
           static_cast<float>(w * n)};
 }
 
+Vec3 middle_of(const Convex& convex) {
+  Vec3 sum;
+  if (convex.surface.triangle.empty()) return convex.planes.front().point;
+  for (const auto& t : convex.surface.triangle)
+    for (const uint32_t i : t) sum = sum + convex.surface.position[i];
+  return (1.F / (3.F * static_cast<float>(convex.surface.triangle.size()))) * sum;
+}
+
+/// 0 for a solid that the planes leave open.
+float radius_about(const Convex& convex, const Vec3& center) {
+  float radius = 0;
+  for (const auto& t : convex.surface.triangle)
+    for (const uint32_t i : t) radius = std::max(radius, length(convex.surface.position[i] - center));
+  return radius;
+}
+
 /// Pose of a shape's local frame (see ColliderShape in layout.h) in the collider's.
 struct LocalFrame {
   Transform operator()(const Plane& s) const { return {s.point, rotation_between({0, 1, 0}, normalized(s.normal)), 1}; }
@@ -47,6 +64,8 @@ struct LocalFrame {
   }
   Transform operator()(const Box& s) const { return {s.center, s.rotate, 1}; }
   Transform operator()(const Ellipsoid& s) const { return {s.center, s.rotate, 1}; }
+  Transform operator()(const Convex& s) const { return {middle_of(s), {}, 1}; }
+  Transform operator()(const MeshSolid&) const { return {}; }
 
   /// One end ball of the capsule holds the other.
   static bool is_ball(const Capsule& s) { return length(s.b - s.a) <= std::abs(s.radius_a - s.radius_b); }
@@ -60,6 +79,8 @@ shader::ColliderShape ball(float radius) {
 }
 
 struct LocalShape {
+  std::vector<float>& numbers;
+
   shader::ColliderShape operator()(const Plane&) const {
     shader::ColliderShape r{};
     r.kind = shader::kShapePlane;
@@ -92,6 +113,31 @@ struct LocalShape {
     r.core = std::min({s.radii.x, s.radii.y, s.radii.z});
     return r;
   }
+  shader::ColliderShape operator()(const Convex& s) const {
+    shader::ColliderShape r{};
+    r.kind = shader::kShapeConvex;
+    r.data = {static_cast<uint32_t>(numbers.size()), static_cast<uint32_t>(s.planes.size()), 0, 0};
+    r.core = std::numeric_limits<float>::max();
+    const Vec3 center = middle_of(s);
+    for (const Plane& plane : s.planes) {
+      const float offset = dot(plane.normal, plane.point - center);
+      numbers.insert(numbers.end(), {plane.normal.x, plane.normal.y, plane.normal.z, offset});
+      r.core = std::min(r.core, std::max(offset, 0.F));
+    }
+    r.a.x = radius_about(s, center);
+    return r;
+  }
+  shader::ColliderShape operator()(const MeshSolid& s) const {
+    const DistanceField& field = *s.field;
+    shader::ColliderShape r{};
+    r.kind = shader::kShapeMesh;
+    r.a = point4(field.low, field.spacing);
+    r.b = {1 / field.spacing, field.margin, 0, 0};
+    r.data = {static_cast<uint32_t>(numbers.size()), field.size[0], field.size[1], field.size[2]};
+    r.core = field.spacing;  // thinner parts do not show in the grid
+    numbers.insert(numbers.end(), field.distance.begin(), field.distance.end());
+    return r;
+  }
 };
 
 shader::ColliderPose make_pose(const Transform& t, const Vec3& origin) {
@@ -108,6 +154,34 @@ shader::ColliderPose make_pose(const Transform& t, const Vec3& origin) {
   return pose;
 }
 
+/// Axis times angle [rad], the shorter way round.
+Vec3 rotation_vector(const Quat& q) {
+  const double x = q.x, y = q.y, z = q.z, w = q.w;
+  const double sine = std::sqrt(x * x + y * y + z * z);
+  if (!(sine > 0)) return {};
+  const double scale = 2 * std::atan2(w < 0 ? -sine : sine, std::abs(w)) / sine;
+  return {static_cast<float>(scale * x), static_cast<float>(scale * y), static_cast<float>(scale * z)};
+}
+
+/// Field of a rotation by the vector `turn` about a centre that goes on by `center_step` each substep, and a shift.
+/// R - 1 = sin K + (1 - cos) K K with K = [axis] (Rodrigues), in double precision, for both terms are small.
+shader::FrameField frame_field(const Vec3& turn, const Vec3& shift, const Vec3& center_step, const Vec3& center) {
+  const double angle = std::sqrt(static_cast<double>(dot(turn, turn)));
+  const double s = angle > 0 ? std::sin(angle) / angle : 0;
+  const double c = angle > 0 ? 2 * std::pow(std::sin(0.5 * angle) / angle, 2) : 0;
+  const double x = turn.x, y = turn.y, z = turn.z;
+  const std::array<std::array<double, 3>, 3> m{{{-c * (y * y + z * z), c * x * y - s * z, c * x * z + s * y},
+                                                {c * x * y + s * z, -c * (x * x + z * z), c * y * z - s * x},
+                                                {c * x * z - s * y, c * y * z + s * x, -c * (x * x + y * y)}}};
+  const auto times = [&](size_t i, const Vec3& v) { return m[i][0] * v.x + m[i][1] * v.y + m[i][2] * v.z; };
+  const auto row = [&](size_t i, float along) {
+    return vec4{static_cast<float>(m[i][0]), static_cast<float>(m[i][1]), static_cast<float>(m[i][2]),
+                static_cast<float>(static_cast<double>(along) - times(i, center))};
+  };
+  const auto drift = [&](size_t i) { return static_cast<float>(-times(i, center_step)); };
+  return {row(0, shift.x), row(1, shift.y), row(2, shift.z), {drift(0), drift(1), drift(2), 0}};
+}
+
 constexpr float kAnyWay = 1e30F;  ///< [m] no bound
 
 /// Radius about the local origin of the shape with the thickest cloth on it (1 m).
@@ -120,6 +194,15 @@ double radius_of(const shader::ColliderShape& shape) {
     case shader::kShapeBox:
     case shader::kShapeEllipsoid:
       return 1.0 + std::hypot(shape.a.x, shape.a.y, shape.a.z);
+    case shader::kShapeConvex:
+      return shape.a.x > 0 ? 1.0 + shape.a.x : std::numeric_limits<double>::infinity();
+    case shader::kShapeMesh: {
+      const auto farthest = [&](float low, uint32_t nodes) {
+        return std::max(std::abs(low), std::abs(low + shape.a.w * static_cast<float>(nodes - 1)));
+      };
+      return 1.0 + std::hypot(farthest(shape.a.x, shape.data.y), farthest(shape.a.y, shape.data.z),
+                              farthest(shape.a.z, shape.data.w));
+    }
     default:
       return std::numeric_limits<double>::infinity();
   }
@@ -139,14 +222,14 @@ float way_between(const shader::ColliderPose& a, const shader::ColliderPose& b, 
 }
 
 /// A family of gusts: share of the gust speed, multiple of the slowest frequency, how far the wave runs and blows
-/// sideways and upwards relative to the wind.
+/// sideways and upwards relative to the wind. The frequencies have no common multiple, so the wind never repeats.
 struct Gust {
   double share, frequency, wave_side, wave_up, blow_side, blow_up;
 };
-constexpr std::array<Gust, shader::kWindWaves> kGusts{{{0.45, 1.0, 0.3, 0.1, 0.0, 0.0},
-                                                       {0.25, 1.73, -0.6, 0.4, 0.6, 0.1},
-                                                       {0.18, 3.11, 0.9, -0.5, -0.5, 0.5},
-                                                       {0.12, 5.27, -1.1, -0.9, 0.3, -0.8}}};
+constexpr std::array<Gust, shader::kWindWaves> kGusts{{{0.45, 1, 0.3, 0.1, 0.0, 0.0},
+                                                       {0.25, std::numbers::sqrt3, -0.6, 0.4, 0.6, 0.1},
+                                                       {0.18, std::numbers::pi, 0.9, -0.5, -0.5, 0.5},
+                                                       {0.12, 2 * std::numbers::e, -1.1, -0.9, 0.3, -0.8}}};
 
 /// Waves that travel with the wind: at a fixed point gust k has the frequency f_k, and its length is speed / f_k.
 void add_gusts(shader::Substep& substep, const Wind& wind, double time, const Vec3& origin) {
@@ -173,8 +256,8 @@ Transform collider_frame(const Collider& collider) {
   return compose({collider.pose.translate, collider.pose.rotate, 1}, std::visit(LocalFrame{}, collider.shape));
 }
 
-shader::ColliderShape collider_shape_of(const Collider& collider) {
-  shader::ColliderShape shape = std::visit(LocalShape{}, collider.shape);
+shader::ColliderShape collider_shape_of(const Collider& collider, std::vector<float>& numbers) {
+  shader::ColliderShape shape = std::visit(LocalShape{numbers}, collider.shape);
   shape.friction = collider.friction;
   return shape;
 }
@@ -212,9 +295,44 @@ std::vector<shader::Substep> substep_inputs(const FrameClock& clock, const std::
   std::vector<shader::Substep> inputs(clock.substeps, shader::Substep{});
   for (uint32_t s = 0; s < clock.substeps; ++s) {
     inputs[s].pin_fraction = 1.F / static_cast<float>(clock.substeps - s);
+    inputs[s].frame_fraction = static_cast<float>(s + 1) / static_cast<float>(clock.substeps);
+    inputs[s].substep_share = 1.F / static_cast<float>(clock.substeps);
     if (wind) add_gusts(inputs[s], *wind, clock.start + s * clock.dt, origin);
   }
   return inputs;
+}
+
+void set_frame_motion(shader::ClothParams& params, const Transform& from, const Transform& to,
+                      const Vec3& inertia_scale, uint32_t substeps, const Vec3& origin) {
+  if (from.translate == to.translate && from.rotate == to.rotate) return;
+  const Quat back = conjugate(from.rotate);
+  const Vec3 shift = (1.F / static_cast<float>(substeps)) * (to.translate - from.translate);
+  const Vec3 turn =
+      (1.F / static_cast<float>(substeps)) * rotation_vector(back * to.rotate);  // about the parent's axes
+  const Vec3 taken{1 - inertia_scale.x, 1 - inertia_scale.y, 1 - inertia_scale.z};
+  const auto share = [&](const Vec3& v) { return Vec3{taken.x * v.x, taken.y * v.y, taken.z * v.z}; };
+  const Vec3 center = from.translate - origin;
+  params.moving = 1;
+  params.whole = frame_field(rotate(from.rotate, turn), shift, shift, center);
+  params.taken =
+      frame_field(rotate(from.rotate, share(turn)), rotate(from.rotate, share(rotate(back, shift))), shift, center);
+}
+
+shader::PinTarget pin_target(uint32_t pixel, const Vec3& from, const Vec3& to, float frequency, double dt) {
+  shader::PinTarget target{point4(to, 0), point4(from, 0), {pixel, 0, 0, 0}};
+  if (!(frequency > 0)) return target;
+  const double turn = 2 * std::numbers::pi * static_cast<double>(frequency) * dt;
+  const double a = turn * turn, b = 2 * turn;
+  target.target.w = static_cast<float>(a / (1 + a + b));
+  target.start.w = static_cast<float>(b / (1 + a + b));
+  return target;
+}
+
+float largest_stretch(const Material& m, const Vec3& gravity, float reach) {
+  constexpr float kSolverStrain = 0.005F, kSwing = 3;
+  if (m.max_stretch >= 0) return m.max_stretch;
+  if (m.stiffness >= 0) return 0;  // the seeds' cloth is as elastic as its step
+  return kSolverStrain + kSwing * m.areal_density * length(gravity) * reach / std::min(m.stretch_warp, m.stretch_weft);
 }
 
 shader::ClothParams cloth_params(const Material& m, const FrameClock& clock, const Vec3& gravity,
@@ -231,7 +349,6 @@ shader::ClothParams cloth_params(const Material& m, const FrameClock& clock, con
   p.thickness = m.thickness;
   p.friction = m.friction;
   p.max_step = static_cast<float>(m.max_speed * dt);
-  p.stretch_limit = m.max_stretch > 0 ? 1 + m.max_stretch : 0;
   p.share_structural = p.share_shear = share(m.stiffness);
   p.share_bending = share(m.bend_stiffness);
   if (wind && (wind->drag > 0 || wind->lift > 0)) {

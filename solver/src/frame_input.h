@@ -20,7 +20,8 @@ struct FrameClock {
 
 /// Where the local frame of a collider's shape (see shared/layout.h) lies in the world.
 [[nodiscard]] Transform collider_frame(const Collider& collider);
-[[nodiscard]] shader::ColliderShape collider_shape_of(const Collider& collider);
+/// @param numbers  those of convex hulls and meshes are appended
+[[nodiscard]] shader::ColliderShape collider_shape_of(const Collider& collider, std::vector<float>& numbers);
 
 /// Poses of all colliders before the first substep and after each: (substeps + 1) * colliders, relative to the origin.
 /// From and to have as many entries; translations go straight, rotations along the shortest arc.
@@ -35,6 +36,22 @@ void measure_ways(std::span<shader::ColliderShape> shapes, std::span<const shade
 /// Pin fractions and gusts of every substep.
 [[nodiscard]] std::vector<shader::Substep> substep_inputs(const FrameClock& clock, const std::optional<Wind>& wind,
                                                           const Vec3& origin);
+
+/// @param from, to   where the target is at the start and at the end of the frame, relative to the origin
+/// @param frequency  [1/s] of a soft pin, 0: held
+[[nodiscard]] shader::PinTarget pin_target(uint32_t pixel, const Vec3& from, const Vec3& to, float frequency,
+                                           double dt);
+
+/// Motion of a cloth's parent over a frame, as both fields of lib/frame.h; nothing moves between equal poses.
+/// @param inertia_scale  per axis of the parent: 1 the cloth feels all of the motion, 0 it is taken along
+void set_frame_motion(shader::ClothParams& params, const Transform& from, const Transform& to,
+                      const Vec3& inertia_scale, uint32_t substeps, const Vec3& origin);
+
+/// Largest strain of the long-range attachments, 0: none. An automatic one lies above what the weight of the cloth
+/// stretches it by at the bottom of a swing (three times the weight), so that only the solver's own softness is cut
+/// off.
+/// @param reach  [m] of the longest attachment
+[[nodiscard]] float largest_stretch(const Material& material, const Vec3& gravity, float reach);
 
 /// The numbers of one material in one frame. width, height and collider_count are left 0.
 [[nodiscard]] shader::ClothParams cloth_params(const Material& material, const FrameClock& clock, const Vec3& gravity,

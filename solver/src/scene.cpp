@@ -17,6 +17,7 @@ namespace geocloth {
 namespace {
 
 constexpr size_t kLargestSceneFile = size_t{64} << 20U;  // [bytes]
+constexpr double kLongestTime = 1e9;                     // [s]
 
 /// Runs the solver's own checks; what they refuse is the file's fault here.
 template <class Check>
@@ -39,12 +40,13 @@ double in_range(const JsonReader& json, double low, double high) {
 Motion read_motion(const JsonReader& json) {
   Motion motion;
   for (const JsonReader& entry : json.elements()) {
-    entry.expect_object({"time", "translate", "rotate_deg"});
+    entry.expect_object({"time", "translate", "rotate_deg", "teleport"});
     Keyframe key;
     key.time = entry.at("time").number();
     if (!motion.empty() && !(key.time > motion.back().time)) entry.at("time").fail("must be later than the key before");
     entry.read("translate", key.translate);
     if (entry.has("rotate_deg")) key.rotate = quat_from_euler_deg(entry.at("rotate_deg").vector());
+    if (entry.has("teleport")) key.teleport = entry.at("teleport").boolean();
     checked([&] { check_position(key.translate, entry.where() + ".translate"); });
     motion.push_back(key);
   }
@@ -93,6 +95,7 @@ Material read_material(const JsonReader& json) {
   json.expect_object(keys);
   Material material = json.has("preset") ? preset_named(json.at("preset")) : Material{};
   for (const MaterialField& field : kMaterialFields) json.read(field.key, material.*field.field);
+  if (json.has("max_stretch")) in_range(json.at("max_stretch"), 0, 1e6);
   for (const auto* key : {"stiffness", "bend_stiffness", "verlet_damping"}) {
     if (json.has(key)) in_range(json.at(key), 0, 1);
   }
@@ -150,11 +153,15 @@ Where read_where(const JsonReader& json) {
 }
 
 ScenePin read_pin(const JsonReader& json) {
-  json.expect_object({"where", "follow", "motion"});
+  json.expect_object({"where", "follow", "motion", "from", "until", "frequency"});
   ScenePin pin;
   pin.where = read_where(json.at("where"));
   json.read("follow", pin.follow);
   pin.motion = read_motion_of(json);
+  if (json.has("from")) pin.from = in_range(json.at("from"), 0, kLongestTime);
+  if (json.has("until")) pin.until = in_range(json.at("until"), 0, kLongestTime);
+  if (pin.until <= pin.from) json.at("until").fail("must be later than \"from\"");
+  if (json.has("frequency")) pin.frequency = static_cast<float>(in_range(json.at("frequency"), 0, 1000));
   return pin;
 }
 
@@ -166,10 +173,6 @@ void refuse_unsupported(const JsonReader& cloth) {
   }
   if (cloth.has("cuts") && !cloth.at("cuts").elements().empty()) {
     cloth.at("cuts").fail("cutting is not supported by this version; remove the cuts", ErrorCode::unsupported);
-  }
-  if (cloth.has("inertia_scale") && cloth.at("inertia_scale").vector() != Vec3{1, 1, 1}) {
-    cloth.at("inertia_scale")
-        .fail("other scales than [1, 1, 1] are not supported by this version", ErrorCode::unsupported);
   }
 }
 
@@ -183,6 +186,10 @@ SceneCloth read_cloth(const JsonReader& json, const std::filesystem::path& folde
   if (json.has("material")) cloth.material = read_material(json.at("material"));
   if (json.has("transform")) cloth.transform = read_transform(json.at("transform"));
   cloth.motion = read_motion_of(json);
+  if (json.has("inertia_scale")) {
+    cloth.inertia_scale = json.at("inertia_scale").vector();
+    checked([&] { check_parent({}, cloth.inertia_scale, json.at("inertia_scale").where()); });
+  }
   if (json.has("pins")) {
     for (const JsonReader& pin : json.at("pins").elements()) cloth.pins.push_back(read_pin(pin));
   }
@@ -213,6 +220,45 @@ ColliderShape read_ellipsoid(const JsonReader& json) {
   return Ellipsoid{json.at("center").vector(), json.at("radii").vector(), read_rotation(json)};
 }
 
+std::vector<Vec3> read_points(const JsonReader& json) {
+  std::vector<Vec3> points;
+  for (const JsonReader& point : json.elements()) {
+    points.push_back(point.vector());
+    checked([&] { check_position(points.back(), point.where()); });
+  }
+  return points;
+}
+
+/// Runs a builder of a solid; what it complains of is at this place of the file.
+template <class Build>
+Convex built_at(const JsonReader& json, const Build& build) {
+  try {
+    return build();
+  } catch (const Error& error) {
+    json.fail(error.what());
+  }
+}
+
+ColliderShape read_convex(const JsonReader& json) {
+  if (json.has("points") == json.has("planes")) json.fail("a convex collider needs either points or planes");
+  if (json.has("points")) {
+    const JsonReader points = json.at("points");
+    return built_at(points, [&] { return convex_hull(read_points(points)); });
+  }
+  std::vector<Plane> planes;
+  for (const JsonReader& plane : json.at("planes").elements()) {
+    plane.expect_object({"point", "normal"});
+    planes.push_back(std::get<Plane>(read_plane(plane)));
+    checked([&] { check_position(planes.back().point, plane.where() + ".point"); });
+  }
+  return built_at(json.at("planes"), [&] { return convex_of_planes(planes); });
+}
+/// Its file is read when the scene is played.
+ColliderShape read_mesh(const JsonReader& json) {
+  if (json.at("file").text().empty()) json.at("file").fail("must name a mesh file");
+  return MeshSolid{};
+}
+
 struct ShapeReader {
   std::string_view name;
   std::vector<std::string_view> keys;
@@ -223,17 +269,15 @@ const std::vector<ShapeReader>& shape_readers() {
                                                 {"sphere", {"center", "radius"}, read_sphere},
                                                 {"capsule", {"a", "b", "radius", "radius_b"}, read_capsule},
                                                 {"box", {"center", "half_extents", "rotate_deg"}, read_box},
-                                                {"ellipsoid", {"center", "radii", "rotate_deg"}, read_ellipsoid}};
+                                                {"ellipsoid", {"center", "radii", "rotate_deg"}, read_ellipsoid},
+                                                {"convex", {"points", "planes"}, read_convex},
+                                                {"mesh", {"file", "transform"}, read_mesh}};
   return readers;
 }
 
-SceneCollider read_collider(const JsonReader& json) {
+SceneCollider read_collider(const JsonReader& json, const std::filesystem::path& folder) {
   if (!json.is_object()) json.expect_object({});
   const std::string shape = json.at("shape").text();
-  if (shape == "convex" || shape == "mesh") {
-    json.at("shape").fail("colliders of shape \"" + shape + "\" are not supported by this version",
-                          ErrorCode::unsupported);
-  }
   std::vector<std::string_view> names;
   for (const ShapeReader& reader : shape_readers()) {
     names.push_back(reader.name);
@@ -246,7 +290,12 @@ SceneCollider read_collider(const JsonReader& json) {
     json.read("friction", collider.collider.friction);
     collider.collider.shape = reader.read(json);
     collider.motion = read_motion_of(json);
-    checked([&] { check(collider.collider, json.where()); });
+    if (std::holds_alternative<MeshSolid>(collider.collider.shape)) {
+      collider.mesh = {folder / std::filesystem::path(json.at("file").text()),
+                       json.has("transform") ? read_transform(json.at("transform")) : Transform{}};
+    } else {
+      checked([&] { check(collider.collider, json.where()); });
+    }
     return collider;
   }
   json.at("shape").fail("there is no shape " + in_quotes(shape) + "; the nearest is \"" +
@@ -287,6 +336,17 @@ void check_names(const Scene& scene, const JsonReader& json) {
   }
 }
 
+Vec3 middle_of_bounds(const TriangleSurface& surface) {
+  Vec3 low = surface.position[surface.triangle[0][0]], high = low;
+  for (const auto& t : surface.triangle)
+    for (const uint32_t i : t) {
+      const Vec3& p = surface.position[i];
+      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    }
+  return 0.5F * (low + high);
+}
+
 /// Centre about which a collider's motion turns it.
 struct ShapeCenter {
   Vec3 operator()(const Plane& s) const { return s.point; }
@@ -294,6 +354,10 @@ struct ShapeCenter {
   Vec3 operator()(const Capsule& s) const { return 0.5F * (s.a + s.b); }
   Vec3 operator()(const Box& s) const { return s.center; }
   Vec3 operator()(const Ellipsoid& s) const { return s.center; }
+  Vec3 operator()(const Convex& s) const {
+    return s.surface.triangle.empty() ? s.planes.front().point : middle_of_bounds(s.surface);
+  }
+  Vec3 operator()(const MeshSolid& s) const { return s.field ? middle_of_bounds(s.field->surface) : Vec3{}; }
 };
 
 }  // namespace
@@ -320,7 +384,7 @@ Scene parse_scene(std::string_view text, const std::filesystem::path& path) {
   if (scene.cloths.empty()) json.at("cloths").fail("must name at least one cloth");
   if (json.has("colliders")) {
     for (const JsonReader& collider : json.at("colliders").elements()) {
-      scene.colliders.push_back(read_collider(collider));
+      scene.colliders.push_back(read_collider(collider, path.parent_path()));
     }
   }
   if (json.has("wind")) scene.wind = read_wind(json.at("wind"));
@@ -349,7 +413,6 @@ Scene default_scene(const std::filesystem::path& asset) {
   scene.path = asset;
   SceneCloth cloth;
   cloth.asset = asset;
-  cloth.material.max_stretch = 0.02F;  // a finely sampled garment would sag at the default number of substeps
   cloth.pins.push_back({WhereBoundary{.index = std::nullopt, .of_each_part = true}, "cloth", {}});
   scene.cloths.push_back(std::move(cloth));
   return scene;

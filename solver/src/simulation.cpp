@@ -51,9 +51,33 @@ Vec3 middle(const std::vector<Vec3>& points) {
   return (1.F / static_cast<float>(points.size())) * sum;
 }
 
+/// The bodies of colliders of shape "mesh", once for each file and place.
+void read_bodies(Scene& scene, const ReadSurface& read_surface) {
+  for (size_t i = 0; i < scene.colliders.size(); ++i) {
+    SceneCollider& collider = scene.colliders[i];
+    if (!collider.mesh) continue;
+    try {
+      TriangleSurface surface = read_surface(collider.mesh->file);
+      for (Vec3& p : surface.position) p = apply(collider.mesh->transform, p);
+      collider.collider.shape =
+          MeshSolid{std::make_shared<const DistanceField>(make_distance_field(std::move(surface)))};
+    } catch (const Error& error) {
+      throw Error(error.code() == ErrorCode::invalid_argument ? ErrorCode::invalid_data : error.code(),
+                  scene.path.string() + ": colliders[" + std::to_string(i) + "].file: " + error.what());
+    }
+  }
+}
+
 }  // namespace
 
-Simulation::Simulation(Scene scene, SolverSettings settings) : scene_(std::move(scene)) {
+TriangleSurface read_asset_surface(const std::filesystem::path& path) {
+  const ClothAsset asset = read_asset(path);
+  return {asset.source.position, {asset.source.triangle.begin(), asset.source.triangle.end()}};
+}
+
+Simulation::Simulation(Scene scene, SolverSettings settings, const ReadSurface& read_surface)
+    : scene_(std::move(scene)) {
+  read_bodies(scene_, read_surface);
   settings.frame_time = 1 / scene_.frame_rate;
   settings.substeps = scene_.substeps;
   settings.relaxation_steps = scene_.relaxation_steps;
@@ -68,7 +92,7 @@ Simulation::Simulation(Scene scene, SolverSettings settings) : scene_(std::move(
     cloths_.push_back({asset, cloth.material, start});
     for (size_t k = 0; k < cloth.pins.size(); ++k) {
       const ScenePin& pin = cloth.pins[k];
-      PinSet set{c, pin, selected_pixels(scene_, c, k, *asset, start), {}};
+      PinSet set{c, pin, selected_pixels(scene_, c, k, *asset, start), {}, {}, false};
       for (const uint32_t p : set.pixels) set.rest.push_back(apply(start, asset->rest_position[p]));
       pins_.push_back(std::move(set));
     }
@@ -76,6 +100,10 @@ Simulation::Simulation(Scene scene, SolverSettings settings) : scene_(std::move(
   solver_ = std::make_unique<Solver>(cloths_, settings);
   solver_->set_colliders(colliders_at(scene_, 0), true);
   if (scene_.wind) solver_->set_wind(*scene_.wind);
+  for (uint32_t c = 0; c < scene_.cloths.size(); ++c) {
+    const SceneCloth& cloth = scene_.cloths[c];
+    if (!cloth.motion.empty()) solver_->set_parent(c, pose_at(cloth.motion, 0), cloth.inertia_scale);
+  }
 }
 
 double Simulation::time() const {
@@ -86,17 +114,31 @@ std::vector<Collider> Simulation::colliders() const {
   return colliders_at(scene_, time());
 }
 
+/// The pin begins to act: its points' places are what moves from now on.
+void Simulation::take_hold(PinSet& set, double start) {
+  set.acts = true;
+  if (!(set.pin.from > 0)) return;
+  std::vector<Vec3> position;
+  solver_->read_positions(set.cloth, position);
+  const Transform back = inverse_rigid(carrier(scene_, scene_.cloths[set.cloth], set.pin.follow, start));
+  for (size_t k = 0; k < set.pixels.size(); ++k) set.rest[k] = apply(back, position[set.pixels[k]]);
+  set.own_start = pose_at(set.pin.motion, start);
+}
+
 void Simulation::update_pins() {
+  const double start = (frame_ - 1) / scene_.frame_rate;
   std::vector<std::vector<Pin>> pins(cloths_.size());
-  for (const PinSet& set : pins_) {
+  for (PinSet& set : pins_) {
+    if (time() <= set.pin.from || start >= set.pin.until) continue;
+    if (!set.acts) take_hold(set, start);
     const Transform carried = carrier(scene_, scene_.cloths[set.cloth], set.pin.follow, time());
-    const Transform own = pose_at(set.pin.motion, time());
+    const Transform own = compose(pose_at(set.pin.motion, time()), inverse_rigid(set.own_start));
     const Vec3 center = middle(set.rest);
     for (size_t k = 0; k < set.pixels.size(); ++k) {
       // Without a motion of its own the point must not even be rounded.
       const Vec3 moved =
           set.pin.motion.empty() ? set.rest[k] : center + rotate(own.rotate, set.rest[k] - center) + own.translate;
-      pins[set.cloth].push_back({set.pixels[k], apply(carried, moved)});
+      pins[set.cloth].push_back({set.pixels[k], apply(carried, moved), set.pin.frequency});
     }
   }
   for (uint32_t c = 0; c < pins.size(); ++c) solver_->set_pins(c, pins[c]);
@@ -104,7 +146,15 @@ void Simulation::update_pins() {
 
 void Simulation::step() {
   ++frame_;
-  solver_->set_colliders(colliders());
+  const double start = (frame_ - 1) / scene_.frame_rate;
+  std::vector<Collider> solids = colliders();
+  for (size_t i = 0; i < solids.size(); ++i) solids[i].teleport = teleports(scene_.colliders[i].motion, start, time());
+  solver_->set_colliders(solids);
+  for (uint32_t c = 0; c < scene_.cloths.size(); ++c) {
+    const SceneCloth& cloth = scene_.cloths[c];
+    if (cloth.motion.empty()) continue;
+    solver_->set_parent(c, pose_at(cloth.motion, time()), cloth.inertia_scale, teleports(cloth.motion, start, time()));
+  }
   update_pins();
   solver_->step();
 }

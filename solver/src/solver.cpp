@@ -110,6 +110,14 @@ void Solver::Impl::set_colliders(std::span<const Collider> colliders, bool telep
     if (auto* plane = std::get_if<Plane>(&c.shape)) plane->normal = normalized(plane->normal);
   }
   if (teleport || colliders_from_.size() != colliders_to_.size()) colliders_from_ = colliders_to_;
+  for (size_t i = 0; i < colliders_to_.size(); ++i)
+    if (colliders_to_[i].teleport) colliders_from_[i] = colliders_to_[i];
+  std::vector<float> numbers;
+  shapes_.clear();
+  for (const Collider& c : colliders_to_) shapes_.push_back(collider_shape_of(c, numbers));
+  if (!collider_numbers_ || *collider_numbers_ != numbers) {
+    collider_numbers_ = std::make_shared<const std::vector<float>>(std::move(numbers));
+  }
 }
 
 void Solver::Impl::set_wind(const Wind& wind) {
@@ -126,26 +134,64 @@ void Solver::Impl::set_gravity(const Vec3& gravity) {
 
 void Solver::Impl::set_pins(uint32_t cloth, std::span<const Pin> pins) {
   const Cloth& c = cloth_at(cloth);
-  std::map<uint32_t, Vec3> next;
+  std::map<uint32_t, PinState> next;
+  const auto add = [&](uint32_t pixel, const Pin& pin) {
+    const auto before = c.pins.find(pixel);
+    next[pixel] = {before == c.pins.end() ? pin.target : before->second.target, pin.target, pin.frequency};
+  };
   for (const Pin& pin : pins) {
     const std::string where = cloth_name(cloth) + ": pin of pixel " + std::to_string(pin.pixel);
     if (pin.pixel >= c.asset->pixel_count() || !c.asset->valid(pin.pixel)) {
       throw Error(ErrorCode::invalid_argument, where + ": there is no cloth at that pixel");
     }
     check_position(pin.target, where);
+    check_pin_frequency(pin.frequency, where);
     const uint32_t row = c.row_of_pixel[pin.pixel];
     if (row == kNoPixel) {
-      next[pin.pixel] = pin.target;
+      add(pin.pixel, pin);
       continue;
     }
     const SplitVertexTable& splits = c.asset->splits;
-    for (uint32_t k = splits.offset[row]; k < splits.offset[row + 1]; ++k) next[splits.pixel[k]] = pin.target;
+    for (uint32_t k = splits.offset[row]; k < splits.offset[row + 1]; ++k) add(splits.pixel[k], pin);
   }
   Cloth& target = cloths_[cloth];
-  const bool same = std::equal(next.begin(), next.end(), c.pins.begin(), c.pins.end(),
-                               [](const auto& a, const auto& b) { return a.first == b.first; });
+  const bool same =
+      std::equal(next.begin(), next.end(), c.pins.begin(), c.pins.end(),
+                 [](const auto& a, const auto& b) { return a.first == b.first && a.second.held() == b.second.held(); });
   target.pins_changed = target.pins_changed || !same;
   target.pins = std::move(next);
+}
+
+void Solver::Impl::set_parent(uint32_t cloth, const Transform& pose, const Vec3& inertia_scale, bool teleport) {
+  static_cast<void>(cloth_at(cloth));
+  check_parent(pose, inertia_scale, cloth_name(cloth) + ": parent");
+  Cloth& c = cloths_[cloth];
+  if (!c.parent_from) c.parent_from = pose;
+  c.parent_to = pose;
+  c.inertia_scale = inertia_scale;
+  c.teleport = c.teleport || teleport;
+}
+
+/// Moves a cloth as it is, with its velocities, from its parent's old pose to the new one.
+void Solver::Impl::carry_over(uint32_t cloth) {
+  Cloth& c = cloths_[cloth];
+  const Transform& from = *c.parent_from;
+  const Transform& to = *c.parent_to;
+  const Quat turn = to.rotate * conjugate(from.rotate);
+  std::vector<vec4> position, previous;
+  backend_->read_positions(cloth, position);
+  backend_->read_previous(cloth, previous);
+  for (uint32_t p = 0; p < position.size(); ++p) {
+    if (!c.asset->valid(p)) continue;
+    const Vec3 x = vec3_of(position[p]);
+    const Vec3 moved = rotate(turn, x + origin_ - from.translate) + to.translate - origin_;
+    const Vec3 before = moved - rotate(turn, x - vec3_of(previous[p]));
+    position[p] = {moved.x, moved.y, moved.z, position[p].w};
+    previous[p] = {before.x, before.y, before.z, previous[p].w};
+  }
+  backend_->write_state(cloth, position, previous);
+  c.parent_from = c.parent_to;
+  c.teleport = false;
 }
 
 FrameClock Solver::Impl::clock() const {
@@ -153,15 +199,25 @@ FrameClock Solver::Impl::clock() const {
           settings_.substeps};
 }
 
+float Solver::Impl::stretch_limit(const Cloth& cloth) const {
+  const float stretch = largest_stretch(cloth.material, settings_.gravity, cloth.reach);
+  return stretch > 0 ? 1 + stretch : 0;
+}
+
 ClothFrame Solver::Impl::cloth_frame(Cloth& cloth) const {
   ClothFrame frame;
   frame.params = cloth_params(cloth.material, clock(), settings_.gravity, wind_);
+  frame.params.stretch_limit = stretch_limit(cloth);
   frame.params.width = cloth.asset->width;
   frame.params.height = cloth.asset->height;
   frame.params.collider_count = static_cast<uint32_t>(colliders_to_.size());
-  for (const auto& [pixel, target] : cloth.pins) {
-    const Vec3 t = target - origin_;
-    frame.pins.push_back({{t.x, t.y, t.z, 0}, {pixel, 0, 0, 0}});
+  if (cloth.parent_to) {
+    set_frame_motion(frame.params, *cloth.parent_from, *cloth.parent_to, cloth.inertia_scale, settings_.substeps,
+                     origin_);
+  }
+  for (auto& [pixel, pin] : cloth.pins) {
+    frame.pins.push_back(pin_target(pixel, pin.from - origin_, pin.target - origin_, pin.frequency, clock().dt));
+    pin.from = pin.target;
   }
   if (!cloth.pins_changed) return frame;
 
@@ -169,23 +225,33 @@ ClothFrame Solver::Impl::cloth_frame(Cloth& cloth) const {
   frame.pins_changed = true;
   frame.inverse_mass = cloth.free_inverse_mass;
   std::vector<uint32_t> pinned;
-  for (const auto& [pixel, target] : cloth.pins) {
+  for (const auto& [pixel, pin] : cloth.pins) {
+    if (!pin.held()) continue;
     frame.inverse_mass[pixel] = 0;
     pinned.push_back(pixel);
   }
-  if (cloth.material.max_stretch > 0) frame.attachments = make_attachments(*cloth.asset, cloth.scale, pinned);
+  if (frame.params.stretch_limit > 0) {
+    frame.attachments = make_attachments(*cloth.asset, cloth.scale, pinned);
+    cloth.reach = 0;
+    for (const shader::Attachment& a : frame.attachments) cloth.reach = std::max(cloth.reach, a.reach);
+    frame.params.stretch_limit = stretch_limit(cloth);
+  }
   return frame;
 }
 
 void Solver::Impl::step() {
+  for (uint32_t c = 0; c < cloths_.size(); ++c)
+    if (cloths_[c].teleport) carry_over(c);
   FrameInput frame;
-  for (const Collider& c : colliders_to_) frame.shapes.push_back(collider_shape_of(c));
+  frame.shapes = shapes_;
+  frame.collider_numbers = collider_numbers_;
   frame.poses = collider_poses(colliders_from_, colliders_to_, settings_.substeps, origin_);
   measure_ways(frame.shapes, frame.poses, settings_.substeps);
   frame.substeps = substep_inputs(clock(), wind_, origin_);
   for (Cloth& cloth : cloths_) frame.cloths.push_back(cloth_frame(cloth));
   backend_->run_frame(frame);
   colliders_from_ = colliders_to_;
+  for (Cloth& cloth : cloths_) cloth.parent_from = cloth.parent_to;
   ++frame_;
 }
 
@@ -239,7 +305,7 @@ void Solver::Impl::write_state(uint32_t cloth, std::span<const Vec3> positions, 
     }
     const Vec3 x = positions[source] - origin_;
     const Vec3 before = x - dt * velocities[source];
-    position[p] = {x.x, x.y, x.z, c.pins.contains(p) ? 0.F : c.free_inverse_mass[p]};
+    position[p] = {x.x, x.y, x.z, c.holds(p) ? 0.F : c.free_inverse_mass[p]};
     previous[p] = {before.x, before.y, before.z, 0};
   }
   backend_->write_state(cloth, position, previous);
@@ -274,6 +340,9 @@ void Solver::set_gravity(const Vec3& gravity) {
 }
 void Solver::set_pins(uint32_t cloth, std::span<const Pin> pins) {
   impl_->set_pins(cloth, pins);
+}
+void Solver::set_parent(uint32_t cloth, const Transform& pose, const Vec3& inertia_scale, bool teleport) {
+  impl_->set_parent(cloth, pose, inertia_scale, teleport);
 }
 void Solver::step() {
   impl_->step();

@@ -23,6 +23,7 @@ class Solver::Impl {
   void set_wind(const Wind& wind);
   void set_gravity(const Vec3& gravity);
   void set_pins(uint32_t cloth, std::span<const Pin> pins);
+  void set_parent(uint32_t cloth, const Transform& pose, const Vec3& inertia_scale, bool teleport);
   void step();
 
   void read_positions(uint32_t cloth, std::vector<Vec3>& out);
@@ -36,25 +37,42 @@ class Solver::Impl {
   [[nodiscard]] uint32_t cloth_count() const { return static_cast<uint32_t>(cloths_.size()); }
 
  private:
+  struct PinState {
+    Vec3 from, target;    ///< [m, world] at the start and the end of the next frame
+    float frequency = 0;  ///< [1/s] 0: held
+    [[nodiscard]] bool held() const { return !(frequency > 0); }
+  };
   struct Cloth {
     std::shared_ptr<const ClothAsset> asset;
     Material material;
     float scale = 1;
     std::vector<float> free_inverse_mass;  ///< without pins
     std::vector<uint32_t> row_of_pixel;    ///< row of the split-vertex table, kNoPixel for a single pixel
-    std::map<uint32_t, Vec3> pins;         ///< pixel -> target [m, world], all copies listed
-    bool pins_changed = false;             ///< since the last step
+    std::map<uint32_t, PinState> pins;     ///< by pixel, all copies listed
+    [[nodiscard]] bool holds(uint32_t pixel) const {
+      const auto pin = pins.find(pixel);
+      return pin != pins.end() && pin->second.held();
+    }
+    bool pins_changed = false;                        ///< since the last step
+    std::optional<Transform> parent_from, parent_to;  ///< at the start and the end of the next frame
+    Vec3 inertia_scale{1, 1, 1};
+    bool teleport = false;  ///< the parent jumps before the next frame
+    float reach = 0;        ///< [m] of the longest attachment
     uint64_t particles = 0, springs_per_sweep = 0;
   };
 
   [[nodiscard]] const Cloth& cloth_at(uint32_t cloth) const;
   [[nodiscard]] ClothFrame cloth_frame(Cloth& cloth) const;
+  void carry_over(uint32_t cloth);
+  [[nodiscard]] float stretch_limit(const Cloth& cloth) const;
   [[nodiscard]] FrameClock clock() const;
 
   SolverSettings settings_;
   Vec3 origin_;
   std::vector<Cloth> cloths_;
-  std::vector<Collider> colliders_from_, colliders_to_;  ///< at the start and the end of the next frame
+  std::vector<Collider> colliders_from_, colliders_to_;         ///< at the start and the end of the next frame
+  std::vector<shader::ColliderShape> shapes_;                   ///< of colliders_to_
+  std::shared_ptr<const std::vector<float>> collider_numbers_;  ///< of their hulls and meshes
   std::optional<Wind> wind_;
   uint64_t frame_ = 0;
   std::unique_ptr<SolverBackend> backend_;

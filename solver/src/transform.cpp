@@ -70,13 +70,18 @@ Transform compose(const Transform& a, const Transform& b) {
   return {apply(a, b.translate), a.rotate * b.rotate, a.scale * b.scale};
 }
 
+bool teleports(std::span<const Keyframe> motion, double from, double to) {
+  return std::any_of(motion.begin(), motion.end(),
+                     [&](const Keyframe& key) { return key.teleport && key.time > from && key.time <= to; });
+}
+
 Transform pose_at(std::span<const Keyframe> motion, double time) {
   if (motion.empty()) return {};
   const auto after =
       std::upper_bound(motion.begin(), motion.end(), time, [](double t, const Keyframe& key) { return t < key.time; });
   if (after == motion.begin()) return {motion.front().translate, motion.front().rotate, 1};
   const Keyframe& a = *(after - 1);
-  if (after == motion.end()) return {a.translate, a.rotate, 1};
+  if (after == motion.end() || after->teleport) return {a.translate, a.rotate, 1};
   const Keyframe& b = *after;
   const auto t = static_cast<float>((time - a.time) / (b.time - a.time));
   return {a.translate + t * (b.translate - a.translate), slerp(a.rotate, b.rotate, t), 1};

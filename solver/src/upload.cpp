@@ -15,6 +15,8 @@
 #include <utility>
 
 #include "bends.h"
+#include "frame_input.h"
+#include "geocloth/asset/grid_mesh.h"
 #include "rest_shape.h"
 
 namespace geocloth {
@@ -149,7 +151,7 @@ ClothData make_cloth_data(const ClothDesc& cloth, const Vec3& origin) {
   data.cell.assign(asset.cell.begin(), asset.cell.end());
   data.split_offset = asset.splits.offset;
   data.split_pixel = asset.splits.pixel;
-  data.attachments = cloth.material.max_stretch > 0;
+  data.attachments = largest_stretch(cloth.material, {}, 0) > 0;
   return data;
 }
 
@@ -193,10 +195,15 @@ std::vector<shader::Attachment> make_attachments(const ClothAsset& asset, float 
       queue.emplace(distance[q], q);
     });
   }
+  // Copies lie at the same distance, but half-way between two pins they may have been reached from different ones: all
+  // of them take the first one's anchor, so that they stay together.
+  const std::vector<uint32_t> first = first_copies(asset);
   std::vector<shader::Attachment> attachments(asset.pixel_count(), {shader::kNoAnchor, 0});
-  for (uint32_t p = 0; p < asset.pixel_count(); ++p)
-    if (distance[p] > 0 && anchor[p] != shader::kNoAnchor)
-      attachments[p] = {anchor[p], static_cast<float>(distance[p])};
+  for (uint32_t p = 0; p < asset.pixel_count(); ++p) {
+    const uint32_t f = asset.valid(p) ? first[p] : p;
+    if (distance[f] > 0 && anchor[f] != shader::kNoAnchor)
+      attachments[p] = {anchor[f], static_cast<float>(distance[f])};
+  }
   return attachments;
 }
 

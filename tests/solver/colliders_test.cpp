@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
+#include "geocloth/asset/error.h"
 #include "solver_fixture.h"
 
 namespace geocloth {
@@ -57,6 +59,38 @@ TEST_P(EveryShape, MovingAndTurningNoPointIsInside) {
   EXPECT_EQ(solver.statistics().copy_gap, 0.0);
 }
 
+/// A ball of triangles.
+TriangleSurface ball_surface(const Vec3& center, float radius) {
+  constexpr uint32_t kAround = 48, kAlong = 24;
+  TriangleSurface surface;
+  for (uint32_t j = 0; j <= kAlong; ++j)
+    for (uint32_t i = 0; i < kAround; ++i) {
+      const float u = std::numbers::pi_v<float> * static_cast<float>(j) / kAlong;
+      const float v = 2 * std::numbers::pi_v<float> * static_cast<float>(i) / kAround;
+      surface.position.push_back(center +
+                                 radius * Vec3{std::sin(u) * std::cos(v), std::cos(u), -std::sin(u) * std::sin(v)});
+    }
+  for (uint32_t j = 0; j < kAlong; ++j)
+    for (uint32_t i = 0; i < kAround; ++i) {
+      const uint32_t a = j * kAround + i, b = j * kAround + (i + 1) % kAround;
+      surface.triangle.push_back({a, a + kAround, b + kAround});
+      surface.triangle.push_back({a, b + kAround, b});
+    }
+  return surface;
+}
+MeshSolid ball_mesh() {
+  return {std::make_shared<const DistanceField>(make_distance_field(ball_surface({0, 0.2F, 0}, 0.25F), 60'000))};
+}
+Convex wedge() {
+  return convex_hull(std::vector<Vec3>{{-0.3F, 0, -0.3F},
+                                       {0.3F, 0, -0.3F},
+                                       {0.3F, 0, 0.3F},
+                                       {-0.3F, 0, 0.3F},
+                                       {-0.3F, 0.3F, 0},
+                                       {0.3F, 0.4F, 0.1F},
+                                       {0, 0.1F, 0}});
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Shapes, EveryShape,
     ::testing::Values(ShapeCase{"plane", Plane{{0, 0.3F, 0}, {0, 1, 0}}},
@@ -65,7 +99,8 @@ INSTANTIATE_TEST_SUITE_P(
                       ShapeCase{"tapered_capsule", Capsule{{-0.3F, 0.2F, 0}, {0.3F, 0.3F, 0.1F}, 0.18F, 0.06F}},
                       ShapeCase{"box", Box{{0, 0.2F, 0}, {0.3F, 0.1F, 0.2F}, quat_from_euler_deg({10, 30, 5})}},
                       ShapeCase{"ellipsoid",
-                                Ellipsoid{{0, 0.2F, 0}, {0.4F, 0.1F, 0.2F}, quat_from_euler_deg({0, 20, 10})}}),
+                                Ellipsoid{{0, 0.2F, 0}, {0.4F, 0.1F, 0.2F}, quat_from_euler_deg({0, 20, 10})}},
+                      ShapeCase{"convex", wedge()}, ShapeCase{"mesh", ball_mesh()}),
     [](const auto& shape) { return shape.param.name; });
 
 TEST(Collider, FastThinWallDoesNotTunnel) {
@@ -173,6 +208,63 @@ TEST(SignedDistance, OfTheOtherShapes) {
   EXPECT_NEAR(at(tapered, {0, 2, 0}), 0.5, 1e-6);
   EXPECT_NEAR(at(Capsule{{0, 0, 0}, {0, 0.1F, 0}, 1.F, 0.5F}, {0, 2, 0}), 1.0, 1e-6);  // one ball holds the other
   EXPECT_NEAR(at(Capsule{{0, 0, 0}, {0, 0, 0}, 0.5F, 0.5F}, {0, 2, 0}), 1.5, 1e-6);
+}
+
+TEST(Convex, HullOfABoxesCornersIsTheBox) {
+  std::vector<Vec3> points{{0, 0, 0}, {0.1F, -0.2F, 0.3F}};  // two inside
+  for (const float x : {-1.F, 1.F})
+    for (const float y : {-2.F, 2.F})
+      for (const float z : {-3.F, 3.F}) points.push_back({x, y, z});
+  const Convex hull = convex_hull(points);
+  EXPECT_EQ(hull.planes.size(), 6U);
+  const Collider box{"", Box{{0, 0, 0}, {1, 2, 3}, {}}, 0, {}}, convex{"", hull, 0, {}};
+  for (const Vec3& p : {Vec3{0.5F, 0, 0}, Vec3{1.5F, 0, 0}, Vec3{0, -2.5F, 1}, Vec3{0.2F, 1.9F, 0}})
+    EXPECT_NEAR(signed_distance(convex, p), signed_distance(box, p), 1e-6);
+}
+
+TEST(Convex, PlanesAreTheSameSolidAsTheirCorners) {
+  const Convex hull = wedge();
+  const Convex again = convex_of_planes(hull.planes);
+  EXPECT_FALSE(again.surface.triangle.empty());
+  for (const Vec3& p : {Vec3{0, 0.1F, 0}, Vec3{1, 1, 1}, Vec3{-0.3F, 0.35F, 0}})
+    EXPECT_NEAR(signed_distance({"", hull, 0, {}}, p), signed_distance({"", again, 0, {}}, p), 1e-5);
+  const std::vector<Plane> gutter{{{0, 0, 0}, {0, 1, 0}}, {{0, 0, 0}, {1, 0, 0}}};
+  EXPECT_TRUE(convex_of_planes(gutter).surface.triangle.empty());
+  EXPECT_NEAR(signed_distance({"", convex_of_planes(gutter), 0, {}}, {-2, -1, 5}), -1, 1e-6);
+}
+
+TEST(Convex, PointsInAPlaneAreRefused) {
+  EXPECT_THROW(static_cast<void>(convex_hull(std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}})), Error);
+  EXPECT_THROW(static_cast<void>(convex_hull(std::vector<Vec3>(5, Vec3{1, 2, 3}))), Error);
+}
+
+TEST(DistanceField, OfABallOfTrianglesIsTheBalls) {
+  const DistanceField field = make_distance_field(ball_surface({0, 0, 0}, 0.3F), 100'000);
+  const Collider body{"", MeshSolid{std::make_shared<const DistanceField>(field)}, 0, {}};
+  for (const Vec3& p : {Vec3{0, 0, 0}, Vec3{0.25F, 0, 0}, Vec3{0.1F, -0.2F, 0.15F}, Vec3{0.2F, 0.2F, 0.2F}})
+    EXPECT_NEAR(signed_distance(body, p), length(p) - 0.3, p == Vec3{} ? field.spacing : 0.004);
+  EXPECT_GT(signed_distance(body, {2, 0, 0}), 1.5);
+  EXPECT_LE(signed_distance(body, {2, 0, 0}), 1.7 + 1e-5);
+}
+
+TEST(DistanceField, HolesAndOverlapsDoNotTurnItInsideOut) {
+  TriangleSurface two = ball_surface({0, 0, 0}, 0.3F);
+  two.triangle.resize(two.triangle.size() - 48 * 2 * 3);  // the southern cap is missing
+  const TriangleSurface other = ball_surface({0.2F, 0, 0}, 0.25F);
+  const auto first = static_cast<uint32_t>(two.position.size());
+  two.position.insert(two.position.end(), other.position.begin(), other.position.end());
+  for (const auto& t : other.triangle) two.triangle.push_back({t[0] + first, t[1] + first, t[2] + first});
+  const Collider body{"", MeshSolid{std::make_shared<const DistanceField>(make_distance_field(two, 60'000))}, 0, {}};
+  EXPECT_LT(signed_distance(body, {-0.2F, 0, 0}), -0.03);
+  EXPECT_LT(signed_distance(body, {0.1F, 0, 0}), -0.05);  // in both
+  EXPECT_GT(signed_distance(body, {0, -0.4F, 0}), 0.05);
+  EXPECT_GT(signed_distance(body, {0, 0.4F, 0}), 0.05);
+}
+
+TEST(DistanceField, WhatEnclosesNothingIsRefused) {
+  EXPECT_THROW(static_cast<void>(make_distance_field({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}}, 1000)), Error);
+  EXPECT_THROW(static_cast<void>(make_distance_field({{{0, 0, 0}}, {{0, 1, 2}}}, 1000)), Error);
+  EXPECT_THROW(static_cast<void>(make_distance_field({}, 1000)), Error);
 }
 
 }  // namespace

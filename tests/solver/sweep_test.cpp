@@ -24,6 +24,8 @@ struct Case {
   std::vector<Collider> colliders;
   std::optional<Wind> wind;
   const char* pinned = "corners";
+  bool on_parent = false;
+  float pin_frequency = 0;
 };
 
 struct State {
@@ -41,6 +43,10 @@ State state_after(const Case& c, bool plain, uint32_t threads, uint32_t frames) 
   solver.set_pins(0, test::pins_at_rest(c.asset, c.pinned));
   if (c.wind) solver.set_wind(*c.wind);
   for (uint32_t f = 0; f < frames; ++f) {
+    if (c.on_parent && f > 2 && f < 10) {  // stands still before and after
+      const float t = 0.02F * static_cast<float>(f);
+      solver.set_parent(0, {{t, 0, -t}, quat_from_euler_deg({0, 90 * t, 0}), 1}, {0.5F, 1, 0});
+    }
     std::vector<Collider> colliders = c.colliders;
     for (Collider& collider : colliders) collider.pose.translate = {0, 0, 0.01F * static_cast<float>(f)};
     solver.set_colliders(colliders);
@@ -48,6 +54,7 @@ State state_after(const Case& c, bool plain, uint32_t threads, uint32_t frames) 
     if (f == frames / 2) {
       std::vector<Pin> pins = test::pins_at_rest(c.asset, c.pinned, {0, 0.05F, 0.02F});
       pins.resize((pins.size() + 1) / 2);
+      for (Pin& pin : pins) pin.frequency = c.pin_frequency;
       solver.set_pins(0, pins);
     }
     solver.step();
@@ -112,11 +119,16 @@ Material attached() {
   return material;
 }
 std::vector<Collider> all_shapes() {
-  return {{"floor", Plane{{0, -0.45F, 0}, {0.6F, 0.8F, 0}}, 0.4F, {}},
-          {"ball", Sphere{{0, -0.1F, -0.1F}, 0.15F}, 0.3F, {}},
-          {"arm", Capsule{{-0.4F, 0.1F, 0.05F}, {-0.2F, -0.2F, 0.1F}, 0.08F, 0.05F}, 0.3F, {}},
-          {"box", Box{{0.3F, -0.2F, 0.05F}, {0.1F, 0.05F, 0.1F}, {}}, 0, {}},
-          {"egg", Ellipsoid{{0.3F, 0.3F, 0.1F}, {0.1F, 0.05F, 0.08F}, {}}, 1, {}}};
+  return {
+      {"floor", Plane{{0, -0.45F, 0}, {0.6F, 0.8F, 0}}, 0.4F, {}},
+      {"ball", Sphere{{0, -0.1F, -0.1F}, 0.15F}, 0.3F, {}},
+      {"arm", Capsule{{-0.4F, 0.1F, 0.05F}, {-0.2F, -0.2F, 0.1F}, 0.08F, 0.05F}, 0.3F, {}},
+      {"box", Box{{0.3F, -0.2F, 0.05F}, {0.1F, 0.05F, 0.1F}, {}}, 0, {}},
+      {"egg", Ellipsoid{{0.3F, 0.3F, 0.1F}, {0.1F, 0.05F, 0.08F}, {}}, 1, {}},
+      {"stone",
+       convex_hull(std::vector<Vec3>{{-0.1F, 0.2F, -0.1F}, {0.1F, 0.2F, -0.1F}, {0, 0.4F, -0.1F}, {0, 0.3F, 0.05F}}),
+       0.5F,
+       {}}};
 }
 
 SolverSettings few_substeps(uint32_t relaxation_steps = 1) {
@@ -148,6 +160,11 @@ std::vector<Case> cases() {
   list.push_back({"relaxation", make_sheet({.nx = 60, .ny = 30, .charts_x = 2}), attached(), few_substeps(3), {}, {}});
   list.push_back({"speed limit", make_sheet({.nx = 60, .ny = 30}), attached(), few_substeps(), all_shapes(), {}});
   list.back().material.max_speed = 1;
+  list.push_back({"moving parent", make_sheet({.nx = 60, .ny = 30, .charts_x = 2}), attached(), few_substeps(),
+                  all_shapes(), breeze});
+  list.back().on_parent = true;
+  list.push_back({"soft pins", make_sheet({.nx = 60, .ny = 30}), attached(), few_substeps(), {}, {}});
+  list.back().pin_frequency = 3;
   list.push_back({"one substep", make_sheet({.nx = 60, .ny = 30}), stiff(), few_substeps(), {}, {}});
   list.back().settings.substeps = 1;
   for (const uint32_t n : {2U, 3U, 5U, 15U, 16U, 17U, 28U, 29U, 52U}) {

@@ -39,8 +39,8 @@ TEST(OwnMeshes, CommittedFilesAreWhatTheProgramMakes) {
 
 TEST(OwnMeshes, GarmentsAreCleanAndHaveTheirOpenings) {
   const std::vector<ObjMesh> garments = make_garments();
-  const std::vector<std::pair<std::string, uint32_t>> openings{
-      {"t_shirt", 4}, {"poncho", 2}, {"cape", 1}, {"skirt", 2}, {"sleeve", 2}};
+  const std::vector<std::pair<std::string, uint32_t>> openings{{"t_shirt", 4}, {"poncho", 2}, {"cape", 1}, {"skirt", 2},
+                                                               {"sleeve", 2},  {"dress", 4},  {"flag", 1}};
   for (const auto& [name, loops] : openings) {
     const Topology found = topology_of(garments, name);
     EXPECT_EQ(found.components, 1U) << name;

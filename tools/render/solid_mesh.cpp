@@ -105,6 +105,36 @@ SolidMesh mesh_of(const Box& box) {
   return mesh;
 }
 
+/// Flat faces: every triangle has corners of its own.
+SolidMesh mesh_of(const Convex& convex) {
+  SolidMesh mesh;
+  for (const Triangle& t : convex.surface.triangle) {
+    const auto first = static_cast<uint32_t>(mesh.position.size());
+    const Vec3 &a = convex.surface.position[t[0]], &b = convex.surface.position[t[1]],
+               &c = convex.surface.position[t[2]];
+    mesh.position.insert(mesh.position.end(), {a, b, c});
+    mesh.normal.insert(mesh.normal.end(), 3, normalized(cross(b - a, c - a)));
+    mesh.triangle.push_back({first, first + 1, first + 2});
+  }
+  return mesh;
+}
+
+SolidMesh mesh_of(const MeshSolid& solid) {
+  SolidMesh mesh;
+  if (!solid.field) return mesh;
+  const TriangleSurface& surface = solid.field->surface;
+  mesh.position = surface.position;
+  mesh.normal.resize(surface.position.size());
+  for (const Triangle& t : surface.triangle) {
+    const Vec3& a = surface.position[t[0]];
+    const Vec3 n = cross(surface.position[t[1]] - a, surface.position[t[2]] - a);  // as long as its area is large
+    for (const uint32_t i : t) mesh.normal[i] = mesh.normal[i] + n;
+    mesh.triangle.push_back(t);
+  }
+  for (Vec3& n : mesh.normal) n = length(n) > 0 ? normalized(n) : Vec3{0, 1, 0};
+  return mesh;
+}
+
 }  // namespace
 
 SolidMesh solid_mesh(const ColliderShape& shape) {

@@ -11,6 +11,7 @@
 #include "cpu/curvature.h"
 #include "lib/limit.h"
 #include "lib/normal.h"
+#include "lib/pin.h"
 #include "lib/predict.h"
 #include "lib/spring.h"
 #include "lib/spring_groups.h"
@@ -26,7 +27,8 @@ constexpr uint32_t kPixelGrain = 4096;  ///< pixels that are worth a thread of t
 constexpr uint32_t kRowGrain = 512;     ///< split rows, pins, seam bends
 
 shader::ColliderSet colliders_of(const FrameInput& frame) {
-  return {frame.shapes.data(), frame.poses.data(), static_cast<uint32_t>(frame.shapes.size())};
+  return {frame.shapes.data(), frame.poses.data(), static_cast<uint32_t>(frame.shapes.size()),
+          frame.collider_numbers ? frame.collider_numbers->data() : nullptr};
 }
 
 /// Calls body(pixel) for every pixel.
@@ -86,9 +88,13 @@ void predict(const PassContext& context, ClothState& state) {
       const vec3 velocity = ((position - previous) + state.carry.at(i)) * params.inverse_dt;
       acceleration = shader::air_acceleration(params, air_at(context, position), velocity, state.normal.at(i));
     }
-    const shader::Predicted next = shader::predict(params, position, previous, state.carry.at(i), acceleration);
+    const vec3 carry = state.carry.at(i);
+    const shader::Predicted next = params.moving != 0
+                                       ? shader::predict_along(params, static_cast<float>(context.substep), position,
+                                                               previous, carry, acceleration)
+                                       : shader::predict(params, position, previous, carry, acceleration);
     state.position.set(i, next.position);
-    state.previous.set(i, position);
+    state.previous.set(i, next.previous);
     state.carry.set(i, next.carry);
   });
 }
@@ -314,15 +320,16 @@ void normal_pixels(ClothState& state, uint32_t first, uint32_t last) {
   }
 }
 
-vec3 pinned_position(const PassContext& context, uint32_t pin, const vec3& position) {
-  const float fraction = context.frame.substeps[context.substep].pin_fraction;
-  return shader::mix3(position, shader::xyz(context.cloth.pins[pin].target), fraction);
+vec3 pinned_position(const PassContext& context, uint32_t pin, const vec3& position, const vec3& previous) {
+  const shader::Substep& step = context.frame.substeps[context.substep];
+  return shader::pinned_position(context.cloth.pins[pin], step.pin_fraction, step.frame_fraction, step.substep_share,
+                                 position, previous);
 }
 
 void move_pins(const PassContext& context, ClothState& state, uint32_t first, uint32_t last) {
   for (uint32_t k = first; k < last; ++k) {
     const uint32_t i = context.cloth.pins[k].pixel.x;
-    state.position.set(i, pinned_position(context, k, state.position.at(i)));
+    state.position.set(i, pinned_position(context, k, state.position.at(i), state.previous.at(i)));
   }
 }
 

@@ -30,8 +30,9 @@ void normal_pixels(ClothState& state, uint32_t first, uint32_t last);
 /// Largest depth of a pixel in a collider [m].
 [[nodiscard]] float penetration_of_pixels(const PassContext& context, const ClothState& state, uint32_t first,
                                           uint32_t last);
-/// Where the pins pass puts a pin that is at `position`.
-[[nodiscard]] shader::vec3 pinned_position(const PassContext& context, uint32_t pin, const shader::vec3& position);
+/// Where the pins pass puts a pin that is at `position`; a held one from wherever it was before.
+[[nodiscard]] shader::vec3 pinned_position(const PassContext& context, uint32_t pin, const shader::vec3& position,
+                                           const shader::vec3& previous);
 
 /// Runs one entry of a schedule over one cloth.
 void run_pass(const PassStep& step, const PassContext& context, ClothState& state, Measures& measures);

@@ -51,6 +51,7 @@ FrameSlot::FrameSlot(std::shared_ptr<const Context> context, vk::DescriptorSetLa
       shapes_(make_input(context_, 0)),
       poses_(make_input(context_, 0)),
       substeps_(make_input(context_, 0)),
+      numbers_(make_input(context_, 0)),
       pool_(make_pool(*context_, static_cast<uint32_t>(cloths.size()))),
       commands_(context_) {
   for (const ClothResources& cloth : cloths) {
@@ -72,6 +73,10 @@ bool FrameSlot::write(const FrameInput& frame, const std::vector<ClothResources>
   bool grown = fill(context_, shapes_, frame.shapes);
   grown = fill(context_, poses_, frame.poses) || grown;
   grown = fill(context_, substeps_, frame.substeps) || grown;
+  if (frame.collider_numbers && frame.collider_numbers != numbers_written_) {
+    grown = fill(context_, numbers_, *frame.collider_numbers) || grown;
+    numbers_written_ = frame.collider_numbers;
+  }
   for (size_t c = 0; c < cloths_.size(); ++c) {
     cloths_[c].params.as<shader::ClothParams>().front() = frame.cloths[c].params;
     grown = fill(context_, cloths_[c].pins, frame.cloths[c].pins) || grown;
@@ -88,9 +93,9 @@ void FrameSlot::write_sets(const std::vector<ClothResources>& cloths) const {
                                                           &cloth.normal,     &cloth.springs[0], &cloth.springs[1],
                                                           &cloth.springs[2], &cloth.cell};
     const std::array<const Buffer*, kStorageBuffers> buffers{
-        &cloth.multipliers, &cloth.attachments, &cloth.seam_bends,  &cloth.split_offset,
-        &cloth.split_pixel, &cloths_[c].pins,   &shapes_,           &poses_,
-        &substeps_,         &cloth.measures,    &cloth.inverse_mass};
+        &cloth.multipliers,  &cloth.attachments, &cloth.seam_bends, &cloth.split_offset, &cloth.split_pixel,
+        &cloths_[c].pins,    &shapes_,           &poses_,           &substeps_,          &cloth.measures,
+        &cloth.inverse_mass, &numbers_};
 
     std::array<vk::DescriptorImageInfo, kStorageImages> image_infos;
     std::array<vk::DescriptorBufferInfo, kUniformBuffers + kStorageBuffers> buffer_infos;

@@ -35,8 +35,9 @@ class FrameSlot {
   void write_sets(const std::vector<ClothResources>& cloths) const;
 
   std::shared_ptr<const Context> context_;
-  Buffer shapes_, poses_, substeps_;
-  vk::raii::DescriptorPool pool_;  // before the sets, which are freed to it
+  Buffer shapes_, poses_, substeps_, numbers_;
+  std::shared_ptr<const std::vector<float>> numbers_written_;  ///< what numbers_ holds
+  vk::raii::DescriptorPool pool_;                              // before the sets, which are freed to it
   std::vector<ClothInputs> cloths_;
   Commands commands_;  // last: its destructor waits until nothing above is in use
 };

@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <string>
 #include <variant>
 
+#include "geocloth/solver/solid.h"
 #include "geocloth/solver/transform.h"
 
 namespace geocloth {
 
-struct Plane {
-  Vec3 point;            ///< [m]
-  Vec3 normal{0, 1, 0};  ///< unit length; cloth stays on this side
-};
 struct Sphere {
   Vec3 center;       ///< [m]
   float radius = 1;  ///< [m] > 0
@@ -32,7 +30,12 @@ struct Ellipsoid {
   Quat rotate;
 };
 
-using ColliderShape = std::variant<Plane, Sphere, Capsule, Box, Ellipsoid>;
+/// A body of triangles.
+struct MeshSolid {
+  std::shared_ptr<const DistanceField> field;  ///< not null
+};
+
+using ColliderShape = std::variant<Plane, Sphere, Capsule, Box, Ellipsoid, Convex, MeshSolid>;
 
 /// A solid that cloth cannot enter. The shape is given at rest; `pose` moves it.
 struct Collider {
@@ -40,10 +43,12 @@ struct Collider {
   ColliderShape shape;
   float friction = 0.3F;  ///< Coulomb coefficient >= 0
   Transform pose;         ///< scale must be 1
+  bool teleport = false;  ///< in the next frame it is at its pose at once, without a velocity
 };
 
 /// Signed distance [m] of a point to the collider's surface in its pose, negative inside. Ellipsoid: exact to 1e-6 of
-/// its largest radius.
+/// its largest radius. Convex: outside of an edge or a corner the largest distance to one of the planes. Mesh: of the
+/// field, a lower bound outside of its grid.
 [[nodiscard]] float signed_distance(const Collider& collider, const Vec3& point);
 
 }  // namespace geocloth

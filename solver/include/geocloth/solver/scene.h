@@ -3,6 +3,8 @@
 
 #include <array>
 #include <filesystem>
+#include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -40,6 +42,9 @@ struct ScenePin {
   Where where;
   std::string follow = "cloth";  ///< "cloth" (the cloth's motion), "world" (stays), or a collider's name
   Motion motion;                 ///< on top of what it follows; turns about the middle of the pin's points
+  double from = 0;               ///< [s] above 0: the points are taken hold of then, where they are
+  double until = std::numeric_limits<double>::infinity();  ///< [s] they are let go
+  float frequency = 0;                                     ///< [1/s] 0: held; above: soft, see Pin
 };
 
 struct SceneCloth {
@@ -47,13 +52,24 @@ struct SceneCloth {
   Material material;
   Transform transform;
   Motion motion;  ///< of the parent: the cloth starts at motion(0) * transform; pins with follow "cloth" take part
-  Vec3 inertia_scale{1, 1, 1};
+  Vec3 inertia_scale{1, 1, 1};  ///< see Solver::set_parent
   std::vector<ScenePin> pins;
 };
 
+/// The body of a collider of shape "mesh", read when the scene is played.
+struct SceneMesh {
+  std::filesystem::path file;  ///< resolved against the scene file's folder
+  Transform transform;         ///< from the file's coordinates to the scene's
+};
+/// Reads the triangles of a mesh file [m].
+using ReadSurface = std::function<TriangleSurface(const std::filesystem::path&)>;
+/// The garment in an asset, as it was in its file. @throws as read_asset
+[[nodiscard]] TriangleSurface read_asset_surface(const std::filesystem::path& path);
+
 struct SceneCollider {
-  Collider collider;
-  Motion motion;  ///< turns about the shape's own centre (a plane's point, the middle of a capsule)
+  Collider collider;              ///< of a mesh without its field; Simulation::colliders() have it
+  Motion motion;                  ///< turns about the shape's own centre (a plane's point, the middle of a capsule)
+  std::optional<SceneMesh> mesh;  ///< of shape "mesh"
 };
 
 /// A scene file, version 1, checked.
@@ -73,8 +89,7 @@ struct Scene {
 [[nodiscard]] Scene read_scene(const std::filesystem::path& path);
 [[nodiscard]] Scene parse_scene(std::string_view text, const std::filesystem::path& path);
 
-/// Hangs one asset by the highest boundary of each of its parts for 120 frames, with long-range attachments
-/// (max_stretch 0.02).
+/// Hangs one asset by the highest boundary of each of its parts for 120 frames.
 [[nodiscard]] Scene default_scene(const std::filesystem::path& asset);
 
 /// The collider in its pose at a time [s].
@@ -87,9 +102,9 @@ struct Scene {
 /// A scene being played: assets loaded, pins chosen, keyframes evaluated frame by frame.
 class Simulation {
  public:
-  /// Reads the assets that the scene names. Settings' substeps, relaxation_steps, frame_time and gravity come from the
-  /// scene.
-  Simulation(Scene scene, SolverSettings settings);
+  /// Reads the assets and meshes that the scene names. Settings' substeps, relaxation_steps, frame_time and gravity
+  /// come from the scene.
+  Simulation(Scene scene, SolverSettings settings, const ReadSurface& read_surface = read_asset_surface);
 
   /// Advances one frame.
   void step();
@@ -110,8 +125,12 @@ class Simulation {
     uint32_t cloth;
     ScenePin pin;
     std::vector<uint32_t> pixels;
-    std::vector<Vec3> rest;  ///< positions in the scene at time 0
+    std::vector<Vec3> rest;  ///< positions in the scene at time 0, or where they were taken hold of, carried back to it
+    Transform own_start;     ///< of the pin's motion, when they were taken hold of
+    bool acts = false;
   };
+  void take_hold(PinSet& set, double start);
+
   std::vector<PinSet> pins_;
   std::unique_ptr<Solver> solver_;
   uint32_t frame_ = 0;

@@ -46,7 +46,8 @@ struct SolverSettings {
 /// A pinned point: it follows `target`, which is reached at the end of the next frame. Copies are pinned with it.
 struct Pin {
   uint32_t pixel = 0;
-  Vec3 target;  ///< [m]
+  Vec3 target;          ///< [m]
+  float frequency = 0;  ///< [1/s] 0: held; above: soft, drawn by a critically damped spring of this frequency
 };
 
 struct PassTiming {
@@ -81,6 +82,13 @@ class Solver {
   void set_gravity(const Vec3& gravity);
   /// Replaces the pins of a cloth. A pin that was not there before starts from where its point is.
   void set_pins(uint32_t cloth, std::span<const Pin> pins);
+
+  /// The pose of what carries the cloth (a rider, a dancer), scale 1; takes effect in the next step, over which it
+  /// moves evenly from the pose of the last call. The cloth trails behind: by inertia_scale 1 it feels all of the
+  /// motion, by 0 it is taken along as if the parent stood still; each axis of the parent, shift and turn, by itself.
+  /// Damping acts relative to the parent. The first call places the parent; teleport takes cloth and parent there
+  /// without a jerk, as they are (waits for the device).
+  void set_parent(uint32_t cloth, const Transform& pose, const Vec3& inertia_scale = {1, 1, 1}, bool teleport = false);
 
   /// Advances by one frame: on Vulkan it only submits.
   void step();

@@ -36,8 +36,11 @@ struct Keyframe {
   double time = 0;  ///< [s], ascending
   Vec3 translate;
   Quat rotate;
+  bool teleport = false;  ///< the pose of the key before is held until this one, which is jumped to
 };
 using Motion = std::vector<Keyframe>;
+/// A key with teleport lies after `from` and not after `to`.
+[[nodiscard]] bool teleports(std::span<const Keyframe> motion, double from, double to);
 /// Identity for an empty motion.
 [[nodiscard]] Transform pose_at(std::span<const Keyframe> motion, double time);
 

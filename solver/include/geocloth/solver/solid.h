@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "geocloth/asset/vec.h"
+
+namespace geocloth {
+
+/// Where cloth may be: the side of the plane that the normal points to.
+struct Plane {
+  Vec3 point;            ///< [m]
+  Vec3 normal{0, 1, 0};  ///< unit length; cloth stays on this side
+};
+
+/// Triangles of a surface, counter-clockwise from outside.
+struct TriangleSurface {
+  std::vector<Vec3> position;                     ///< [m]
+  std::vector<std::array<uint32_t, 3>> triangle;  ///< into position
+};
+
+/// The solid behind all of its planes.
+struct Convex {
+  std::vector<Plane> planes;
+  TriangleSurface surface;  ///< its corners and faces, to be drawn; empty where the planes do not close
+};
+/// At most this many planes; every point of the cloth looks at each.
+inline constexpr size_t kMostConvexPlanes = 1024;
+
+/// The convex hull of points. @throws Error(invalid_argument) when they lie in one plane, or have too many faces
+[[nodiscard]] Convex convex_hull(std::span<const Vec3> points);
+/// The solid behind planes. @throws Error(invalid_argument) when nothing lies behind all of them, or for too many
+[[nodiscard]] Convex convex_of_planes(std::span<const Plane> planes);
+
+/// Signed distance to the surface of a body, negative inside, at the nodes of a regular grid that holds it with room
+/// around; linear in between.
+struct DistanceField {
+  std::array<uint32_t, 3> size{};  ///< nodes along x, y, z
+  Vec3 low;                        ///< [m] of the first node
+  float spacing = 0;               ///< [m]
+  float margin = 0;                ///< [m] no surface is nearer to the grid's sides
+  std::vector<float> distance;     ///< [m] x fastest, then y
+  TriangleSurface surface;         ///< that was sampled
+};
+/// Inside is where the surface winds around (generalised winding number), so holes, overlaps and several parts are
+/// fine.
+/// @param nodes  about how many; the spacing follows
+/// @throws Error(invalid_argument) when an index is out of range or the surface encloses nothing
+[[nodiscard]] DistanceField make_distance_field(TriangleSurface surface, uint32_t nodes = 500'000);
+
+}  // namespace geocloth

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Cloth on a moving parent, and pins that are soft, taken hold of or let go: what an animator sees when a character
+// walks, stops, turns and is moved to another place.
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "solver_fixture.h"
+
+namespace geocloth {
+namespace {
+
+using test::make_sheet;
+using test::SheetOptions;
+
+const SheetOptions kSheet{.nx = 13, .ny = 13, .charts_x = 2};
+
+/// A cape on a parent that starts with a jerk; returns how far the hem is behind [m] after a quarter of a second.
+double hem_behind(const Vec3& inertia_scale) {
+  const ClothAsset asset = make_sheet(kSheet);
+  SolverSettings settings = test::cpu_settings();
+  settings.gravity = {};
+  Solver solver(std::vector{test::describe(asset)}, settings);
+  solver.set_parent(0, {}, inertia_scale);
+  Transform parent;
+  for (int f = 0; f < 15; ++f) {
+    parent.translate.z += 0.02F;
+    solver.set_pins(0, test::pins_at_rest(asset, "top", parent.translate));
+    solver.set_parent(0, parent, inertia_scale);
+    solver.step();
+  }
+  return parent.translate.z - test::positions_of(solver)[test::sheet_pixel(kSheet, 6, 12)].z;
+}
+
+TEST(Inertia, OneTrailsBehindZeroGoesAlongHalfIsBetween) {
+  const double full = hem_behind({1, 1, 1}), half = hem_behind({1, 1, 0.5F}), none = hem_behind({1, 1, 0});
+  EXPECT_GT(full, 0.1);
+  EXPECT_GT(half, 0.3 * full);
+  EXPECT_LT(half, 0.7 * full);
+  EXPECT_NEAR(none, 0, 1e-4);
+  EXPECT_NEAR(hem_behind({0, 0, 1}), full, 0.02 * full);  // only the axis of the motion counts
+}
+
+TEST(Inertia, WithoutItAnyScrewCarriesTheClothAlongAsItIs) {
+  const ClothAsset asset = make_sheet(kSheet);
+  SolverSettings settings = test::cpu_settings();
+  settings.gravity = {};
+  Solver solver(std::vector{test::describe(asset)}, settings);
+  const std::vector<Vec3> start = test::positions_of(solver);
+  solver.set_parent(0, {{0.3F, 1, 0}, {}, 1}, {0, 0, 0});
+  Transform pose;
+  for (int f = 1; f <= 30; ++f) {
+    const float t = static_cast<float>(f);
+    pose = {{0.3F + 0.01F * t, 1, 0.02F * t}, quat_from_euler_deg({2 * t, 4 * t, -3 * t}), 1};
+    solver.set_parent(0, pose, {0, 0, 0});
+    solver.step();
+  }
+  const std::vector<Vec3> end = test::positions_of(solver);
+  for (uint32_t p = 0; p < asset.pixel_count(); ++p) {
+    if (!asset.valid(p)) continue;
+    const Vec3 carried = pose.translate + rotate(pose.rotate, start[p] - Vec3{0.3F, 1, 0});
+    EXPECT_NEAR(length(end[p] - carried), 0, 1e-3) << p;
+  }
+  EXPECT_EQ(solver.statistics().copy_gap, 0.0);
+}
+
+TEST(Inertia, DampingBrakesRelativeToTheParent) {
+  const ClothAsset asset = make_sheet(kSheet);
+  SolverSettings settings = test::cpu_settings();
+  settings.gravity = {};
+  Material material;
+  material.damping = 3;
+  Solver solver(std::vector{test::describe(asset, material)}, settings);
+  const std::vector<Vec3> start = test::positions_of(solver);
+  solver.write_state(0, start, std::vector<Vec3>(start.size(), Vec3{2, 0, 0}));  // as fast as the parent
+  solver.set_parent(0, {});
+  for (int f = 1; f <= 60; ++f) {
+    solver.set_parent(0, {{2.F * static_cast<float>(f) / 60, 0, 0}, {}, 1});
+    solver.step();
+  }
+  EXPECT_NEAR(test::velocities_of(solver)[0].x, 2, 1e-3);
+}
+
+TEST(Teleport, TakesClothParentAndPinsAlongWithoutAJerk) {
+  const ClothAsset asset = make_sheet(kSheet);
+  const auto play = [&](bool jump) {
+    Solver solver(std::vector{test::describe(asset)}, test::cpu_settings());
+    solver.set_parent(0, {});
+    solver.set_pins(0, test::pins_at_rest(asset, "corners"));
+    test::run(solver, 20);
+    const Transform away{{5, 3, -7}, quat_from_euler_deg({0, 90, 0}), 1};
+    if (jump) {
+      std::vector<Pin> pins = test::pins_at_rest(asset, "corners");
+      for (Pin& pin : pins) pin.target = apply(away, pin.target);
+      solver.set_parent(0, away, {1, 1, 1}, true);
+      solver.set_pins(0, pins);
+    }
+    test::run(solver, 20);
+    std::vector<Vec3> x = test::positions_of(solver);
+    if (jump)
+      for (Vec3& p : x) p = rotate(conjugate(away.rotate), p - away.translate);
+    return x;
+  };
+  const std::vector<Vec3> stayed = play(false), jumped = play(true);
+  for (size_t p = 0; p < stayed.size(); ++p) {
+    if (!asset.valid(static_cast<uint32_t>(p))) continue;
+    EXPECT_NEAR(length(stayed[p] - jumped[p]), 0, 2e-3) << p;
+  }
+}
+
+TEST(Teleport, OfAColliderPushesNothing) {
+  const ClothAsset asset = make_sheet(kSheet);
+  SolverSettings settings = test::cpu_settings();
+  settings.gravity = {};
+  Solver solver(std::vector{test::describe(asset)}, settings);
+  const std::vector<Vec3> start = test::positions_of(solver);
+  Collider ball{"ball", Sphere{{0, 0, -1}, 0.3F}, 0.3F, {}};
+  solver.set_colliders(std::vector{ball});
+  solver.step();
+  ball.pose.translate.z = 2;  // to the other side
+  ball.teleport = true;
+  solver.set_colliders(std::vector{ball});
+  test::run(solver, 5);
+  for (size_t p = 0; p < start.size(); ++p) EXPECT_NEAR(length(test::positions_of(solver)[p] - start[p]), 0, 1e-5);
+}
+
+TEST(SoftPin, HangsBelowItsTargetByGravityOverFrequencySquared) {
+  const ClothAsset asset = make_sheet({.nx = 6, .ny = 6, .charts_x = 2});
+  for (const uint32_t substeps : {8U, 32U}) {
+    SolverSettings settings = test::cpu_settings();
+    settings.substeps = substeps;
+    Solver solver(std::vector{test::describe(asset)}, settings);
+    const std::vector<Vec3> start = test::positions_of(solver);
+    std::vector<Pin> pins;
+    for (uint32_t p = 0; p < asset.pixel_count(); ++p)
+      if (asset.valid(p)) pins.push_back({p, start[p], 2.F});
+    solver.set_pins(0, pins);
+    test::run(solver, 120);
+    const double omega = 2 * std::numbers::pi * 2;
+    EXPECT_NEAR(start[0].y - test::positions_of(solver)[0].y, 9.81 / (omega * omega), 1e-3) << substeps;
+  }
+}
+
+TEST(SoftPin, FollowsAMovingTargetWithoutALagThatGrows) {
+  const ClothAsset asset = make_sheet({.nx = 6, .ny = 6});
+  SolverSettings settings = test::cpu_settings();
+  settings.gravity = {};
+  Solver solver(std::vector{test::describe(asset, test::undamped())}, settings);
+  for (int f = 1; f <= 90; ++f) {
+    const Vec3 shift{static_cast<float>(f) / 60, 0, 0};
+    std::vector<Pin> pins;
+    for (uint32_t p = 0; p < asset.pixel_count(); ++p) pins.push_back({p, asset.rest_position[p] + shift, 5.F});
+    solver.set_pins(0, pins);
+    solver.step();
+  }
+  EXPECT_NEAR(test::positions_of(solver)[0].x - asset.rest_position[0].x, 1.5, 1e-3);
+}
+
+TEST(Pins, LetGoInMotionTheClothFliesOn) {
+  const ClothAsset asset = make_sheet({.nx = 6, .ny = 6});
+  SolverSettings settings = test::cpu_settings();
+  settings.gravity = {};
+  Solver solver(std::vector{test::describe(asset, test::undamped())}, settings);
+  for (int f = 1; f <= 30; ++f) {
+    std::vector<Pin> pins;
+    for (uint32_t p = 0; p < asset.pixel_count(); ++p)
+      pins.push_back({p, asset.rest_position[p] + Vec3{0, 0, static_cast<float>(f) / 60}});
+    solver.set_pins(0, pins);
+    solver.step();
+  }
+  solver.set_pins(0, {});
+  test::run(solver, 30);
+  for (const Vec3& v : test::velocities_of(solver)) EXPECT_NEAR(v.z, 1, 1e-2);
+  EXPECT_NEAR(test::positions_of(solver)[0].z, 1, 2e-2);
+}
+
+TEST(Pins, PulledApartByForceStretchTheClothAndNothingElse) {
+  const SheetOptions options{.nx = 17, .ny = 17, .charts_y = 2};
+  const ClothAsset asset = make_sheet(options);
+  for (const float limit : {0.F, 0.02F}) {
+    Material material;
+    material.max_stretch = limit;
+    Solver solver(std::vector{test::describe(asset, material)}, test::cpu_settings());
+    std::vector<Pin> pins = test::pins_at_rest(asset, "top");
+    for (const Pin& low : test::pins_at_rest(asset, "bottom", {0, -1, 0})) pins.push_back(low);  // twice as long
+    solver.set_pins(0, pins);
+    test::run(solver, 120);
+    const std::vector<Vec3> x = test::positions_of(solver);
+    EXPECT_TRUE(test::all_finite(x));
+    for (const Vec3& v : test::velocities_of(solver)) EXPECT_LT(length(v), 0.5) << limit;
+    for (const Pin& pin : pins) EXPECT_NEAR(length(x[pin.pixel] - pin.target), 0, 1e-5);
+    EXPECT_EQ(solver.statistics().copy_gap, 0.0);
+  }
+}
+
+TEST(MaxSpeed, HoldsForEveryPoint) {
+  const ClothAsset asset = make_sheet(kSheet);
+  Material material = test::undamped();
+  material.max_speed = 1.5F;
+  Solver solver(std::vector{test::describe(asset, material)}, test::cpu_settings());
+  Collider ball{"ball", Sphere{{0, 0, -1}, 0.3F}, 0.3F, {}};
+  for (int f = 0; f < 40; ++f) {
+    ball.pose.translate.z = 0.002F * static_cast<float>(f);
+    solver.set_colliders(std::vector{ball});
+    solver.step();
+    for (const Vec3& v : test::velocities_of(solver)) EXPECT_LE(length(v), 1.5F * 1.001F);
+  }
+}
+
+}  // namespace
+}  // namespace geocloth
