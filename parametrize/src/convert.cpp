@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <new>
 #include <utility>
 
@@ -101,10 +102,18 @@ struct Prepared {
   const CutSurface& cut;
 };
 
-/// Layout uv is cut where the garment's own texture coordinates are.
+/// Layout uv is cut along the seams of the garment's own texture coordinates, layout panels as well where they are a
+/// sewing pattern whose pieces are large beside the pixels.
 CutOptions cut_options(const CleanSurface& clean, const FlattenOptions& options) {
-  if (options.layout != Layout::uv) return {};
-  return {.extra_edges = usable_uv_pattern(clean).seam};
+  if (options.layout == Layout::uv) return {.extra_edges = usable_uv_pattern(clean).seam};
+  if (options.layout != Layout::panels) return {};
+  UvPattern pattern = read_uv_pattern(clean);
+  double area = 0;
+  for (const UvPattern::Island& island : pattern.island) area += island.area;
+  const double spacing = options.spacing > 0 ? options.spacing : std::sqrt(area) / options.resolution;
+  constexpr double kMostOnOutline = 0.07;  // share of the pixels
+  if (!pattern.is_sewing_pattern || pattern.outline * spacing > kMostOnOutline * area) return {};
+  return {.extra_edges = std::move(pattern.seam)};
 }
 
 /// From the cut surface to a verified asset.

@@ -177,7 +177,16 @@ class PatternReader {
     pattern_.energy = all.energy();
   }
 
+  [[nodiscard]] double edge_length(uint32_t a, uint32_t b) const {
+    return distance(surface_.position[a], surface_.position[b]);
+  }
+
   void judge() {
+    for (uint32_t h = 0; h < opposite_.size(); ++h) {
+      if (opposite_[h] == kNone)
+        pattern_.outline += edge_length(tail(surface_.triangle, h), head(surface_.triangle, h));
+    }
+    for (const auto& [a, b] : pattern_.seam) pattern_.outline += 2 * edge_length(a, b);
     const double faces = static_cast<double>(surface_.triangle.size()) / static_cast<double>(pattern_.island.size());
     const auto number = [](double x) {
       char text[32];

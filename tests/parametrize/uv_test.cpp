@@ -40,17 +40,19 @@ CleanSurface with_uv(CleanSurface surface, const std::function<Point2(const Poin
 }
 
 /// A tube about +y unrolled, cut open where the angle jumps. [m] times `scale`; v runs down.
-Point2 unrolled(const Point3& p, const Point3& middle, double radius, double scale) {
-  double angle = std::atan2(p[2], p[0]);
-  const double there = std::atan2(middle[2], middle[0]);
+/// @param seam  angle of the cut, from -x
+Point2 unrolled(const Point3& p, const Point3& middle, double radius, double scale, double seam) {
+  const auto angle_of = [&](const Point3& q) { return std::remainder(std::atan2(q[2], q[0]) - seam, 2 * kPi); };
+  double angle = angle_of(p);
+  const double there = angle_of(middle);
   if (angle - there > kPi) angle -= 2 * kPi;
   if (there - angle > kPi) angle += 2 * kPi;
   return {-angle * radius * scale, -p[1] * scale};
 }
 
-CleanSurface sleeve(double scale) {
+CleanSurface sleeve(double scale, double seam = 0) {
   return with_uv(test::cylinder(48, 20, 0.1, 0.6),
-                 [&](const Point3& p, const Point3& m) { return unrolled(p, m, 0.1, scale); });
+                 [&](const Point3& p, const Point3& m) { return unrolled(p, m, 0.1, scale, seam); });
 }
 
 TEST(Uv, AnUnrolledSleeveIsASewingPattern) {
@@ -248,6 +250,31 @@ TEST_P(SharedUv, IsJudged) {
     EXPECT_EQ(pattern.island.size(), GetParam().islands);
   }
   EXPECT_EQ(pattern.is_sewing_pattern, GetParam().sewing_pattern);
+}
+
+// Panels are cut where the garment's tailor did, not somewhere else along the sleeve.
+TEST(UvLayout, PanelsAreCutAlongASewingPattern) {
+  for (const double seam : {0.0, 2.0}) {
+    const CleanSurface surface = sleeve(0.01, seam);
+    TriangleMesh mesh;
+    mesh.name = "sleeve";
+    mesh.position = surface.position;
+    mesh.triangle = surface.triangle;
+    mesh.uv = surface.uv;
+    for (uint32_t t = 0; t < mesh.triangle.size(); ++t) mesh.polygon.push_back(t);
+    mesh.material.emplace_back();
+    mesh.part = {{"sleeve", 0, 0, static_cast<uint32_t>(mesh.triangle.size())}};
+    ConvertOptions options;
+    options.flatten.resolution = 64;
+    const ConvertResult result = convert(mesh, options);
+    EXPECT_EQ(result.asset.layout, Layout::panels);
+    const SplitVertexTable& splits = result.asset.splits;
+    ASSERT_GT(splits.rows(), 10U);
+    for (size_t row = 0; row < splits.rows(); ++row) {
+      const Vec3& p = result.asset.rest_position[splits.pixel[splits.offset[row]]];
+      EXPECT_NEAR(std::abs(std::remainder(std::atan2(p.z, p.x) - seam, 2 * kPi)), kPi, 0.2);
+    }
+  }
 }
 
 /// Converts with the file's own pieces; what convert() checks (topology, flips, overlap) must hold.

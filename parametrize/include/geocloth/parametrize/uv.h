@@ -21,6 +21,7 @@ struct UvPattern {
   std::vector<uint32_t> island_of;            ///< per triangle of the clean surface
   std::vector<std::array<uint32_t, 2>> seam;  ///< clean-surface edges (vertex pairs) between islands or within one
   double energy = 0;                          ///< as of an island, of all triangles at one common scale
+  double outline = 0;                         ///< [m] around all pieces together
   /// Why the pieces cannot be laid out as they are, in words; empty when they can.
   std::string refusal;
   /// The pieces look like a sewing pattern: drawn to one scale, nearly without distortion, not in fragments.
