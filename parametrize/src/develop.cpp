@@ -30,7 +30,9 @@ namespace {
 
 constexpr size_t kTrialWork = 40'000;  // triangles that trials of a cut may have together
 constexpr size_t kLeastTrials = 1, kMostTrials = 6;
+constexpr double kMostStrain = 4.055;  // energy of a triangle with s1 / s2 of about 1.15
 constexpr uint32_t kTrialSteps = 6;
+constexpr double kNarrow = 0.3;  // of the least cut: what counts as a slit too narrow for pixels
 constexpr double kApart = 0.15;  // between the places tried, by the root of the area
 
 // ------------------------------------------------------------------------------------------------ cuts that pay
@@ -94,7 +96,7 @@ class Developer {
   /// Minimises the energy and opens cuts while they pay.
   void relax(Chart& chart) {
     double energy = minimise(chart, 80, 1e-4);
-    while (energy > options_.target_energy && cuts_left_ > 0) {
+    while (cuts_left_ > 0 && (energy > options_.target_energy || is_strained(chart))) {
       std::optional<Trial> best = best_cut(chart, energy);
       if (!best) break;
       chart = std::move(best->chart);
@@ -102,6 +104,20 @@ class Developer {
       --cuts_left_;
     }
     minimise(chart, 30, 1e-6);
+  }
+
+  /// More than a twentieth of the area is stretched more one way than the other than kMostStrain tells.
+  [[nodiscard]] static bool is_strained(const Chart& chart) {
+    const std::vector<double> energy =
+        SymmetricDirichlet(chart.position, chart.triangle, {}).energy_per_triangle(chart.uv);
+    double strained = 0;
+    for (size_t t = 0; t < energy.size(); ++t) {
+      const Triangle& k = chart.triangle[t];
+      if (energy[t] > kMostStrain) {
+        strained += triangle_area(chart.position[k[0]], chart.position[k[1]], chart.position[k[2]]);
+      }
+    }
+    return strained > total_area(chart) / 20;
   }
 
   struct Trial {
@@ -195,7 +211,9 @@ DevelopedSurface develop(const CutSurface& cut, const DevelopOptions& options, c
     for (Chart& chart : of_part) charts.push_back(std::move(chart));
   }
   const Sheet sheet = find_sheet(cut);
-  merge_charts(charts, sheet, {.most_energy = options.target_energy, .seam_price = options.cut_price});
+  merge_charts(
+      charts, sheet,
+      {.most_energy = options.target_energy, .seam_price = options.cut_price, .narrow = kNarrow * options.least_cut});
   ChartedSurface straight = straighten_layout(cut, sheet, charts);
   for (Chart& chart : straight.charts) turn_upright(chart);
   return assembled(straight.cut, straight.charts);

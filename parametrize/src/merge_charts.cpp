@@ -26,6 +26,7 @@ constexpr double kSameGrain = 0.7;       // least cosine between two charts' gra
 constexpr double kLevel = 0.3;           // strength below which a chart's grain says nothing
 constexpr size_t kMostWork = 1'000'000;  // triangles relaxed in attempts
 constexpr size_t kFreshStart = 5;        // what a start from Tutte's embedding costs, in attempts
+constexpr size_t kNarrowTip = 8;         // steps of a new slit near its tip, both sides, that are no matter
 constexpr double kLeastShare = 0.05;     // of the shorter outline: shorter arcs make no good seam to keep closed
 
 /// A stretch that two charts' outlines share: places in the loops, that of the first ascending, of the second
@@ -36,6 +37,37 @@ struct Arc {
   size_t edges;
   double length;
 };
+
+/// How many steps of an outline, divided into steps of half the width, come nearer to a far part of it than the width.
+size_t narrow_steps(const Chart& c, double width) {
+  if (!(width > 0)) return 0;
+  const std::vector<uint32_t> loop = outline_loop(c);
+  const double step = width / 2;
+  std::vector<Point2> place;
+  double carry = 0;
+  for (size_t i = 0; i < loop.size(); ++i) {
+    const Point2 &a = c.uv[loop[i]], &b = c.uv[loop[(i + 1) % loop.size()]];
+    const double l = std::hypot(b[0] - a[0], b[1] - a[1]);
+    const auto count = static_cast<size_t>((carry + l) / step);
+    for (size_t k = 1; k <= count; ++k) {
+      const double share = (static_cast<double>(k) * step - carry) / l;
+      place.push_back({a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])});
+    }
+    carry += l - static_cast<double>(count) * step;
+  }
+  constexpr size_t kBeside = 8;  // steps along the outline that are not far
+  const size_t n = place.size();
+  size_t narrow = 0;
+  for (size_t i = 0; i < n; ++i) {
+    for (size_t k = kBeside; k + kBeside < n; ++k) {
+      const Point2& other = place[(i + k) % n];
+      if (std::hypot(place[i][0] - other[0], place[i][1] - other[1]) >= width) continue;
+      ++narrow;
+      break;
+    }
+  }
+  return narrow;
+}
 
 class Merger {
  public:
@@ -148,6 +180,8 @@ class Merger {
       if (crossing_edges(*merged, outline_loop(*merged))) return std::nullopt;
       if (steps > 5 && reached > most) return std::nullopt;
     }
+    const size_t narrow_before = narrow_steps(a, options_.narrow) + narrow_steps(b, options_.narrow);
+    if (narrow_steps(*merged, options_.narrow) > narrow_before + kNarrowTip) return std::nullopt;
     return merged;
   }
 

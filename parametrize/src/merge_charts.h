@@ -10,6 +10,7 @@ namespace geocloth {
 struct MergeOptions {
   double most_energy = 4.02;  ///< of a merged chart
   double seam_price = 0.025;  ///< the energy may rise by this per length of the seam / sqrt(area)
+  double narrow = 0;          ///< [m] parts of an outline that are nearer to each other leave no room for pixels
 };
 
 /// Sews charts together where the seam between them does not pay: the energy hardly rises, the result does not lie over
