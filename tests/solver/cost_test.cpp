@@ -2,34 +2,12 @@
 // What a frame costs, counted: dispatches and bytes per substep of each path, and that the cpu allocates nothing once
 // it runs. Counts are the same on every machine; the times are in tests/bench.
 
-#include <atomic>
-#include <cstdlib>
-#include <new>
-
 #include <gtest/gtest.h>
 
 #include "cpu/sweep_plan.h"
 #include "solver_fixture.h"
 #include "solver_impl.h"
-
-namespace {
-
-std::atomic<uint64_t> allocations{0};
-
-}  // namespace
-
-// Every allocation of this program is counted.
-void* operator new(size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size == 0 ? 1 : size)) return memory;
-  throw std::bad_alloc();
-}
-void operator delete(void* memory) noexcept {
-  std::free(memory);
-}
-void operator delete(void* memory, size_t) noexcept {
-  std::free(memory);
-}
+#include "support/count_allocations.h"
 
 namespace geocloth {
 namespace {
@@ -85,9 +63,9 @@ TEST(Cost, TheCpuAllocatesNothingOnceItRuns) {
     backend->run_frame(scene.frame);
     scene.frame.cloths.front().pins_changed = false;
     backend->run_frame(scene.frame);
-    const uint64_t before = allocations;
+    const uint64_t before = test::count_allocations();
     for (int frame = 0; frame < 5; ++frame) backend->run_frame(scene.frame);
-    EXPECT_EQ(allocations - before, 0U) << charts;
+    EXPECT_EQ(test::count_allocations() - before, 0U) << charts;
   }
 }
 
