@@ -1,5 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the README shows is what is compiled and shipped.
+#include <algorithm>
+#include <cctype>
+#include <sstream>
+#include <string>
+#include <vector>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -35,13 +41,35 @@ std::string without_code(const std::string& text) {
   return prose;
 }
 
+/// The names by which the headings of a Markdown text are linked to: lower case, hyphens for spaces, no punctuation.
+std::vector<std::string> headings(const std::string& text) {
+  std::vector<std::string> names;
+  std::istringstream lines(without_code(text));
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t start = line.find_first_not_of('#');
+    if (start == 0 || start == std::string::npos || line[start] != ' ') continue;
+    std::string& name = names.emplace_back();
+    for (const char c : line.substr(start + 1)) {
+      if (c == ' ') name += '-';
+      if (c == '-' || std::isalnum(static_cast<unsigned char>(c)) != 0)
+        name += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    }
+  }
+  return names;
+}
+
 TEST(Readme, EveryFileItPointsToExists) {
   const std::string readme = without_code(read_text(kSource + "README.md"));
   std::size_t links = 0;
   for (std::size_t at = readme.find("]("); at != std::string::npos; at = readme.find("](", at + 1)) {
     const std::string target = readme.substr(at + 2, readme.find(')', at) - at - 2);
     if (target.starts_with("http") || target.starts_with('#')) continue;
-    EXPECT_TRUE(std::filesystem::exists(kSource + target)) << target;
+    const std::size_t hash = std::min(target.find('#'), target.size());
+    const std::string file = kSource + target.substr(0, hash);
+    EXPECT_TRUE(std::filesystem::exists(file)) << target;
+    if (hash < target.size()) {
+      EXPECT_THAT(headings(read_text(file)), testing::Contains(target.substr(hash + 1)));
+    }
     ++links;
   }
   EXPECT_GT(links, 0U);
