@@ -23,7 +23,7 @@ constexpr std::array<Pixel, 8> kStep{{{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 /// Cost of a turn by 0, 45, 90 and 135 degrees, in squared pixels: keeps straight outlines straight.
 constexpr std::array<float, 4> kTurnCost{0, 0, 0.3F, 2};
-constexpr int kRounds = 60;
+constexpr int kRounds = 120, kFresh = 60;  // after each kFresh of them prices start anew
 constexpr size_t kNoDirection = 8;
 
 Pixel moved(const Pixel& p, size_t direction) {
@@ -62,6 +62,9 @@ class Board {
   [[nodiscard]] float history(const Pixel& p) const { return at(p).history; }
   void use(const Pixel& p, int32_t change) { at(p).users += change; }
   void blame(const Pixel& p, float price) { at(p).history += price; }
+  void forget() {
+    for (Place& p : place_) p.history = 0;
+  }
 
   /// Users of the other diagonal of the cell that a diagonal step goes through.
   [[nodiscard]] int32_t crossed(const Pixel& from, size_t direction) const {
@@ -300,6 +303,10 @@ class Router {
     constexpr float kFirstPrice = 2, kDearer = 1.2F, kDearest = 1e4F, kBlame = 0.3F;
     price_ = kFirstPrice;
     for (int round = 0; round < kRounds; ++round) {
+      if (round > 0 && round % kFresh == 0) {
+        price_ = kFirstPrice;
+        board_.forget();
+      }
       std::vector<size_t> open;
       for (size_t i = 0; i < size_; ++i) {
         if (contested(i)) open.push_back(i);

@@ -177,7 +177,8 @@ class Rasterizer {
         const bool at_itself = place[0] == x && place[1] == y;
         if (out_.vertex[pixel] != kNone || (at_itself && out_.triangle[pixel] != kNone)) return;
         if (!locator) locator.emplace(flat_, chart, triangles[c]);
-        const PlanePlace found = locator->locate(place);
+        const auto [found, at] = locate_inside(*locator, places, chart.width, std::size_t{y} * chart.width + x);
+        out_.place[pixel] = at;
         sample(pixel, found.triangle, found.weight);
       });
     }
@@ -191,6 +192,40 @@ class Rasterizer {
   }
 
  private:
+  [[nodiscard]] Point2 plane_point(const PlanePlace& place) const {
+    Point2 p{0, 0};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Point2& corner = flat_.uv[flat_.triangle[place.triangle][k]];
+      p = {p[0] + place.weight[k] * corner[0], p[1] + place.weight[k] * corner[1]};
+    }
+    return p;
+  }
+
+  /// What a pixel strictly inside the outline's pixels samples, and where. Its place may lie beyond the plane's own
+  /// edge, where the nearest point would be an outline sample itself: then it moves towards its neighbours.
+  [[nodiscard]] std::pair<PlanePlace, Point2> locate_inside(const PlaneLocator& locator,
+                                                            const std::vector<Point2>& places, std::size_t width,
+                                                            std::size_t i) const {
+    constexpr double kBeyond = 0.05;  // [pixels]
+    const Point2 place = places[i];
+    const auto beyond = [&](const PlanePlace& found, const Point2& wanted) {
+      const Point2 p = plane_point(found);
+      return std::hypot(p[0] - wanted[0], p[1] - wanted[1]) > kBeyond;
+    };
+    const PlanePlace nearest = locator.locate(place);
+    if (!beyond(nearest, place)) return {nearest, place};
+    Point2 middle{0, 0};
+    for (const std::size_t k : {i - 1, i + 1, i - width, i + width}) {
+      middle = {middle[0] + places[k][0] / 4, middle[1] + places[k][1] / 4};
+    }
+    for (const double share : {0.5, 1.0}) {
+      const Point2 trial{place[0] + share * (middle[0] - place[0]), place[1] + share * (middle[1] - place[1])};
+      const PlanePlace found = locator.locate(trial);
+      if (!beyond(found, trial)) return {found, trial};
+    }
+    return {nearest, place};
+  }
+
   [[nodiscard]] std::size_t pixel_of(const FlatChart& chart, uint32_t x, uint32_t y) const {
     return std::size_t{chart.y0 + y} * flat_.width + chart.x0 + x;
   }
