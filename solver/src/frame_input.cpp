@@ -330,9 +330,11 @@ shader::PinTarget pin_target(uint32_t pixel, const Vec3& from, const Vec3& to, f
 
 float largest_stretch(const Material& m, const Vec3& gravity, float reach) {
   constexpr float kSolverStrain = 0.005F, kSwing = 3;
+  constexpr float kLongestGarment = 2;  // [m] a larger one is most often a file whose unit was not told
   if (m.max_stretch >= 0) return m.max_stretch;
   if (m.stiffness >= 0) return 0;  // the seeds' cloth is as elastic as its step
-  return kSolverStrain + kSwing * m.areal_density * length(gravity) * reach / std::min(m.stretch_warp, m.stretch_weft);
+  return kSolverStrain + kSwing * m.areal_density * length(gravity) * std::min(reach, kLongestGarment) /
+                             std::min(m.stretch_warp, m.stretch_weft);
 }
 
 shader::ClothParams cloth_params(const Material& m, const FrameClock& clock, const Vec3& gravity,

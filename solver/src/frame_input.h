@@ -50,7 +50,7 @@ void set_frame_motion(shader::ClothParams& params, const Transform& from, const 
 /// Largest strain of the long-range attachments, 0: none. An automatic one lies above what the weight of the cloth
 /// stretches it by at the bottom of a swing (three times the weight), so that only the solver's own softness is cut
 /// off.
-/// @param reach  [m] of the longest attachment
+/// @param reach  [m] of the longest attachment; counts up to 2 m
 [[nodiscard]] float largest_stretch(const Material& material, const Vec3& gravity, float reach);
 
 /// The numbers of one material in one frame. width, height and collider_count are left 0.
