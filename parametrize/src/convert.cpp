@@ -94,14 +94,6 @@ uint64_t peak_memory_bytes() {
   return static_cast<uint64_t>(usage.ru_maxrss) * 1024;
 }
 
-/// What lay_out needs of the stages before it.
-struct Prepared {
-  const TriangleMesh& mesh;
-  const CleanSurface& clean;
-  const std::vector<uint32_t>& carried_piece;
-  const CutSurface& cut;
-};
-
 /// Layout uv is cut along the seams of the garment's own texture coordinates, layout panels as well where they are a
 /// sewing pattern whose pieces are large beside the pixels.
 CutOptions cut_options(const CleanSurface& clean, const FlattenOptions& options) {
@@ -116,13 +108,17 @@ CutOptions cut_options(const CleanSurface& clean, const FlattenOptions& options)
   return {.extra_edges = std::move(pattern.seam)};
 }
 
-/// From the cut surface to a verified asset.
-void lay_out(const Prepared& prepared, const FlattenOptions& options, const Progress& progress, Stages& stages,
-             const StageFiles& files, ConvertResult& result) {
-  const TriangleMesh& mesh = prepared.mesh;
-  const CleanSurface& clean = prepared.clean;
+/// From the surface that the image is to reproduce to a verified asset.
+void lay_out(const TriangleMesh& mesh, const CarriedSurface& carried, const FlattenOptions& options,
+             const Progress& progress, Stages& stages, const StageFiles& files, ConvertResult& result) {
+  const CleanSurface& clean = carried.represented;
   ConvertReport& report = result.report;
-  result.flat = stages.run("flatten", [&] { return flatten(clean, prepared.cut, options, progress); });
+  report.carried = carried.carried;
+  report.represented = measure_topology(point_triangles(clean), clean.point_count);
+
+  const CutSurface cut = stages.run("cut", [&] { return cut_to_disks(clean, cut_options(clean, options), progress); });
+  files.save(cut);
+  result.flat = stages.run("flatten", [&] { return flatten(clean, cut, options, progress); });
   const FlatSurface& flat = result.flat;
   files.save(flat);
 
@@ -132,7 +128,7 @@ void lay_out(const Prepared& prepared, const FlattenOptions& options, const Prog
   files.save(asset);
 
   stages.run("bind", [&] {
-    bind_source(mesh, clean, flat, raster, asset, prepared.carried_piece);
+    bind_source(mesh, clean, flat, raster, asset, carried.piece_of_point);
     return true;
   });
   report.quality = stages.run("measure", [&] { return measure_quality(clean, flat, raster, asset, progress); });
@@ -141,6 +137,22 @@ void lay_out(const Prepared& prepared, const FlattenOptions& options, const Prog
     verify(mesh, clean, flat, raster, asset, report);
     return report.welded;
   });
+}
+
+struct Attempt {
+  Layout layout;
+  bool carry;  ///< what is smaller than a pixel
+};
+
+/// A square gives every part pixels, however small it is, so nothing needs to be carried unless that fails. Panels have
+/// one spacing for all parts.
+std::vector<Attempt> plan_attempts(const ConvertOptions& options) {
+  if (options.flatten.layout == Layout::square) return {{Layout::square, false}, {Layout::square, true}};
+  std::vector<Attempt> attempts{{options.flatten.layout, true}};
+  if (options.flatten.layout == Layout::panels && options.square_if_panels_fail) {
+    attempts.push_back({Layout::square, true});
+  }
+  return attempts;
 }
 
 ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& options, const Progress& progress,
@@ -162,30 +174,27 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& optio
   report.cleaned_bbox_diagonal = bounding_diagonal(repaired.surface.position);
   files.save(repaired.surface);
 
-  const CarriedSurface carried =
-      stages.run("carry", [&] { return carry_small_pieces(mesh, repaired.surface, options.flatten); });
-  const CleanSurface& clean = carried.represented;
-  report.carried = carried.carried;
-  report.represented = measure_topology(point_triangles(clean), clean.point_count);
-
-  const CutSurface cut =
-      stages.run("cut", [&] { return cut_to_disks(clean, cut_options(clean, options.flatten), progress); });
-  files.save(cut);
-
-  const Prepared prepared{mesh, clean, carried.piece_of_point, cut};
-  FlattenOptions flatten_options = options.flatten;
+  const std::vector<Attempt> attempts = plan_attempts(options);
   std::string panels_failed;
-  try {
-    lay_out(prepared, flatten_options, progress, stages, files, result);
-  } catch (const Error& e) {
-    const bool refused = e.code() == ErrorCode::verification || e.code() == ErrorCode::limit;
-    if (!options.square_if_panels_fail || flatten_options.layout != Layout::panels || !refused) throw;
-    panels_failed = e.what();
-    flatten_options.layout = Layout::square;
-    lay_out(prepared, flatten_options, progress, stages, files, result);
+  CarriedSurface carried;
+  for (size_t i = 0; i < attempts.size(); ++i) {
+    carried = stages.run("carry", [&] {
+      return attempts[i].carry ? carry_small_pieces(mesh, repaired.surface, options.flatten)
+                               : carry_nothing(repaired.surface);
+    });
+    FlattenOptions flatten_options = options.flatten;
+    flatten_options.layout = attempts[i].layout;
+    try {
+      lay_out(mesh, carried, flatten_options, progress, stages, files, result);
+      break;
+    } catch (const Error& e) {
+      const bool refused = e.code() == ErrorCode::verification || e.code() == ErrorCode::limit;
+      if (!refused || i + 1 == attempts.size()) throw;
+      if (attempts[i].layout == Layout::panels) panels_failed = e.what();
+    }
   }
 
-  report.parts = measure_parts(mesh, clean, result.flat);
+  report.parts = measure_parts(mesh, carried.represented, result.flat);
   report.warnings = plain_warnings(report, result.asset);
   if (!panels_failed.empty()) {
     report.warnings.insert(report.warnings.begin(),

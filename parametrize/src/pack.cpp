@@ -155,6 +155,12 @@ struct Arrangement {
   uint32_t width = 0;           ///< [blocks]
 };
 
+void expect_side(uint32_t side) {
+  if (side <= kMaxImageSide) return;
+  throw Error(ErrorCode::limit, "the atlas would be " + std::to_string(side) + " pixels wide or high, more than " +
+                                    std::to_string(kMaxImageSide) + "; lower the resolution or raise the spacing");
+}
+
 /// Tries arrangements and keeps the best.
 class Packer {
  public:
@@ -166,7 +172,7 @@ class Packer {
       widest_ = std::max(widest_, s.width);
       highest = std::max(highest, s.height);
     }
-    if (std::max(widest_, highest) > kMaxImageSide) refuse(std::max(widest_, highest));
+    expect_side(std::max(widest_, highest));
     block_ = static_cast<uint32_t>(std::ceil(std::sqrt(area / kMostBlocks)));
     for (const ChartShape& s : shape) {
       upright_.push_back(grown(s, block_));
@@ -187,16 +193,11 @@ class Packer {
       if (shape_.size() == 1) return best_;
     }
     improve();
-    if (std::max(best_.width, best_.height) > kMaxImageSide) refuse(std::max(best_.width, best_.height));
+    expect_side(std::max(best_.width, best_.height));
     return best_;
   }
 
  private:
-  [[noreturn]] static void refuse(uint32_t side) {
-    throw Error(ErrorCode::limit, "the atlas would be " + std::to_string(side) + " pixels wide or high, more than " +
-                                      std::to_string(kMaxImageSide) + "; lower the resolution or raise the spacing");
-  }
-
   [[nodiscard]] uint32_t least_width() const { return widest_ / block_ + 1; }
 
   /// [blocks] the likeliest first, each once.
@@ -320,6 +321,7 @@ class Packer {
 }  // namespace
 
 ChartShape rectangle_shape(uint32_t width, uint32_t height) {
+  expect_side(std::max(width, height));
   ChartShape shape{width, height, {}};
   for (uint32_t y = 0; y < height; ++y) shape.run.push_back({y, 0, width - 1});
   return shape;

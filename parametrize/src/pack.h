@@ -18,6 +18,7 @@ struct ChartShape {
   std::vector<Run> run;            ///< may overlap; not empty
 };
 
+/// @throws Error(limit) when a side exceeds kMaxImageSide
 [[nodiscard]] ChartShape rectangle_shape(uint32_t width, uint32_t height);
 
 /// The outline of a chart and everything inside.

@@ -204,6 +204,10 @@ void close_small_holes(const TriangleMesh& mesh, double spacing, CarriedSurface&
 
 }  // namespace
 
+CarriedSurface carry_nothing(const CleanSurface& clean) {
+  return {clean, {}, std::vector<uint32_t>(clean.point_count, kNone)};
+}
+
 CarriedSurface carry_small_pieces(const TriangleMesh& mesh, const CleanSurface& clean, const FlattenOptions& options) {
   double total = 0;
   for (const Triangle& t : clean.triangle) total += area_of(clean, t);

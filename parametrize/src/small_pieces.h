@@ -15,6 +15,9 @@ struct CarriedSurface {
       piece_of_point;  ///< per point: the carried piece that it is in and nothing else, kNone otherwise
 };
 
+/// The whole surface is to be represented.
+[[nodiscard]] CarriedSurface carry_nothing(const CleanSurface& clean);
+
 /// Leaves out the pieces (connected manifold components) whose area is below that of a pixel, the smallest first, as
 /// long as they make up 1 % of the area together at most and something remains; and closes holes that fit into a pixel.
 /// Spacing and pixel are those that the options ask for.

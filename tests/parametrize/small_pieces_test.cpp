@@ -92,6 +92,19 @@ TEST(SmallPieces, AButtonUnderAPixelIsCarriedAndReported) {
   EXPECT_EQ(report.welded.euler_characteristic, 1);
 }
 
+// A square gives every part pixels, so that nothing is left out of it.
+TEST(SmallPieces, ASquareRepresentsAButtonUnderAPixel) {
+  TriangleMesh mesh = sheet();
+  add_button(mesh, 0.52, 0.37, 0.003);
+  close_mesh(mesh);
+  ConvertOptions options;
+  options.flatten = {.layout = Layout::square, .resolution = 32};
+  const ConvertReport report = convert(mesh, options).report;
+  EXPECT_TRUE(report.carried.empty());
+  EXPECT_EQ(report.welded.components, report.cleaned.components);
+  EXPECT_EQ(report.welded.euler_characteristic, report.cleaned.euler_characteristic);
+}
+
 // With pixels of 1 mm the same button has room: everything is represented.
 TEST(SmallPieces, AButtonOverAPixelIsCloth) {
   TriangleMesh mesh = sheet();
