@@ -17,7 +17,7 @@ done
 for scene in meshes/scenes/*.json; do
   name=$(basename "$scene" .json)
   echo "== $name"
-  "$build/geocloth" simulate "$out/$name.json" -o "$out/$name.mp4" --report "$out/$name.report.json" --quiet
+  "$build/geocloth" simulate "$out/$name.json" -o "$out/$name.mp4" --report "$out/$name.report.json" --size 640x360 --quiet
   frames=$(ffprobe -loglevel error -show_entries stream=nb_frames -of csv=p=0 "$out/$name.mp4")
   ffmpeg -y -loglevel error -i "$out/$name.mp4" -frames:v 1 -update 1 \
     -vf "select='not(mod(n\,$((frames / 12))))',scale=480:-1,tile=4x3" "$out/$name.png"
