@@ -2,10 +2,36 @@
 #include "sewn_sheet.h"
 
 #include <algorithm>
+#include <array>
 
 #include "half_edges.h"
 
 namespace geocloth {
+
+namespace {
+
+/// Where a sheet touches itself along an edge, the edge may end at a vertex that both its copies share: that vertex has
+/// no copy, but the edge is tied all the same.
+void tie_ends_of_tied_edges(const CutSurface& cut, const std::vector<uint32_t>& point, Sheet& sheet) {
+  using Edge = std::array<uint32_t, 2>;
+  const auto sorted = [](uint32_t a, uint32_t b) { return Edge{std::min(a, b), std::max(a, b)}; };
+  std::vector<std::pair<Edge, Edge>> edges;  // between points, between vertices of the sheet
+  for (const Triangle& t : cut.triangle) {
+    for (size_t k = 0; k < 3; ++k) {
+      const uint32_t a = sheet.of_vertex[t[k]], b = sheet.of_vertex[t[(k + 1) % 3]];
+      if (sheet.tied[a] != 0 || sheet.tied[b] != 0) edges.emplace_back(sorted(point[a], point[b]), sorted(a, b));
+    }
+  }
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  for (size_t i = 0; i + 1 < edges.size(); ++i) {
+    if (edges[i].first != edges[i + 1].first) continue;
+    for (const uint32_t v : edges[i].second) sheet.tied[v] = 1;
+    for (const uint32_t v : edges[i + 1].second) sheet.tied[v] = 1;
+  }
+}
+
+}  // namespace
 
 Sheet find_sheet(const CutSurface& cut) {
   using Name = std::pair<uint32_t, uint32_t>;
@@ -25,6 +51,7 @@ Sheet find_sheet(const CutSurface& cut) {
   std::vector<uint32_t> copies(cut.point_count, 0);
   for (const uint32_t p : point) ++copies[p];
   for (const uint32_t p : point) sheet.tied.push_back(copies[p] > 1 ? 1 : 0);
+  tie_ends_of_tied_edges(cut, point, sheet);
   return sheet;
 }
 
