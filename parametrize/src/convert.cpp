@@ -140,17 +140,27 @@ void lay_out(const TriangleMesh& mesh, const CarriedSurface& carried, const Flat
 }
 
 struct Attempt {
-  Layout layout;
+  FlattenOptions options;
   bool carry;  ///< what is smaller than a pixel
 };
 
-/// A square gives every part pixels, however small it is, so nothing needs to be carried unless that fails. Panels have
-/// one spacing for all parts.
+/// What is tried one after the other until one passes the verification. A square gives every part pixels, however small
+/// it is, so nothing needs to be carried unless that fails; panels have one spacing for all parts, and in a part of few
+/// pixels cuts along the edges may fit where straight ones do not.
 std::vector<Attempt> plan_attempts(const ConvertOptions& options) {
-  if (options.flatten.layout == Layout::square) return {{Layout::square, false}, {Layout::square, true}};
-  std::vector<Attempt> attempts{{options.flatten.layout, true}};
-  if (options.flatten.layout == Layout::panels && options.square_if_panels_fail) {
-    attempts.push_back({Layout::square, true});
+  const auto with = [&](Layout layout, bool straight_cuts) {
+    FlattenOptions o = options.flatten;
+    o.layout = layout;
+    o.straight_cuts = straight_cuts;
+    return o;
+  };
+  const Layout layout = options.flatten.layout;
+  std::vector<Attempt> attempts;
+  if (layout != Layout::square) attempts.push_back({options.flatten, true});
+  if (layout == Layout::panels && options.flatten.straight_cuts) attempts.push_back({with(layout, false), true});
+  if (layout == Layout::square || (layout == Layout::panels && options.square_if_panels_fail)) {
+    attempts.push_back({with(Layout::square, false), false});
+    attempts.push_back({with(Layout::square, false), true});
   }
   return attempts;
 }
@@ -182,21 +192,19 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& optio
       return attempts[i].carry ? carry_small_pieces(mesh, repaired.surface, options.flatten)
                                : carry_nothing(repaired.surface);
     });
-    FlattenOptions flatten_options = options.flatten;
-    flatten_options.layout = attempts[i].layout;
     try {
-      lay_out(mesh, carried, flatten_options, progress, stages, files, result);
+      lay_out(mesh, carried, attempts[i].options, progress, stages, files, result);
       break;
     } catch (const Error& e) {
       const bool refused = e.code() == ErrorCode::verification || e.code() == ErrorCode::limit;
       if (!refused || i + 1 == attempts.size()) throw;
-      if (attempts[i].layout == Layout::panels) panels_failed = e.what();
+      if (attempts[i].options.layout == Layout::panels && panels_failed.empty()) panels_failed = e.what();
     }
   }
 
   report.parts = measure_parts(mesh, carried.represented, result.flat);
   report.warnings = plain_warnings(report, result.asset);
-  if (!panels_failed.empty()) {
+  if (!panels_failed.empty() && result.asset.layout == Layout::square) {
     report.warnings.insert(report.warnings.begin(),
                            "laid out in squares, because panels could not be made: " + panels_failed);
   }

@@ -214,9 +214,10 @@ DevelopedSurface develop(const CutSurface& cut, const DevelopOptions& options, c
   merge_charts(
       charts, sheet,
       {.most_energy = options.target_energy, .seam_price = options.cut_price, .narrow = kNarrow * options.least_cut});
-  ChartedSurface straight = straighten_layout(cut, sheet, charts);
-  for (Chart& chart : straight.charts) turn_upright(chart);
-  return assembled(straight.cut, straight.charts);
+  ChartedSurface result =
+      options.straight_cuts ? straighten_layout(cut, sheet, charts) : ChartedSurface{cut, std::move(charts)};
+  for (Chart& chart : result.charts) turn_upright(chart);
+  return assembled(result.cut, result.charts);
 }
 
 }  // namespace geocloth

@@ -18,6 +18,7 @@ struct DevelopOptions {
   double cut_price = 0.025;          ///< least fall of the energy per length / sqrt(area) that a cut must bring
   double least_cut = 0;              ///< [m] shorter extensions are not made
   uint32_t max_cuts_per_chart = 40;  ///< bound on extensions and splits of one part
+  bool straight_cuts = true;         ///< cuts leave the mesh's edges where that shortens them
 };
 
 /// Lays every disk of a cut surface out in the plane: Tutte's embedding (Tutte 1963; Floater 1997) on a circle, then

@@ -40,6 +40,8 @@ struct FlattenOptions {
   uint32_t resolution = 128;
   /// Spring length [m]; when set it decides the number of pixels instead of `resolution`.
   double spacing = 0;
+  /// Layout panels: cuts run straight across the mesh's faces where that shortens them; false: along its edges only.
+  bool straight_cuts = true;
 };
 
 /// Lays every component out in the plane and packs the charts.
