@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <queue>
 
 #include "cut_graph.h"
@@ -412,22 +413,75 @@ class CutStraightener {
     return sum;
   }
 
-  /// No edge is crossed twice, vertices that follow each other are joined by an edge, and a cut that abuts on nothing
-  /// has an inside: a single edge between two free ends would open nothing.
+  // --- what can be put in -------------------------------------------------------------------------------------------
+  /// The triangle that the path crosses from the stop to an edge, or kNone where it runs along that edge.
+  /// @returns nothing where no triangle has both
+  [[nodiscard]] std::optional<uint32_t> crossed_triangle(const Stop& stop, const Stop& on_edge) const {
+    if (!stop.on_edge() && (stop.vertex == on_edge.vertex || stop.vertex == on_edge.other)) return kNone;
+    const uint32_t h = half_edge_between(on_edge.vertex, on_edge.other);
+    for (const uint32_t side : {h, opposite(h)}) {
+      const Triangle& t = mesh_.triangle[side / 3];
+      const auto has = [&](uint32_t v) { return t[0] == v || t[1] == v || t[2] == v; };
+      if (has(stop.vertex) && (!stop.on_edge() || has(stop.other))) return side / 3;
+    }
+    return std::nullopt;
+  }
+
+  /// Can the way be put in stop by stop? Stops that follow each other lie in one triangle or are joined by an edge, no
+  /// edge is crossed twice, no vertex met twice, no triangle crossed twice or split beside where it is crossed.
+  [[nodiscard]] bool can_be_put_in(const std::vector<Stop>& way) const {
+    std::vector<uint32_t> vertices;
+    std::vector<std::pair<uint32_t, uint32_t>> crossed;                 // edges
+    std::vector<std::pair<uint32_t, size_t>> crossed_triangles, split;  // with the stop
+    for (size_t i = 0; i < way.size(); ++i) {
+      const Stop& s = way[i];
+      if (s.on_edge()) {
+        crossed.push_back(std::minmax(s.vertex, s.other));
+        const uint32_t h = half_edge_between(s.vertex, s.other);
+        split.emplace_back(h / 3, i);
+        split.emplace_back(opposite(h) / 3, i);
+      } else if (i == 0 || i + 1 < way.size() || s.vertex != way.front().vertex) {
+        vertices.push_back(s.vertex);
+      }
+      if (i == 0 || (!s.on_edge() && !way[i - 1].on_edge())) continue;
+      const std::optional<uint32_t> triangle =
+          s.on_edge() ? crossed_triangle(way[i - 1], s) : crossed_triangle(s, way[i - 1]);
+      if (!triangle) return false;
+      if (*triangle != kNone) crossed_triangles.emplace_back(*triangle, i);
+    }
+    for (size_t i = 1; i < way.size(); ++i) {
+      if (way[i].on_edge() || way[i - 1].on_edge()) continue;
+      const std::pair<uint32_t, uint32_t> edge = std::minmax(way[i - 1].vertex, way[i].vertex);
+      const uint32_t h = half_edge_between(way[i - 1].vertex, way[i].vertex);
+      if (h == kNone || lines_.cut[h] || std::find(crossed.begin(), crossed.end(), edge) != crossed.end()) return false;
+    }
+    std::sort(split.begin(), split.end());
+    std::sort(crossed_triangles.begin(), crossed_triangles.end());
+    for (size_t k = 0; k < split.size(); ++k) {
+      const auto [triangle, stop] = split[k];
+      const auto at =
+          std::lower_bound(crossed_triangles.begin(), crossed_triangles.end(), std::pair{triangle, size_t{0}});
+      const bool is_crossed = at != crossed_triangles.end() && at->first == triangle;
+      if (is_crossed && stop != at->second && stop + 1 != at->second) return false;
+      if (!is_crossed && k + 1 < split.size() && split[k + 1].first == triangle) return false;
+    }
+    return !has_twice(std::move(vertices)) && !has_twice(std::move(crossed)) &&
+           std::adjacent_find(crossed_triangles.begin(), crossed_triangles.end(), [](const auto& a, const auto& b) {
+             return a.first == b.first;
+           }) == crossed_triangles.end();
+  }
+
+  template <typename Value>
+  static bool has_twice(std::vector<Value> values) {
+    std::sort(values.begin(), values.end());
+    return std::adjacent_find(values.begin(), values.end()) != values.end();
+  }
+
+  /// A cut that abuts on nothing has an inside: a single edge between two free ends would open nothing.
   [[nodiscard]] bool is_sound(const std::vector<Stop>& way) const {
     if (way.size() < 2) return false;
     if (way.size() == 2 && degree_[way[0].vertex] == 0 && degree_[way[1].vertex] == 0) return false;
-    std::vector<std::pair<uint32_t, uint32_t>> crossed;
-    for (size_t i = 0; i < way.size(); ++i) {
-      if (way[i].on_edge()) {
-        crossed.push_back(std::minmax(way[i].vertex, way[i].other));
-      } else if (i > 0 && !way[i - 1].on_edge()) {
-        const uint32_t h = half_edge_between(way[i - 1].vertex, way[i].vertex);
-        if (h == kNone || lines_.cut[h]) return false;
-      }
-    }
-    std::sort(crossed.begin(), crossed.end());
-    return std::adjacent_find(crossed.begin(), crossed.end()) == crossed.end();
+    return can_be_put_in(way);
   }
 
   RefinedMesh& mesh_;
