@@ -10,6 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <unistd.h>
 
 #include "geocloth/asset/asset_file.h"
 #include "geocloth/asset/error.h"
@@ -307,7 +308,8 @@ TEST(Convert, NamesTheFileInItsErrors) {
 
 class TemporaryFolder {
  public:
-  TemporaryFolder() : path_(std::filesystem::path(testing::TempDir()) / "geocloth_convert_test") {
+  TemporaryFolder()
+      : path_(std::filesystem::path(testing::TempDir()) / ("geocloth_convert_test_" + std::to_string(getpid()))) {
     std::filesystem::remove_all(path_);
     std::filesystem::create_directories(path_);
   }

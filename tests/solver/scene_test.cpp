@@ -8,6 +8,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "geocloth/asset/asset_file.h"
 #include "geocloth/asset/error.h"
@@ -156,7 +157,7 @@ TEST(Scene, FilesThatAreNone) {
 class Playing : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_ = std::filesystem::path(::testing::TempDir()) / "geocloth_scene_test";
+    folder_ = std::filesystem::path(::testing::TempDir()) / ("geocloth_scene_test_" + std::to_string(getpid()));
     std::filesystem::create_directories(folder_);
     write_asset(test::make_sheet(sheet_), folder_ / "sheet.glb");
   }
