@@ -65,7 +65,7 @@ std::filesystem::path resolve(const std::filesystem::path& mesh_file, std::strin
   const std::filesystem::path folder = mesh_file.parent_path();
   for (const std::string& form : {text, decode_percent(text)}) {
     if (is_file(folder / form)) return folder / form;
-    const std::filesystem::path beside = folder / std::filesystem::path(form).filename();
+    std::filesystem::path beside = folder / std::filesystem::path(form).filename();
     if (is_file(beside)) return beside;
   }
   return folder / text;
