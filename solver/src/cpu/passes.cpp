@@ -25,10 +25,11 @@ using shader::vec4;
 
 constexpr uint32_t kPixelGrain = 4096;  ///< pixels that are worth a thread of their own
 constexpr uint32_t kRowGrain = 512;     ///< split rows, pins, seam bends
+constexpr float kNoNumber = 0;          ///< where no collider has numbers, so that none is asked for
 
 shader::ColliderSet colliders_of(const FrameInput& frame) {
   return {frame.shapes.data(), frame.poses.data(), static_cast<uint32_t>(frame.shapes.size()),
-          frame.collider_numbers ? frame.collider_numbers->data() : nullptr};
+          frame.collider_numbers ? frame.collider_numbers->data() : &kNoNumber};
 }
 
 /// Calls body(pixel) for every pixel.
