@@ -15,6 +15,7 @@
 #include <unordered_map>
 
 #include "point_math.h"
+#include "point_tree.h"
 
 namespace geocloth {
 namespace {
@@ -90,111 +91,6 @@ uint64_t mark_duplicate_triangles(const Soup& soup, std::vector<bool>& keep) {
   return gone;
 }
 
-/// One side of a triangle that no other triangle shares.
-struct BorderSide {
-  uint32_t triangle;
-  uint32_t corner;  ///< it runs from this corner to the next
-};
-
-std::vector<BorderSide> border_sides(const Soup& soup) {
-  std::vector<std::pair<uint64_t, uint32_t>> sides;
-  sides.reserve(soup.triangle.size() * 3);
-  for (uint32_t i = 0; i < soup.triangle.size(); ++i) {
-    const Triangle& t = soup.triangle[i];
-    for (uint32_t k = 0; k < 3; ++k) sides.emplace_back(edge_key(t[k], t[(k + 1) % 3]), 3 * i + k);
-  }
-  std::sort(sides.begin(), sides.end());
-  std::vector<BorderSide> border;
-  for (std::size_t i = 0; i < sides.size(); ++i) {
-    const bool alone = (i == 0 || sides[i - 1].first != sides[i].first) &&
-                       (i + 1 == sides.size() || sides[i + 1].first != sides[i].first);
-    if (alone) border.push_back({sides[i].second / 3, sides[i].second % 3});
-  }
-  std::sort(border.begin(), border.end(), [](const BorderSide& a, const BorderSide& b) {
-    return a.triangle != b.triangle ? a.triangle < b.triangle : a.corner < b.corner;
-  });
-  return border;
-}
-
-/// Points in a balanced tree of boxes, to be asked for those near a segment.
-class PointTree {
- public:
-  PointTree(const std::vector<Point3>& position, std::vector<uint32_t> points)
-      : position_(position), points_(std::move(points)) {
-    if (!points_.empty()) build(0, points_.size());
-  }
-
-  template <typename Visit>
-  void near_segment(const Point3& a, const Point3& b, double reach, Visit&& visit) const {
-    if (!box_.empty()) descend(0, 0, points_.size(), a, b, reach, visit);
-  }
-
- private:
-  static constexpr std::size_t kLeaf = 8;
-  struct Box {
-    Point3 low, high;
-    std::size_t right = 0;  ///< number of the second child; the first follows its parent
-  };
-
-  std::size_t build(std::size_t begin, std::size_t end) {
-    const std::size_t self = box_.size();
-    Box box{position_[points_[begin]], position_[points_[begin]], 0};
-    for (std::size_t i = begin; i < end; ++i) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        box.low[k] = std::min(box.low[k], position_[points_[i]][k]);
-        box.high[k] = std::max(box.high[k], position_[points_[i]][k]);
-      }
-    }
-    box_.push_back(box);
-    if (end - begin <= kLeaf) return self;
-    std::size_t axis = 0;
-    for (std::size_t k = 1; k < 3; ++k) {
-      if (box.high[k] - box.low[k] > box.high[axis] - box.low[axis]) axis = k;
-    }
-    const auto at = [&](std::size_t i) { return points_.begin() + static_cast<std::ptrdiff_t>(i); };
-    const std::size_t middle = begin + (end - begin) / 2;
-    std::nth_element(at(begin), at(middle), at(end), [&](uint32_t i, uint32_t j) {
-      return position_[i][axis] != position_[j][axis] ? position_[i][axis] < position_[j][axis] : i < j;
-    });
-    build(begin, middle);
-    const std::size_t right = build(middle, end);
-    box_[self].right = right;
-    return self;
-  }
-
-  /// Whether the segment comes within reach of the box, by slabs; may say yes a little too often.
-  static bool meets(const Box& box, const Point3& a, const Point3& b, double reach) {
-    double from = 0, to = 1;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const double low = box.low[k] - reach - a[k], high = box.high[k] + reach - a[k], d = b[k] - a[k];
-      if (d == 0) {
-        if (low > 0 || high < 0) return false;
-        continue;
-      }
-      from = std::max(from, std::min(low / d, high / d));
-      to = std::min(to, std::max(low / d, high / d));
-    }
-    return from <= to;
-  }
-
-  template <typename Visit>
-  void descend(std::size_t node, std::size_t begin, std::size_t end, const Point3& a, const Point3& b, double reach,
-               Visit&& visit) const {
-    if (!meets(box_[node], a, b, reach)) return;
-    if (end - begin <= kLeaf) {
-      for (std::size_t i = begin; i < end; ++i) visit(points_[i]);
-      return;
-    }
-    const std::size_t middle = begin + (end - begin) / 2;
-    descend(node + 1, begin, middle, a, b, reach, visit);
-    descend(box_[node].right, middle, end, a, b, reach, visit);
-  }
-
-  const std::vector<Point3>& position_;
-  std::vector<uint32_t> points_;
-  std::vector<Box> box_;
-};
-
 /// Where along a-b (0..1) the point nearest to p lies, and how far p is from the line.
 struct Foot {
   double at, height;
@@ -209,7 +105,10 @@ Foot foot_on(const Point3& a, const Point3& b, const Point3& p) {
 class TJunctions {
  public:
   TJunctions(Soup& soup, double tolerance)
-      : soup_(soup), tolerance_(tolerance), border_(border_sides(soup)), tree_(soup.position, border_points()) {}
+      : soup_(soup),
+        tolerance_(tolerance),
+        border_(border_sides(soup.triangle)),
+        tree_(soup.position, border_points()) {}
 
   /// @returns how many points were put on sides
   uint64_t split() {
@@ -282,10 +181,11 @@ class TJunctions {
   std::vector<OnSide> points_on(const BorderSide& side) const {
     const uint32_t a = start(side), b = end(side), c = apex(side);
     std::vector<OnSide> found;
-    tree_.near_segment(soup_.position[a], soup_.position[b], tolerance_, [&](uint32_t p) {
-      if (p == a || p == b || p == c) return;
-      if (const auto at = between(a, b, p)) found.push_back({*at, p});
-    });
+    tree_.near_segment(soup_.position[a], soup_.position[b],
+                       std::min(tolerance_, distance(soup_.position[a], soup_.position[b])), [&](uint32_t p) {
+                         if (p == a || p == b || p == c) return;
+                         if (const auto at = between(a, b, p)) found.push_back({*at, p});
+                       });
     std::sort(found.begin(), found.end());
     for (std::size_t i = 0; i < found.size() + 1 && !found.empty(); ++i) {
       const uint32_t from = i == 0 ? a : found[i - 1].point, to = i == found.size() ? b : found[i].point;
@@ -419,6 +319,26 @@ class CapRemover {
 };
 
 }  // namespace
+
+std::vector<BorderSide> border_sides(std::span<const Triangle> triangles) {
+  std::vector<std::pair<uint64_t, uint32_t>> sides;
+  sides.reserve(triangles.size() * 3);
+  for (uint32_t i = 0; i < triangles.size(); ++i) {
+    const Triangle& t = triangles[i];
+    for (uint32_t k = 0; k < 3; ++k) sides.emplace_back(edge_key(t[k], t[(k + 1) % 3]), 3 * i + k);
+  }
+  std::sort(sides.begin(), sides.end());
+  std::vector<BorderSide> border;
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    const bool alone = (i == 0 || sides[i - 1].first != sides[i].first) &&
+                       (i + 1 == sides.size() || sides[i + 1].first != sides[i].first);
+    if (alone) border.push_back({sides[i].second / 3, sides[i].second % 3});
+  }
+  std::sort(border.begin(), border.end(), [](const BorderSide& a, const BorderSide& b) {
+    return a.triangle != b.triangle ? a.triangle < b.triangle : a.corner < b.corner;
+  });
+  return border;
+}
 
 uint64_t drop_collapsed(Soup& soup) {
   std::vector<bool> keep(soup.triangle.size());

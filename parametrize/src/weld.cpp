@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Welding by position: first vertices at the same place, then places within a tolerance, found with a grid of that cell
-// size. Pairs are joined nearest first and only while the group stays within the tolerance, so that a chain of near
-// vertices does not run together; a pair that would take a corner from a triangle stays apart.
+// Welding by position: first vertices at the same place, then places within a tolerance that is small beside the edges
+// there, however large the whole is. Pairs are joined nearest first and only while the group stays within the
+// tolerance, so that a chain of near vertices does not run together.
 #include <algorithm>
-#include <array>
-#include <cmath>
+#include <limits>
 #include <numeric>
 #include <unordered_map>
 
 #include "point_math.h"
+#include "point_tree.h"
 #include "soup.h"
 
 namespace geocloth {
@@ -39,70 +39,51 @@ struct NearPair {
   }
 };
 
-/// All pairs of places within the tolerance. Places are sorted by grid cell; each cell is held against the half of its
-/// neighbours that come after it.
-std::vector<NearPair> near_pairs(const std::vector<Point3>& place, double tolerance) {
-  using Cell = std::array<int64_t, 3>;
-  Point3 low = place[0];
-  for (const Point3& p : place) {
-    for (std::size_t k = 0; k < 3; ++k) low[k] = std::min(low[k], p[k]);
-  }
-  std::vector<Cell> cell(place.size());
-  for (std::size_t i = 0; i < place.size(); ++i) {
-    for (std::size_t k = 0; k < 3; ++k) cell[i][k] = static_cast<int64_t>((place[i][k] - low[k]) / tolerance);
-  }
-  std::vector<uint32_t> order(place.size());
-  std::iota(order.begin(), order.end(), 0U);
-  std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return cell[a] < cell[b]; });
-
-  std::vector<NearPair> pairs;
-  const auto compare = [&](std::size_t i, std::size_t j) {
-    const double d = distance(place[order[i]], place[order[j]]);
-    if (d <= tolerance) pairs.push_back({d, std::min(order[i], order[j]), std::max(order[i], order[j])});
-  };
-  // Cells at (0,0,0..1) follow directly; each of the other four columns ahead has a cursor that only moves forward.
-  constexpr std::array<std::array<int64_t, 2>, 4> kAhead{{{0, 1}, {1, -1}, {1, 0}, {1, 1}}};
-  std::array<std::size_t, 4> cursor{};
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const Cell& c = cell[order[i]];
-    const Cell last{c[0], c[1], c[2] + 1};
-    for (std::size_t j = i + 1; j < order.size() && cell[order[j]] <= last; ++j) compare(i, j);
-    for (std::size_t k = 0; k < kAhead.size(); ++k) {
-      const Cell from{c[0] + kAhead[k][0], c[1] + kAhead[k][1], c[2] - 1}, to{from[0], from[1], c[2] + 1};
-      while (cursor[k] < order.size() && cell[order[cursor[k]]] < from) ++cursor[k];
-      for (std::size_t j = cursor[k]; j < order.size() && cell[order[j]] <= to; ++j) compare(i, j);
+/// The length of the shortest edge at every place; the largest number where there is none.
+std::vector<double> shortest_edges(const std::vector<Point3>& place, const std::vector<Triangle>& triangle) {
+  std::vector<double> shortest(place.size(), std::numeric_limits<double>::max());
+  for (const Triangle& t : triangle) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const uint32_t a = t[k], b = t[(k + 1) % 3];
+      const double l = distance(place[a], place[b]);
+      shortest[a] = std::min(shortest[a], l);
+      shortest[b] = std::min(shortest[b], l);
     }
+  }
+  return shortest;
+}
+
+/// All pairs of places within the reach of both.
+std::vector<NearPair> near_pairs(const std::vector<Point3>& place, const std::vector<double>& reach) {
+  std::vector<uint32_t> all(place.size());
+  std::iota(all.begin(), all.end(), 0U);
+  const PointTree tree(place, std::move(all));
+  std::vector<NearPair> pairs;
+  for (uint32_t i = 0; i < place.size(); ++i) {
+    tree.near_segment(place[i], place[i], reach[i], [&](uint32_t j) {
+      if (j <= i) return;
+      const double d = distance(place[i], place[j]);
+      if (d <= std::min(reach[i], reach[j])) pairs.push_back({d, i, j});
+    });
   }
   std::sort(pairs.begin(), pairs.end());
   return pairs;
 }
 
-/// Groups of places, joined pair by pair under the two conditions.
+/// Groups of places, joined pair by pair while every two of a group are within each other's reach. Two corners of a
+/// triangle never are.
 class Groups {
  public:
-  Groups(const std::vector<Point3>& place, std::span<const Triangle> triangle, const std::vector<uint32_t>& point,
-         const std::vector<NearPair>& pairs, double tolerance)
-      : place_(place), tolerance_(tolerance), parent_(place.size()) {
+  Groups(const std::vector<Point3>& place, const std::vector<double>& reach)
+      : place_(place), reach_(reach), parent_(place.size()) {
     std::iota(parent_.begin(), parent_.end(), 0U);
-    std::vector<bool> concerned(place.size(), false);
-    for (const NearPair& pair : pairs) concerned[pair.a] = concerned[pair.b] = true;
-    for (const Triangle& t : triangle) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        const uint32_t a = point[t[k]], b = point[t[(k + 1) % 3]], c = point[t[(k + 2) % 3]];
-        if (a == b || b == c || c == a) continue;  // has collapsed already
-        if (concerned[a] && concerned[b]) {
-          neighbour_[a].push_back(b);
-          neighbour_[b].push_back(a);
-        }
-      }
-    }
   }
 
   void join(const NearPair& pair) {
     uint32_t a = find(pair.a), b = find(pair.b);
     if (a == b) return;
     if (b < a) std::swap(a, b);
-    if (!compact(a, b) || share_triangle(a, b)) return;
+    if (!compact(a, b)) return;
     parent_[b] = a;
     std::vector<uint32_t>& all = members(a);
     const std::vector<uint32_t> more = members(b);
@@ -122,35 +103,36 @@ class Groups {
   }
 
   bool compact(uint32_t a, uint32_t b) {
-    for (const uint32_t i : std::vector<uint32_t>(members(a))) {
-      for (const uint32_t j : members(b)) {
-        if (distance(place_[i], place_[j]) > tolerance_) return false;
-      }
-    }
-    return true;
-  }
-
-  bool share_triangle(uint32_t a, uint32_t b) {
-    for (const uint32_t i : members(a)) {
-      const auto it = neighbour_.find(i);
-      if (it == neighbour_.end()) continue;
-      for (const uint32_t j : it->second) {
-        if (find(j) == b) return true;
-      }
-    }
-    return false;
+    const std::vector<uint32_t> first = members(a);
+    return std::all_of(first.begin(), first.end(), [&](uint32_t i) {
+      const std::vector<uint32_t>& second = members(b);
+      return std::all_of(second.begin(), second.end(),
+                         [&](uint32_t j) { return distance(place_[i], place_[j]) <= std::min(reach_[i], reach_[j]); });
+    });
   }
 
   const std::vector<Point3>& place_;
-  double tolerance_;
+  const std::vector<double>& reach_;
   std::vector<uint32_t> parent_;
-  std::unordered_map<uint32_t, std::vector<uint32_t>> member_, neighbour_;
+  std::unordered_map<uint32_t, std::vector<uint32_t>> member_;
 };
 
-void weld_near(std::span<const Triangle> triangle, double tolerance, Weld& weld) {
-  const std::vector<NearPair> pairs = near_pairs(weld.position, tolerance);
+/// The triangles over places, without those that have two corners at one.
+std::vector<Triangle> proper_triangles(std::span<const Triangle> triangle, const std::vector<uint32_t>& point) {
+  std::vector<Triangle> result;
+  result.reserve(triangle.size());
+  for (const Triangle& t : triangle) {
+    const Triangle p{point[t[0]], point[t[1]], point[t[2]]};
+    if (p[0] != p[1] && p[1] != p[2] && p[2] != p[0]) result.push_back(p);
+  }
+  return result;
+}
+
+/// Joins the places within each other's reach.
+void weld_near(const std::vector<double>& reach, Weld& weld) {
+  const std::vector<NearPair> pairs = near_pairs(weld.position, reach);
   if (pairs.empty()) return;
-  Groups groups(weld.position, triangle, weld.point, pairs, tolerance);
+  Groups groups(weld.position, reach);
   for (const NearPair& pair : pairs) groups.join(pair);
   // The root of a group is its first place, so that numbers stay in order of first appearance.
   std::vector<uint32_t> number(weld.position.size(), kNone);
@@ -170,17 +152,39 @@ void weld_near(std::span<const Triangle> triangle, double tolerance, Weld& weld)
   weld.position = std::move(position);
 }
 
+/// Sides of triangles that no other triangle shares, as share of all.
+double loose_share(std::span<const Triangle> triangle, const Weld& weld) {
+  const std::vector<Triangle> proper = proper_triangles(triangle, weld.point);
+  return proper.empty() ? 0
+                        : static_cast<double>(border_sides(proper).size()) / (3 * static_cast<double>(proper.size()));
+}
+
 }  // namespace
 
 Weld weld(std::span<const Point3> position, std::span<const Triangle> triangle, double tolerance) {
+  constexpr double kOfShortest = 0.5;                             // nothing collapses
+  constexpr double kMostInSoup = 100, kOfShortestInSoup = 0.005;  // still small beside every face
+  constexpr double kLooseSoup = 0.4, kLooseCloth = 0.1;
   std::vector<bool> used(position.size(), false);
   for (const Triangle& t : triangle) {
     for (const uint32_t v : t) used[v] = true;
   }
-  Weld out;
-  weld_exact(position, used, out);
-  if (tolerance > 0 && !out.position.empty()) weld_near(triangle, tolerance, out);
-  return out;
+  Weld exact;
+  weld_exact(position, used, exact);
+  if (!(tolerance > 0) || exact.position.empty()) return exact;
+  const std::vector<double> shortest = shortest_edges(exact.position, proper_triangles(triangle, exact.point));
+  const auto within = [&](double most, double share) {
+    std::vector<double> reach(shortest.size());
+    std::transform(shortest.begin(), shortest.end(), reach.begin(),
+                   [&](double l) { return std::min(most, share * l); });
+    Weld result = exact;
+    weld_near(reach, result);
+    return result;
+  };
+  Weld near = within(tolerance, kOfShortest);
+  if (loose_share(triangle, near) < kLooseSoup) return near;
+  Weld nearer = within(kMostInSoup * tolerance, kOfShortestInSoup);
+  return loose_share(triangle, nearer) < kLooseCloth ? nearer : near;
 }
 
 }  // namespace geocloth

@@ -147,6 +147,66 @@ TEST(Repair, WeldsUnweldedQuads) {
   EXPECT_EQ(r.cleaned.boundary_loops, 1U);
 }
 
+/// The triangles of a mesh, each with three vertices of its own that are shaken.
+TriangleMesh shaken_soup(const TriangleMesh& whole, double most) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> noise(-most, most);
+  TriangleMesh soup = whole;
+  soup.position.clear();
+  for (Triangle& t : soup.triangle) {
+    for (uint32_t& v : t) {
+      const Point3& p = whole.position[v];
+      v = static_cast<uint32_t>(soup.position.size());
+      soup.position.push_back({p[0] + noise(random), p[1] + noise(random), p[2] + noise(random)});
+    }
+  }
+  return soup;
+}
+
+// Noise about as large as the weld tolerance welds some copies of a vertex and not others: worse than none at all.
+TEST(Repair, SewsASoupThatWasShakenAboutTheTolerance) {
+  const TriangleMesh whole = sheet(20, 20);
+  for (const double share : {1e-7, 3e-7, 1e-6, 3e-6, 1e-5}) {
+    const RepairResult r = repair_mesh(shaken_soup(whole, share * std::sqrt(800.0)));
+    EXPECT_EQ(r.surface.point_count, whole.position.size()) << share;
+    EXPECT_EQ(r.cleaned.boundary_loops, 1U) << share;
+    EXPECT_EQ(r.cleaned.euler_characteristic, 1) << share;
+  }
+}
+
+// Vertices of two needles at the ends of one edge are near each other, and nearer still to the vertex between them.
+TEST(Repair, DoesNotWeldNeedlesToEachOther) {
+  TriangleMesh mesh = sheet(6, 6);
+  const std::vector<Triangle> whole = mesh.triangle;
+  mesh.triangle.clear();
+  mesh.polygon.clear();
+  for (const Triangle& t : whole) {
+    const Point3 &a = mesh.position[t[0]], &b = mesh.position[t[1]], &c = mesh.position[t[2]];
+    const double near = 3e-6, rest = 1 - 2 * near;
+    const auto n = static_cast<uint32_t>(mesh.position.size());
+    mesh.position.push_back({rest * a[0] + near * (b[0] + c[0]), rest * a[1] + near * (b[1] + c[1]), 0});
+    for (const Triangle& part : {Triangle{t[0], t[1], n}, Triangle{t[1], t[2], n}, Triangle{t[2], t[0], n}}) {
+      mesh.polygon.push_back(static_cast<uint32_t>(mesh.triangle.size()));
+      mesh.triangle.push_back(part);
+    }
+  }
+  mesh.part[0].triangle_count = static_cast<uint32_t>(mesh.triangle.size());
+  const RepairResult r = repair(mesh);
+  EXPECT_EQ(r.cleaned.non_manifold_edges, 0U);
+  EXPECT_EQ(r.cleaned.boundary_loops, 1U);
+  EXPECT_EQ(r.cleaned.euler_characteristic, 1);
+}
+
+// One face far away makes the whole so large that every other vertex is within the tolerance of every other; each has
+// to be compared with its own neighbours only.
+TEST(Repair, AFaceFarAwayWeldsNothing) {
+  TriangleMesh mesh = sheet(150, 150);
+  append(mesh, make_mesh({{1e9, 0, 0}, {1e9, 1, 0}, {1e9, 0, 1}}, {{0, 1, 2}}));
+  const RepairResult r = repair(mesh);
+  EXPECT_TRUE(r.repairs.empty());
+  EXPECT_EQ(r.surface.point_count, mesh.position.size());
+}
+
 // A chain of vertices each within the tolerance of the next is a fine feature, not one point.
 TEST(Repair, DoesNotWeldAChainIntoOnePoint) {
   TriangleMesh mesh = sheet(1, 1);
