@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+// Points of a cloth in vectors, lane by lane: loads, stores and the algebra of lib/vector.h, operation by operation.
+#if defined(GEOCLOTH_CPU_LANES_INL_H) == defined(HWY_TARGET_TOGGLE)  // once for each instruction set
+#ifdef GEOCLOTH_CPU_LANES_INL_H
+#undef GEOCLOTH_CPU_LANES_INL_H
+#else
+#define GEOCLOTH_CPU_LANES_INL_H
+#endif
+
+#include <algorithm>
+#include <array>
+
+#include <hwy/highway.h>
+
+#include "cpu/sweep.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace geocloth::cpu::HWY_NAMESPACE {
+#if HWY_TARGET != HWY_SCALAR
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+template <class D>
+using Vec = hn::VFromD<D>;
+template <class D>
+using Mask = hn::Mask<D>;
+
+/// Three components of as many points as a vector has lanes.
+template <class D>
+struct Points {
+  Vec<D> x, y, z;
+};
+
+/// Coordinates in memory.
+struct PointRow {
+  float* x;
+  float* y;
+  float* z;
+};
+HWY_INLINE PointRow at(Vec3Array& a, size_t i) {
+  return {a.x.data() + i, a.y.data() + i, a.z.data() + i};
+}
+
+template <class D>
+HWY_INLINE Points<D> load(D d, const PointRow& p) {
+  return {hn::LoadU(d, p.x), hn::LoadU(d, p.y), hn::LoadU(d, p.z)};
+}
+template <class D>
+HWY_INLINE void store(D d, const Points<D>& v, const PointRow& p) {
+  hn::StoreU(v.x, d, p.x);
+  hn::StoreU(v.y, d, p.y);
+  hn::StoreU(v.z, d, p.z);
+}
+template <class D>
+HWY_INLINE Points<D> set(D d, float x, float y, float z) {
+  return {hn::Set(d, x), hn::Set(d, y), hn::Set(d, z)};
+}
+template <class D>
+HWY_INLINE Points<D> add(const Points<D>& a, const Points<D>& b) {
+  return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};
+}
+template <class D>
+HWY_INLINE Points<D> sub(const Points<D>& a, const Points<D>& b) {
+  return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
+}
+template <class D>
+HWY_INLINE Points<D> scale(D, const Points<D>& a, Vec<D> s) {
+  return {hn::Mul(a.x, s), hn::Mul(a.y, s), hn::Mul(a.z, s)};
+}
+template <class D>
+HWY_INLINE Vec<D> dot(D, const Points<D>& a, const Points<D>& b) {
+  return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
+}
+template <class D>
+HWY_INLINE Vec<D> length(D d, const Points<D>& a) {
+  return hn::Sqrt(dot(d, a, a));
+}
+
+/// Which lanes count: all of a vector, or the first ones at the end of a run.
+struct AllLanes {};
+struct FirstLanes {
+  size_t count;
+};
+template <class D, class T>
+HWY_INLINE hn::Vec<D> load(D d, AllLanes, const T* p) {
+  return hn::LoadU(d, p);
+}
+template <class D>
+HWY_INLINE void store(D d, Vec<D> v, AllLanes, float* p) {
+  hn::StoreU(v, d, p);
+}
+#if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3
+template <class D, class T>
+HWY_INLINE hn::Vec<D> load(D d, FirstLanes lanes, const T* p) {
+  return hn::MaskedLoad(hn::FirstN(d, lanes.count), d, p);
+}
+template <class D>
+HWY_INLINE void store(D d, Vec<D> v, FirstLanes lanes, float* p) {
+  hn::BlendedStore(v, hn::FirstN(d, lanes.count), d, p);
+}
+#else  // there masked access touches all of a vector, and wants it aligned
+template <class D, class T>
+HWY_INLINE hn::Vec<D> load(D d, FirstLanes lanes, const T* p) {
+  HWY_ALIGN std::array<T, hn::MaxLanes(D())> buffer{};
+  std::copy_n(p, lanes.count, buffer.begin());
+  return hn::Load(d, buffer.data());
+}
+template <class D>
+HWY_INLINE void store(D d, Vec<D> v, FirstLanes lanes, float* p) {
+  HWY_ALIGN std::array<float, hn::MaxLanes(D())> buffer;
+  hn::Store(v, d, buffer.data());
+  std::copy_n(buffer.begin(), lanes.count, p);
+}
+#endif
+template <class D, class Lanes>
+HWY_INLINE Points<D> load(D d, Lanes lanes, const PointRow& p) {
+  return {load(d, lanes, p.x), load(d, lanes, p.y), load(d, lanes, p.z)};
+}
+template <class D, class Lanes>
+HWY_INLINE void store(D d, const Points<D>& v, Lanes lanes, const PointRow& p) {
+  store(d, v.x, lanes, p.x);
+  store(d, v.y, lanes, p.y);
+  store(d, v.z, lanes, p.z);
+}
+template <class D>
+HWY_INLINE Points<D> choose(Mask<D> mask, const Points<D>& yes, const Points<D>& no) {
+  return {hn::IfThenElse(mask, yes.x, no.x), hn::IfThenElse(mask, yes.y, no.y), hn::IfThenElse(mask, yes.z, no.z)};
+}
+template <class D>
+HWY_INLINE Points<D> only(Mask<D> mask, const Points<D>& a) {
+  return {hn::IfThenElseZero(mask, a.x), hn::IfThenElseZero(mask, a.y), hn::IfThenElseZero(mask, a.z)};
+}
+
+/// Calls body(first pixel, lanes that count) for a run.
+template <class D, class Body>
+HWY_INLINE void for_run(D d, const Run& run, const Body& body) {
+  const auto lanes = static_cast<uint32_t>(hn::Lanes(d));
+  uint32_t i = run.first;
+  for (; i + lanes <= run.last; i += lanes) body(i, AllLanes());
+  if (i < run.last) body(i, FirstLanes{run.last - i});
+}
+
+#endif
+}  // namespace geocloth::cpu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

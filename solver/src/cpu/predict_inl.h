@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+// Prediction and the forces of the air in vectors; see lib/predict.h.
+#if defined(GEOCLOTH_CPU_PREDICT_INL_H) == defined(HWY_TARGET_TOGGLE)  // once for each instruction set
+#ifdef GEOCLOTH_CPU_PREDICT_INL_H
+#undef GEOCLOTH_CPU_PREDICT_INL_H
+#else
+#define GEOCLOTH_CPU_PREDICT_INL_H
+#endif
+
+#include "cpu/lanes_inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace geocloth::cpu::HWY_NAMESPACE {
+#if HWY_TARGET != HWY_SCALAR
+
+/// lib/vector.h: sin(2 pi t).
+template <class D>
+HWY_INLINE Vec<D> sine_of_turns(D d, Vec<D> t) {
+  const auto half = hn::Set(d, 0.5F), quarter = hn::Set(d, 0.25F);
+  auto r = hn::Sub(t, hn::Floor(hn::Add(t, half)));
+  r = hn::IfThenElse(hn::Gt(r, quarter), hn::Sub(half, r), r);
+  r = hn::IfThenElse(hn::Lt(r, hn::Neg(quarter)), hn::Sub(hn::Neg(half), r), r);
+  const auto x = hn::Mul(r, hn::Set(d, 6.28318531F));
+  const auto x2 = hn::Mul(x, x);
+  auto s = hn::Add(hn::Set(d, -1.98412698e-4F), hn::Mul(x2, hn::Set(d, 2.75573192e-6F)));
+  s = hn::Add(hn::Set(d, 8.33333333e-3F), hn::Mul(x2, s));
+  s = hn::Add(hn::Set(d, -1.66666667e-1F), hn::Mul(x2, s));
+  s = hn::Add(hn::Set(d, 1.F), hn::Mul(x2, s));
+  return hn::Mul(x, s);
+}
+
+/// lib/predict.h: acceleration by the air.
+template <class D>
+HWY_INLINE Points<D> air_acceleration(D d, const shader::ClothParams& params, const shader::Substep& substep,
+                                      const Points<D>& position, const Points<D>& velocity, const Points<D>& normal) {
+  Points<D> air = set(d, params.wind.x, params.wind.y, params.wind.z);
+  for (const shader::Wave& wave : substep.waves) {
+    const Points<D> direction = set(d, wave.wave.x, wave.wave.y, wave.wave.z);
+    const auto turns = hn::Add(dot(d, direction, position), hn::Set(d, wave.wave.w));
+    air = add(air, scale(d, set(d, wave.gust.x, wave.gust.y, wave.gust.z), sine_of_turns(d, turns)));
+  }
+  const auto zero = hn::Zero(d), one = hn::Set(d, 1.F);
+  const Points<D> v = sub(air, velocity);
+  const auto speed = length(d, v);
+  const auto toward = dot(d, v, normal);
+  const auto c = hn::Abs(toward);
+  const auto drag = hn::Mul(hn::Set(d, params.air_factor * params.drag), c);
+  const auto lift = hn::Mul(hn::Set(d, params.air_factor * params.lift), c);
+  const auto inverse_speed = hn::IfThenElseZero(hn::Gt(speed, hn::Set(d, 1e-9F)), hn::Div(one, speed));
+  const auto backwards = hn::Lt(toward, zero);
+  const Points<D> lee{hn::IfThenElse(backwards, hn::Neg(normal.x), normal.x),
+                      hn::IfThenElse(backwards, hn::Neg(normal.y), normal.y),
+                      hn::IfThenElse(backwards, hn::Neg(normal.z), normal.z)};
+  const Points<D> sideways = sub(scale(d, lee, speed), scale(d, v, hn::Mul(c, inverse_speed)));
+  const Points<D> force = add(scale(d, v, drag), scale(d, sideways, lift));
+  return scale(d, force, hn::Div(one, hn::Add(one, hn::Mul(hn::Add(drag, lift), hn::Set(d, params.dt)))));
+}
+
+/// lib/predict.h. What is pinned stays.
+template <class D>
+HWY_NOINLINE void predict(D d, const PassContext& context, ClothState& state, const Run& run) {
+  const shader::ClothParams& params = context.cloth.params;
+  const Points<D> gravity = set(d, params.gravity_step.x, params.gravity_step.y, params.gravity_step.z);
+  const auto keep = hn::Set(d, params.keep), dt2 = hn::Set(d, params.dt * params.dt);
+  for_run(d, run, [&](uint32_t i, auto mask) HWY_ATTR {
+    const PointRow p = at(state.position, i), pp = at(state.previous, i), pc = at(state.carry, i);
+    const Points<D> position = load(d, mask, p), carry = load(d, mask, pc);
+    const Points<D> way = add(sub(position, load(d, mask, pp)), carry);
+    Points<D> acceleration{hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+    if (params.air != 0) {
+      acceleration = air_acceleration(d, params, context.frame.substeps[context.substep], position,
+                                      scale(d, way, hn::Set(d, params.inverse_dt)), load(d, mask, at(state.normal, i)));
+    }
+    const Points<D> increment = add(add(scale(d, way, keep), gravity), scale(d, acceleration, dt2));
+    const Points<D> next = add(position, increment);
+    const Points<D> lost = sub(increment, sub(next, position));
+    const auto free = hn::Gt(load(d, mask, &state.inverse_mass[i]), hn::Zero(d));
+    store(d, position, mask, pp);
+    store(d, choose<D>(free, next, position), mask, p);
+    store(d, choose<D>(free, lost, carry), mask, pc);
+  });
+}
+
+#endif
+}  // namespace geocloth::cpu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
