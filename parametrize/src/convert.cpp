@@ -13,6 +13,7 @@
 #include <sys/resource.h>
 
 #include "canonical_order.h"
+#include "fit_image.h"
 #include "geocloth/asset/error.h"
 #include "geocloth/asset/grid_mesh.h"
 #include "geocloth/parametrize/parts.h"
@@ -125,6 +126,10 @@ void lay_out(const TriangleMesh& mesh, const CarriedSurface& carried, const Flat
   const Raster raster = stages.run("rasterize", [&] { return rasterize(flat, progress); });
   result.asset = stages.run("image", [&] { return build_image(flat, raster, options.layout); });
   ClothAsset& asset = result.asset;
+  stages.run("fit", [&] {
+    fit_image(flat, raster, asset);
+    return true;
+  });
   files.save(asset);
 
   stages.run("bind", [&] {

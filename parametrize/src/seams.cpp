@@ -14,13 +14,11 @@
 
 #include "chart_outline.h"
 #include "geocloth/asset/grid_mesh.h"
+#include "pixel_areas.h"
 #include "point_math.h"
 
 namespace geocloth {
 namespace {
-
-/// Area share of a pixel whose triangles have collapsed, as a share of spacing^2: it must have some mass.
-constexpr double kLeastAreaShare = 1e-6;
 
 using PixelPair = std::array<uint32_t, 2>;
 
@@ -308,25 +306,6 @@ class CellSplitter {
   std::vector<bool> settled_;   ///< per cell, of the open ones
   std::unordered_map<PixelPair, std::vector<uint32_t>, PixelPairHash> wishes_;  ///< open cells by diagonal
 };
-
-// ---------------------------------------------------------------------------------------------------- areas
-
-void share_area(ClothAsset& asset) {
-  std::vector<double> area(asset.pixel_count(), 0);
-  const auto at = [&](uint32_t i) {
-    const Vec3& p = asset.rest_position[i];
-    return Point3{p.x, p.y, p.z};
-  };
-  for (const Triangle& t : pixel_triangles(asset)) {
-    const double third = triangle_area(at(t[0]), at(t[1]), at(t[2])) / 3;
-    for (const uint32_t pixel : t) area[pixel] += third;
-  }
-  const double least = kLeastAreaShare * asset.spacing * asset.spacing;
-  asset.area.assign(asset.pixel_count(), 0);
-  for (uint32_t i = 0; i < asset.pixel_count(); ++i) {
-    if (asset.valid(i)) asset.area[i] = static_cast<float>(std::max(area[i], least));
-  }
-}
 
 // ---------------------------------------------------------------------------------------------------- seam bends
 

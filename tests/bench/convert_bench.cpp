@@ -25,8 +25,8 @@ namespace geocloth::bench {
 namespace {
 
 constexpr unsigned kLimitSeconds = 1200;
-constexpr std::array<const char*, 8> kStages{"import",    "repair", "cut",  "flatten",
-                                             "rasterize", "image",  "bind", "measure"};
+constexpr std::array<const char*, 9> kStages{"import", "repair", "cut",  "flatten", "rasterize",
+                                             "image",  "fit",    "bind", "measure"};
 
 struct PlainMesh {
   std::vector<Point3> position;

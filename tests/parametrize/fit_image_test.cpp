@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a fitted image promises: nearer to the surface by what theory says, diagonals along folds, flat cloth as it was.
+#include "fit_image.h"
+
+#include <gtest/gtest.h>
+
+#include "flat_builder.h"
+#include "geocloth/asset/grid_mesh.h"
+#include "geocloth/parametrize/quality.h"
+#include "point_math.h"
+
+namespace geocloth {
+namespace {
+
+using test::FlatBuilder;
+
+/// A square of n x n pixels whose mesh has `finer` edges per pixel: a surface that is curved between the pixels.
+FlatBuilder fine_square(uint32_t n, uint32_t finer, const FlatBuilder::Shape& shape) {
+  FlatBuilder b;
+  const uint32_t side = (n - 1) * finer + 1;
+  b.add_square(
+      side, test::apart(), [&](double u, double v) { return shape(u / finer, v / finer); }, 0);
+  for (Point2& uv : b.flat.uv) uv = {uv[0] / finer, uv[1] / finer};
+  FlatChart& chart = b.flat.charts[0];
+  chart.width = chart.height = b.flat.width = b.flat.height = n;
+  std::vector<OutlineSample> outline;
+  for (const OutlineSample& s : chart.outline) {
+    if (s.x % finer == 0 && s.y % finer == 0) outline.push_back({s.x / finer, s.y / finer, s.vertex});
+  }
+  chart.outline = outline;
+  return b;
+}
+
+struct Images {
+  Raster raster;
+  ClothAsset sampled, fitted;
+};
+Images images_of(const FlatBuilder& b) {
+  Images images;
+  images.raster = rasterize(b.flat);
+  images.sampled = build_image(b.flat, images.raster, Layout::square);
+  images.fitted = images.sampled;
+  fit_image(b.flat, images.raster, images.fitted);
+  return images;
+}
+
+TEST(FitImage, ErrorOfACurvedSheetFallsAsTheorySays) {
+  constexpr uint32_t kPixels = 33;
+  constexpr double kCurvature = 0.02;  // f'' h^2, in pixels
+  const FlatBuilder b = fine_square(kPixels, 8, [](double u, double v) {
+    return Point3{u, -v, kCurvature / 2 * (u - 16) * (u - 16)};
+  });
+  const Images images = images_of(b);
+  const double diagonal = bounding_diagonal(b.clean.position);
+  const double before = measure_quality(b.clean, b.flat, images.raster, images.sampled).rms_error * diagonal;
+  const double after = measure_quality(b.clean, b.flat, images.raster, images.fitted).rms_error * diagonal;
+  EXPECT_NEAR(before / kCurvature, 0.0913, 0.005);
+  EXPECT_NEAR(after / kCurvature, 0.0373, 0.003);
+}
+
+TEST(FitImage, DiagonalsLieAlongFolds) {
+  for (const bool left : {false, true}) {
+    const FlatBuilder b = fine_square(17, 4, [=](double u, double v) {
+      const double across = left ? u + v - 16 : u - v;
+      return Point3{u, -v, 0.02 * across * across};
+    });
+    const ClothAsset asset = images_of(b).fitted;
+    for (uint32_t y = 1; y + 2 < 17; ++y) {
+      for (uint32_t x = 1; x + 2 < 17; ++x) {
+        EXPECT_EQ((asset.cell[y * 17 + x] & kCellDiagonalLeft) != 0, left) << x << ' ' << y;
+      }
+    }
+  }
+}
+
+TEST(FitImage, FlatClothStaysAsItWas) {
+  const Images images = images_of(fine_square(17, 3, [](double u, double v) { return Point3{u / 4, -v / 4, 0}; }));
+  EXPECT_EQ(images.fitted.cell, images.sampled.cell);
+  for (uint32_t i = 0; i < images.fitted.pixel_count(); ++i) {
+    EXPECT_LT(length(images.fitted.rest_position[i] - images.sampled.rest_position[i]), 1e-6F);
+  }
+}
+
+TEST(FitImage, CopiesStayTheSameBitsAndNothingElseChanges) {
+  const Images images = images_of(test::tube(17));
+  const ClothAsset &before = images.sampled, &after = images.fitted;
+  ASSERT_GT(after.splits.rows(), 0U);
+  bool moved = false;
+  for (uint32_t row = 0; row < after.splits.rows(); ++row) {
+    const uint32_t a = after.splits.pixel[after.splits.offset[row]],
+                   b = after.splits.pixel[after.splits.offset[row] + 1];
+    EXPECT_EQ(after.rest_position[a].x, after.rest_position[b].x);
+    EXPECT_EQ(after.rest_position[a].y, after.rest_position[b].y);
+    EXPECT_EQ(after.rest_position[a].z, after.rest_position[b].z);
+    moved = moved || after.rest_position[a].x != before.rest_position[a].x;
+  }
+  EXPECT_TRUE(moved);
+  EXPECT_EQ(after.spring_mask, before.spring_mask);
+  EXPECT_EQ(after.chart, before.chart);
+  EXPECT_EQ(after.splits.pixel, before.splits.pixel);
+  for (const SeamBend& bend : after.seam_bends) {
+    EXPECT_EQ(bend.rest_length, length(after.rest_position[bend.b] - after.rest_position[bend.a]));
+  }
+}
+
+TEST(FitImage, AFoldNarrowerThanAPixelDoesNotPullSpringsApart) {
+  const FlatBuilder b = fine_square(17, 8, [](double u, double v) {
+    return Point3{u, -v, 3 * std::exp(-16 * (u - 8.3) * (u - 8.3))};
+  });
+  const Images images = images_of(b);
+  for (uint32_t i = 0; i < images.fitted.pixel_count(); ++i) {
+    if ((images.fitted.spring_mask[i] & kSpringRight) == 0) continue;
+    const auto spring = [&](const ClothAsset& asset) {
+      return length(asset.rest_position[i + 1] - asset.rest_position[i]);
+    };
+    EXPECT_GE(spring(images.fitted), 0.599F * spring(images.sampled));
+    EXPECT_LE(spring(images.fitted), 1.501F * spring(images.sampled));
+  }
+}
+
+}  // namespace
+}  // namespace geocloth
