@@ -14,6 +14,7 @@ layout(set = 0, binding = kBindingSpringsStructural, rgba32f) uniform readonly i
 layout(set = 0, binding = kBindingSpringsShear, rgba32f) uniform readonly image2D shear_image;
 layout(set = 0, binding = kBindingSpringsBending, rgba32f) uniform readonly image2D bending_image;
 layout(set = 0, binding = kBindingCell, r32ui) uniform readonly uimage2D cell_image;
+layout(set = 0, binding = kBindingOffset, rgba32f) uniform image2D offset_image;
 layout(set = 0, binding = kBindingMultipliers, std430) buffer MultiplierBlock { float multipliers[]; };
 layout(set = 0, binding = kBindingAttachments, std430) readonly buffer AttachmentBlock { Attachment attachments[]; };
 layout(set = 0, binding = kBindingSeamBends, std430) readonly buffer SeamBendBlock { SeamSpring seam_bends[]; };
@@ -48,4 +49,34 @@ ivec2 texel(uvec2 pixel) {
 
 uvec2 pixel_at(uint index) {
   return uvec2(index % params.width, index / params.width);
+}
+
+// What constraints move: a point's position, or its offset (lib/fine.h); w: inverse mass.
+vec4 load_point(uvec2 pixel) {
+  return params.fine != kFineOff ? imageLoad(offset_image, texel(pixel)) : imageLoad(position_image, texel(pixel));
+}
+
+void store_point(uvec2 pixel, vec3 moved, float mass_inverse) {
+  if (params.fine != kFineOff) {
+    imageStore(offset_image, texel(pixel), vec4(moved, mass_inverse));
+  } else {
+    imageStore(position_image, texel(pixel), vec4(moved, mass_inverse));
+  }
+}
+
+// From one point to another, which were loaded by load_point().
+vec3 way_between(uvec2 pa, vec4 a, uvec2 pb, vec4 b) {
+  precise vec3 d = b.xyz - a.xyz;
+  if (params.fine != kFineOff) {
+    d = (imageLoad(previous_image, texel(pb)).xyz - imageLoad(previous_image, texel(pa)).xyz) + d;
+  }
+  return d;
+}
+
+// The same when the substep began; only with offsets.
+vec3 first_way_between(uvec2 pa, uvec2 pb) {
+  precise vec3 base = imageLoad(previous_image, texel(pb)).xyz - imageLoad(previous_image, texel(pa)).xyz;
+  precise vec3 low = imageLoad(carry_image, texel(pb)).xyz - imageLoad(carry_image, texel(pa)).xyz;
+  precise vec3 d = base + low;
+  return d;
 }

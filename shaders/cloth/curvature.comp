@@ -3,9 +3,9 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "over_pixels.glsl"
-#include "../lib/bend.h"
 #include "../lib/bend_groups.h"
 #include "../lib/spring_groups.h"
+#include "constraints.glsl"
 
 // What an image of a family holds for the spring along a row or down a column.
 vec2 along(bool row, vec4 family) {
@@ -23,16 +23,9 @@ void main() {
   uvec2 pb = spring_end(component, pa.x, pa.y);
   float chord = chord_share(along(row, imageLoad(structural_image, texel(pa))).x,
                             along(row, imageLoad(structural_image, texel(pm))).x);
-  vec4 a = imageLoad(position_image, texel(pa));
-  vec4 m = imageLoad(position_image, texel(pm));
-  vec4 b = imageLoad(position_image, texel(pb));
 
   uint slot = component * params.width * params.height + pa.y * params.width + pa.x;
   float multiplier = constants.read_multiplier != 0u ? multipliers[slot] : 0.0f;
-  precise float compliance = rest.y * params.inverse_dt2;
-  BendEnds ends = project_bend(a.xyz, a.w, m.xyz, m.w, b.xyz, b.w, 1.0f, chord, rest.x, compliance, multiplier);
-  imageStore(position_image, texel(pa), vec4(ends.a, a.w));
-  imageStore(position_image, texel(pm), vec4(ends.middle, m.w));
-  imageStore(position_image, texel(pb), vec4(ends.b, b.w));
-  if (constants.write_multiplier != 0u) multipliers[slot] = ends.multiplier;
+  multiplier = project_bend(pa, pm, pb, 1.0f, chord, rest.x, rest.y, multiplier);
+  if (constants.write_multiplier != 0u) multipliers[slot] = multiplier;
 }

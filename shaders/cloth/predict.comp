@@ -3,6 +3,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "over_pixels.glsl"
+#include "../lib/fine.h"
 #include "../lib/predict.h"
 
 vec3 air_at(vec3 position) {
@@ -17,6 +18,11 @@ void main() {
   vec4 position = imageLoad(position_image, texel(p));
   if (position.w == 0.0f) {
     imageStore(previous_image, texel(p), position);
+    if (params.fine != kFineOff) {
+      vec4 offset = imageLoad(offset_image, texel(p));
+      imageStore(carry_image, texel(p), offset);
+      imageStore(offset_image, texel(p), vec4(offset.xyz, 0.0f));
+    }
     return;
   }
   vec3 previous = imageLoad(previous_image, texel(p)).xyz;
@@ -34,6 +40,12 @@ void main() {
     next = predict(params, position.xyz, previous, carry, acceleration);
   }
   imageStore(previous_image, texel(p), vec4(next.previous, position.w));
+  if (params.fine != kFineOff) {
+    vec3 low = imageLoad(offset_image, texel(p)).xyz;
+    imageStore(offset_image, texel(p), vec4(predicted_offset(next, low), position.w));
+    imageStore(carry_image, texel(p), vec4(low, 0.0f));
+    return;
+  }
   imageStore(position_image, texel(p), vec4(next.position, position.w));
   imageStore(carry_image, texel(p), vec4(next.carry, 0.0f));
 }

@@ -3,7 +3,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "over_pixels.glsl"
-#include "../lib/spring.h"
+#include "constraints.glsl"
 #include "../lib/spring_groups.h"
 
 layout(constant_id = 0) const uint kFamily = 0u;  // structural, shear, bending
@@ -27,14 +27,8 @@ void main() {
   vec2 rest = rest_data(pa, component);
   if (rest.x == 0.0f) return;
   uvec2 pb = spring_end(component, pa.x, pa.y);
-  vec4 a = imageLoad(position_image, texel(pa));
-  vec4 b = imageLoad(position_image, texel(pb));
-
   uint slot = component * params.width * params.height + pa.y * params.width + pa.x;
   float multiplier = constants.read_multiplier != 0u ? multipliers[slot] : 0.0f;
-  precise float compliance = rest.y * params.inverse_dt2;
-  SpringEnds ends = project_spring(a.xyz, a.w, b.xyz, b.w, rest.x, compliance, share(), multiplier);
-  imageStore(position_image, texel(pa), vec4(ends.a, a.w));
-  imageStore(position_image, texel(pb), vec4(ends.b, b.w));
-  if (constants.write_multiplier != 0u) multipliers[slot] = ends.multiplier;
+  multiplier = project_spring(pa, pb, rest.x, rest.y, share(), multiplier);
+  if (constants.write_multiplier != 0u) multipliers[slot] = multiplier;
 }

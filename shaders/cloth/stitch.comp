@@ -11,15 +11,15 @@ void main() {
   if (row >= constants.count) return;
   uint begin = split_offset[row];
   uint end = split_offset[row + 1u];
-  vec4 first = imageLoad(position_image, texel(pixel_at(split_pixel[begin])));
+  vec4 first = load_point(pixel_at(split_pixel[begin]));
   if (first.w == 0.0f) return;  // pinned: all copies are set together
   StitchSum sum = stitch_begin();
   for (uint i = begin; i < end; ++i) {
-    sum = stitch_add(sum, first, imageLoad(position_image, texel(pixel_at(split_pixel[i]))));
+    sum = stitch_add(sum, first, load_point(pixel_at(split_pixel[i])));
   }
   vec3 mean = stitch_mean(sum, first);
   for (uint i = begin; i < end; ++i) {
-    ivec2 p = texel(pixel_at(split_pixel[i]));
-    imageStore(position_image, p, vec4(mean, imageLoad(position_image, p).w));
+    uvec2 p = pixel_at(split_pixel[i]);
+    store_point(p, mean, load_point(p).w);
   }
 }

@@ -15,10 +15,9 @@
 namespace geocloth::shader {
 #endif
 
-struct BendEnds {
-  vec3 a;
-  vec3 middle;
-  vec3 b;
+// The end a moves by -step * (wa * (1 - chord)), the middle by step * wm, the end b by -step * (wb * chord).
+struct BendMove {
+  vec3 step;
   float multiplier;
 };
 
@@ -29,6 +28,7 @@ inline float chord_share(float h1, float h2) {
   return f;
 }
 
+// @param to_a, to_b    [m] from the middle to the ends
 // @param wa, wm, wb    inverse masses [1/kg]
 // @param middle_share  share of the middle point's mass that this copy of it carries, 1 without a seam: the whole point
 //                      is what yields, and the copy is moved so far that the stitch moves the point right
@@ -36,24 +36,19 @@ inline float chord_share(float h1, float h2) {
 // @param rest          [m] |e| at rest
 // @param compliance    [m/N] divided by dt^2; 0: no bend, the three stay
 // @param multiplier    sum of the multipliers of earlier relaxation steps of this substep
-inline BendEnds project_bend(vec3 a, float wa, vec3 middle, float wm, vec3 b, float wb, float middle_share, float chord,
-                             float rest, float compliance, float multiplier) {
+inline BendMove bend_move(vec3 to_a, float wa, float wm, vec3 to_b, float wb, float middle_share, float chord,
+                          float rest, float compliance, float multiplier) {
   precise float back = 1.0f - chord;
-  precise vec3 e = (a - middle) * back + (b - middle) * chord;
+  precise vec3 e = to_a * back + to_b * chord;
   precise float l = length3(e);
   precise float w = wa * back * back + wm * middle_share + wb * chord * chord;
   bool bent = compliance > 0.0f && l > 1e-12f;
   precise float error = (l - rest) + compliance * multiplier;
   precise float change = bent ? error * (1.0f / (bent ? w + compliance : 1.0f)) : 0.0f;
   precise vec3 step = e * (change * (1.0f / (bent ? l : 1.0f)));
-  precise vec3 moved_a = a - step * (wa * back);
-  precise vec3 moved_middle = middle + step * wm;
-  precise vec3 moved_b = b - step * (wb * chord);
   precise float sum = multiplier - change;
-  BendEnds r;
-  r.a = moved_a;
-  r.middle = moved_middle;
-  r.b = moved_b;
+  BendMove r;
+  r.step = step;
   r.multiplier = sum;
   return r;
 }

@@ -10,34 +10,52 @@
 namespace geocloth::shader {
 #endif
 
-struct SpringEnds {
-  vec3 a;
-  vec3 b;
+// The end a moves by step * wa, the end b by -step * wb.
+struct SpringMove {
+  vec3 step;
   float multiplier;
 };
 
+// @param d           [m] from a to b
 // @param wa, wb      inverse masses [1/kg]
 // @param rest        [m]; 0: no spring, the ends stay
 // @param compliance  [m/N] divided by dt^2
 // @param share       share of the error to remove: 1, or the seeds' stiffness
 // @param multiplier  sum of the multipliers of earlier relaxation steps of this substep
-inline SpringEnds project_spring(vec3 a, float wa, vec3 b, float wb, float rest, float compliance, float share,
-                                 float multiplier) {
-  precise vec3 d = b - a;
+inline SpringMove spring_move(vec3 d, float wa, float wb, float rest, float compliance, float share, float multiplier) {
   precise float l = length3(d);
   precise float w = wa + wb;
   bool has_length = rest > 0.0f && w > 0.0f && l > 1e-12f;
   precise float error = (l - rest) + compliance * multiplier;
   precise float change = has_length ? share * error * (1.0f / (has_length ? w + compliance : 1.0f)) : 0.0f;
   precise vec3 step = d * (change * (1.0f / (has_length ? l : 1.0f)));
-  SpringEnds r;
-  r.a = a;
-  r.b = b;
-  precise vec3 moved_a = a + step * wa;
-  precise vec3 moved_b = b - step * wb;
-  r.a = moved_a;
-  r.b = moved_b;
   precise float sum = multiplier - change;
+  SpringMove r;
+  r.step = step;
+  r.multiplier = sum;
+  return r;
+}
+
+const float kSmallestCosine = 0.3f;  // of the turn of a spring in a substep; one that turns further is relaxed in part
+
+// The same along the direction that the spring had when the substep began (Ryckaert, Ciccotti, Berendsen 1977, "SHAKE"):
+// impulses that are central where the points were keep the angular momentum, those where they are lose the share w^2 dt
+// of a spin w in a second.
+// @param start  [m] from a to b when the substep began
+inline SpringMove spring_move_along(vec3 d, vec3 start, float wa, float wb, float rest, float compliance, float share,
+                                    float multiplier) {
+  precise float l = length3(d);
+  precise float l0 = length3(start);
+  precise float w = wa + wb;
+  bool has_length = rest > 0.0f && w > 0.0f && l > 1e-12f && l0 > 1e-12f;
+  precise float inverse_l0 = 1.0f / (has_length ? l0 : 1.0f);
+  precise float cosine = max(dot3(d, start) * inverse_l0 * (1.0f / (has_length ? l : 1.0f)), kSmallestCosine);
+  precise float error = (l - rest) + compliance * multiplier;
+  precise float change = has_length ? share * error * (1.0f / (has_length ? w * cosine + compliance : 1.0f)) : 0.0f;
+  precise vec3 step = start * (change * inverse_l0);
+  precise float sum = multiplier - change;
+  SpringMove r;
+  r.step = step;
   r.multiplier = sum;
   return r;
 }

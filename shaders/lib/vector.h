@@ -42,6 +42,12 @@ inline vec3 mix3(vec3 a, vec3 b, float t) {
   return r;
 }
 
+// p + step * s
+inline vec3 shifted(vec3 p, vec3 step, float s) {
+  precise vec3 r = p + step * s;
+  return r;
+}
+
 // sin(2 pi t): folded to a quarter turn, then the series to the ninth power (error below 4e-6).
 inline float sine_of_turns(float t) {
   precise float r = t - floor(t + 0.5f);

@@ -13,6 +13,7 @@
 //                        bending with a rigidity (lib/bend.h): rest and compliance of the bends over the same pixels;
 //                        compliance 0: no bend
 //   cell       r32ui     CellBit of cloth_asset.h
+//   offset     rgba32f   xyz what position lacks, w = inverse mass; only with ClothParams::fine, see lib/fine.h
 // clang-format on
 // Buffers: see the structs below. `pixel` is always y * width + x.
 #ifndef GEOCLOTH_SHARED_LAYOUT_H
@@ -35,18 +36,19 @@ const uint kBindingSpringsStructural = 5u;  // image rgba32f
 const uint kBindingSpringsShear = 6u;       // image rgba32f
 const uint kBindingSpringsBending = 7u;     // image rgba32f
 const uint kBindingCell = 8u;               // image r32ui
-const uint kBindingMultipliers = 9u;        // buffer float[], see kMultiplier* (only with relaxation_steps > 1)
-const uint kBindingAttachments = 10u;       // buffer Attachment[pixels] (only with max_stretch > 0)
-const uint kBindingSeamBends = 11u;         // buffer SeamSpring[]
-const uint kBindingSplitOffset = 12u;       // buffer uint[rows + 1]
-const uint kBindingSplitPixel = 13u;        // buffer uint[]
-const uint kBindingPins = 14u;              // buffer PinTarget[]
-const uint kBindingColliderShapes = 15u;    // buffer ColliderShape[colliders]
-const uint kBindingColliderPoses = 16u;     // buffer ColliderPose[(substeps + 1) * colliders], [substep][collider]
-const uint kBindingSubsteps = 17u;          // buffer Substep[substeps]
-const uint kBindingMeasures = 18u;          // buffer uint[kMeasureCount], bits of non-negative floats, atomicMax
-const uint kBindingInverseMass = 19u;       // buffer float[pixels], read when the pins change
-const uint kBindingColliderNumbers = 20u;   // buffer float[], see ColliderShape::data
+const uint kBindingOffset = 9u;             // image rgba32f, one pixel without ClothParams::fine
+const uint kBindingMultipliers = 10u;       // buffer float[], see kMultiplier* (only with relaxation_steps > 1)
+const uint kBindingAttachments = 11u;       // buffer Attachment[pixels] (only with max_stretch > 0)
+const uint kBindingSeamBends = 12u;         // buffer SeamSpring[]
+const uint kBindingSplitOffset = 13u;       // buffer uint[rows + 1]
+const uint kBindingSplitPixel = 14u;        // buffer uint[]
+const uint kBindingPins = 15u;              // buffer PinTarget[]
+const uint kBindingColliderShapes = 16u;    // buffer ColliderShape[colliders]
+const uint kBindingColliderPoses = 17u;     // buffer ColliderPose[(substeps + 1) * colliders], [substep][collider]
+const uint kBindingSubsteps = 18u;          // buffer Substep[substeps]
+const uint kBindingMeasures = 19u;          // buffer uint[kMeasureCount], bits of non-negative floats, atomicMax
+const uint kBindingInverseMass = 20u;       // buffer float[pixels], read when the pins change
+const uint kBindingColliderNumbers = 21u;   // buffer float[], see ColliderShape::data
 
 // Springs: component c = 0..5 in the order of SpringBit; the multiplier of component c at a pixel is at
 // c * pixels + pixel, that of seam bend i at kSpringComponents * pixels + i.
@@ -55,6 +57,11 @@ const uint kSpringComponents = 6u;
 const uint kSpringGroups = 12u;
 
 const uint kWindWaves = 4u;
+
+// ClothParams::fine, see lib/fine.h.
+const uint kFineOff = 0u;
+const uint kFineOffsets = 1u;   // constraints act on the offsets
+const uint kFineMomentum = 2u;  // and along the directions that springs had when the substep began
 
 const uint kShapePlane = 0u;
 const uint kShapeSphere = 1u;
@@ -99,7 +106,7 @@ struct ClothParams {
   float share_shear;
   float share_bending;
   uint moving;  // 1: the cloth's parent moves in this frame; see lib/frame.h
-  float unused0;
+  uint fine;    // kFine*
   FrameField whole;
   FrameField taken;
 };

@@ -13,6 +13,7 @@ ScheduleOptions schedule_options(const SimulationData& data, uint32_t cloth, con
           .pins = !f.pins.empty(),
           .splits = c.split_rows() > 0,
           .bending = c.bending,
+          .fine = data.fine,
           .attachments = c.attachments && !f.pins.empty(),
           .collide = !frame.shapes.empty() || f.params.max_step > 0,
           .check = data.check,

@@ -40,6 +40,7 @@ struct SimulationData {
   std::vector<ClothData> cloths;
   Vec3 origin;  ///< [m] world position of the solver's coordinate origin; whole multiples of 4 m, zero near the world's
   uint32_t substeps = 1, relaxation_steps = 1;
+  bool fine = false;     ///< ClothParams::fine is not kFineOff, in every frame
   bool check = false;    ///< measure after every substep
   bool timings = false;  ///< measure every pass
   bool plain = false;    ///< pass by pass, whatever would be faster
@@ -83,8 +84,10 @@ class SolverBackend {
   /// These wait. One vec4 per pixel; the meaning of w is that of shared/layout.h.
   virtual void read_positions(uint32_t cloth, std::vector<shader::vec4>& out) = 0;
   virtual void read_previous(uint32_t cloth, std::vector<shader::vec4>& out) = 0;
+  /// What position - previous lacks to the displacement of the last substep.
+  virtual void read_carry(uint32_t cloth, std::vector<shader::vec4>& out) = 0;
   virtual void read_normals(uint32_t cloth, std::vector<shader::vec4>& out) = 0;
-  /// Replaces positions (w included), previous positions; clears the carry; recomputes the normals.
+  /// Replaces positions (w included), previous positions; clears carry and offsets; recomputes the normals.
   virtual void write_state(uint32_t cloth, std::span<const shader::vec4> position,
                            std::span<const shader::vec4> previous) = 0;
 

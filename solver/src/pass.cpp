@@ -50,6 +50,7 @@ std::vector<PassStep> substep_schedule(const ScheduleOptions& options) {
   steps.push_back({Pass::predict});
   if (options.pins) steps.push_back({Pass::pins});
   for (uint32_t r = 0; r < options.relaxation_steps; ++r) add_relaxation(steps, options, r);
+  if (options.fine) steps.push_back({Pass::settle});
   if (options.attachments) steps.push_back({Pass::limit});
   if (options.collide) steps.push_back({Pass::collide});
   if (options.check && options.splits) steps.push_back({Pass::check_copies});

@@ -22,6 +22,7 @@ enum class Pass : uint8_t {
   curvature,       ///< per bend over three pixels in a row, groups 0..5 of lib/bend_groups.h
   seam_curvature,  ///< per seam bend, one group for each colour
   stitch,          ///< per split row: mass-weighted mean of the copies, written to every copy
+  settle,          ///< per pixel: base and offset become the position, only with ClothParams::fine
   limit,           ///< per pixel: long-range attachment; copies are equal before it and so they are after it
   collide,         ///< per pixel: largest speed, then colliders with friction; writes position and previous
   check_copies,    ///< per split row: largest distance between copies
@@ -33,7 +34,7 @@ struct PassInfo {
   std::string_view name;
   std::string_view shader;  ///< file in shaders/cloth/
 };
-inline constexpr std::array<PassInfo, 15> kPasses{{
+inline constexpr std::array<PassInfo, 16> kPasses{{
     {Pass::normals, "normals", "normals.comp"},
     {Pass::normals_stitch, "normals_stitch", "normals_stitch.comp"},
     {Pass::predict, "predict", "predict.comp"},
@@ -45,6 +46,7 @@ inline constexpr std::array<PassInfo, 15> kPasses{{
     {Pass::curvature, "curvature", "curvature.comp"},
     {Pass::seam_curvature, "seam_curvature", "seam_curvature.comp"},
     {Pass::stitch, "stitch", "stitch.comp"},
+    {Pass::settle, "settle", "settle.comp"},
     {Pass::limit, "limit", "limit.comp"},
     {Pass::collide, "collide", "collide.comp"},
     {Pass::check_copies, "check_copies", "check_copies.comp"},
@@ -75,6 +77,7 @@ struct ScheduleOptions {
   bool pins = false;    ///< the cloth has pins in this frame
   bool splits = false;  ///< the split-vertex table has rows
   Bending bending = Bending::none;
+  bool fine = false;         ///< constraints act on offsets
   bool attachments = false;  ///< max_stretch > 0 and pins
   bool collide = false;      ///< colliders, or max_speed > 0
   bool check = false;        ///< measure copies and colliders after every substep
@@ -85,7 +88,7 @@ struct ScheduleOptions {
 
 /// The passes of one substep in their order:
 ///   [normals] predict pins { structural, stitch, shear, bending or curvature, over seams too, stitch } x relaxation
-///   limit collide [check]
+///   [settle] limit collide [check]
 [[nodiscard]] std::vector<PassStep> substep_schedule(const ScheduleOptions& options);
 
 /// The passes after the last substep of a frame: normals.

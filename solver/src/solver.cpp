@@ -50,6 +50,13 @@ Vec3 vec3_of(const vec4& v) {
   return {v.x, v.y, v.z};
 }
 
+/// In a shorter step what a position moves by is lost in its rounding.
+uint32_t fineness(const SolverSettings& settings) {
+  constexpr double kShortStep = 1.0 / 5000;  // [s]
+  if (settings.keep_momentum) return shader::kFineMomentum;
+  return settings.frame_time / settings.substeps < kShortStep ? shader::kFineOffsets : shader::kFineOff;
+}
+
 std::unique_ptr<SolverBackend> make_backend(SimulationData data, const SolverSettings& settings) {
   switch (settings.backend) {
     case Backend::cpu:
@@ -71,7 +78,7 @@ std::unique_ptr<SolverBackend> make_backend(SimulationData data, const SolverSet
 }  // namespace
 
 Solver::Impl::Impl(std::span<const ClothDesc> cloths, const SolverSettings& settings, const BackendFactory& factory)
-    : settings_(settings) {
+    : settings_(settings), fine_(fineness(settings)) {
   check(settings);
   check_cloths(cloths);
   origin_ = choose_origin(cloths);
@@ -80,6 +87,7 @@ Solver::Impl::Impl(std::span<const ClothDesc> cloths, const SolverSettings& sett
   data.origin = origin_;
   data.substeps = settings.substeps;
   data.relaxation_steps = settings.relaxation_steps;
+  data.fine = fine_ != shader::kFineOff;
   data.check = settings.check_copies;
   data.timings = settings.timings;
   data.plain = settings.plain;
@@ -207,6 +215,7 @@ float Solver::Impl::stretch_limit(const Cloth& cloth) const {
 ClothFrame Solver::Impl::cloth_frame(Cloth& cloth) const {
   ClothFrame frame;
   frame.params = cloth_params(cloth.material, clock(), settings_.gravity, wind_);
+  frame.params.fine = fine_;
   frame.params.stretch_limit = stretch_limit(cloth);
   frame.params.width = cloth.asset->width;
   frame.params.height = cloth.asset->height;
@@ -274,12 +283,14 @@ void Solver::Impl::read_normals(uint32_t cloth, std::vector<Vec3>& out) {
 
 void Solver::Impl::read_velocities(uint32_t cloth, std::vector<Vec3>& out) {
   static_cast<void>(cloth_at(cloth));
-  std::vector<vec4> now, before;
+  std::vector<vec4> now, before, carry;
   backend_->read_positions(cloth, now);
   backend_->read_previous(cloth, before);
+  backend_->read_carry(cloth, carry);
   const auto inverse_dt = static_cast<float>(settings_.substeps / settings_.frame_time);
   out.resize(now.size());
-  for (size_t p = 0; p < now.size(); ++p) out[p] = inverse_dt * (vec3_of(now[p]) - vec3_of(before[p]));
+  for (size_t p = 0; p < now.size(); ++p)
+    out[p] = inverse_dt * (vec3_of(now[p]) - vec3_of(before[p]) + vec3_of(carry[p]));
 }
 
 void Solver::Impl::write_state(uint32_t cloth, std::span<const Vec3> positions, std::span<const Vec3> velocities) {

@@ -68,6 +68,7 @@ class Solver::Impl {
   [[nodiscard]] FrameClock clock() const;
 
   SolverSettings settings_;
+  uint32_t fine_;  ///< ClothParams::fine
   Vec3 origin_;
   std::vector<Cloth> cloths_;
   std::vector<Collider> colliders_from_, colliders_to_;         ///< at the start and the end of the next frame

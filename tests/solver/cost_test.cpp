@@ -26,6 +26,7 @@ class Recorder final : public SolverBackend {
   void wait() override {}
   void read_positions(uint32_t, std::vector<shader::vec4>&) override {}
   void read_previous(uint32_t, std::vector<shader::vec4>&) override {}
+  void read_carry(uint32_t, std::vector<shader::vec4>&) override {}
   void read_normals(uint32_t, std::vector<shader::vec4>&) override {}
   void write_state(uint32_t, std::span<const shader::vec4>, std::span<const shader::vec4>) override {}
   void fill_statistics(SolverStatistics&) override {}
@@ -72,7 +73,7 @@ TEST(Cost, TheCpuAllocatesNothingOnceItRuns) {
 /// The plan of a scene's substep.
 std::unique_ptr<cpu::SweepPlan> plan_of(const BackendScene& scene) {
   const ClothFrame& input = scene.frame.cloths.front();
-  cpu::ClothState state(scene.data.cloths.front(), false);
+  cpu::ClothState state(scene.data.cloths.front(), false, false);
   const std::vector<cpu::Run> runs = cpu::valid_runs(state);
   std::copy(input.inverse_mass.begin(), input.inverse_mass.end(), state.inverse_mass.begin());
   if (state.data.attachments) state.attachments = input.attachments;

@@ -7,12 +7,13 @@
 
 namespace geocloth::cpu {
 
-ClothState::ClothState(ClothData cloth_data, bool accumulate)
+ClothState::ClothState(ClothData cloth_data, bool accumulate, bool fine)
     : data(std::move(cloth_data)),
       position(pixel_count() + kOverhang),
       previous(pixel_count() + kOverhang),
       carry(pixel_count() + kOverhang),
       normal(pixel_count() + kOverhang),
+      offset(fine ? pixel_count() + kOverhang : 0),
       inverse_mass(pixel_count() + kOverhang),
       normal_length(pixel_count() + kOverhang) {
   for (size_t i = 0; i < pixel_count(); ++i) {
@@ -41,7 +42,8 @@ size_t ClothState::memory_bytes() const {
   const auto bytes = [](const auto& values) { return values.capacity() * sizeof(values.front()); };
   size_t sum = bytes(inverse_mass) + bytes(normal_length) + bytes(seam_multiplier) + bytes(attachments) +
                bytes(data.cell) + bytes(data.seam_bends) + bytes(data.split_offset) + bytes(data.split_pixel);
-  for (const Vec3Array* v : {&position, &previous, &carry, &normal}) sum += bytes(v->x) + bytes(v->y) + bytes(v->z);
+  for (const Vec3Array* v : {&position, &previous, &carry, &normal, &offset})
+    sum += bytes(v->x) + bytes(v->y) + bytes(v->z);
   for (const auto* components : {&rest, &compliance, &multiplier})
     for (const auto& values : *components) sum += bytes(values);
   return sum;

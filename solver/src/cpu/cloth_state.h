@@ -28,14 +28,14 @@ struct Vec3Array {
 
 /// One cloth as the cpu backend keeps it; see shared/layout.h for what the arrays mean.
 struct ClothState {
-  ClothState(ClothData cloth_data, bool accumulate);
+  ClothState(ClothData cloth_data, bool accumulate, bool fine);
 
   [[nodiscard]] size_t pixel_count() const { return static_cast<size_t>(data.width) * data.height; }
   [[nodiscard]] size_t memory_bytes() const;  ///< of all arrays
-  [[nodiscard]] shader::vec4 position_and_mass(size_t i) const { return {position.at(i), inverse_mass[i]}; }
 
   ClothData data;  ///< position and springs have moved to the arrays below
   Vec3Array position, previous, carry, normal;
+  Vec3Array offset;                                ///< only with ClothParams::fine
   std::vector<float> inverse_mass, normal_length;  ///< like the vectors, with kOverhang more than there are pixels
   std::array<std::vector<float>, shader::kSpringComponents> rest, compliance;
   std::array<std::vector<float>, shader::kSpringComponents> multiplier;  ///< only with several relaxation steps

@@ -22,7 +22,7 @@ using PassSeconds = std::array<double, kPasses.size()>;
 
 /// One cloth with what goes with it.
 struct Cloth {
-  Cloth(const ClothData& data, bool accumulate) : state(data, accumulate), sweep(state) {}
+  Cloth(const ClothData& data, bool accumulate, bool fine) : state(data, accumulate, fine), sweep(state) {}
 
   cpu::ClothState state;
   cpu::SweepRunner sweep;
@@ -36,7 +36,7 @@ class CpuBackend final : public SolverBackend {
   CpuBackend(SimulationData data, uint32_t threads) : data_(std::move(data)), threads_(threads) {
     cloths_.reserve(data_.cloths.size());
     for (ClothData& cloth : data_.cloths) {
-      cloths_.emplace_back(cloth, data_.relaxation_steps > 1);
+      cloths_.emplace_back(cloth, data_.relaxation_steps > 1, data_.fine);
       cloth.position = {};
       cloth.springs = {};
     }
@@ -62,6 +62,9 @@ class CpuBackend final : public SolverBackend {
   void read_previous(uint32_t cloth, std::vector<vec4>& out) override {
     gather(cloths_[cloth].state, cloths_[cloth].state.previous, cloths_[cloth].state.inverse_mass, out);
   }
+  void read_carry(uint32_t cloth, std::vector<vec4>& out) override {
+    gather(cloths_[cloth].state, cloths_[cloth].state.carry, cloths_[cloth].state.inverse_mass, out);
+  }
   /// Nobody else looks at the normals after a frame, so they are computed when they are asked for.
   void read_normals(uint32_t cloth, std::vector<vec4>& out) override {
     if (cloths_[cloth].normals_stale) compute_normals(cloths_[cloth], threads_);
@@ -75,6 +78,7 @@ class CpuBackend final : public SolverBackend {
       state.inverse_mass[i] = position[i].w;
       state.previous.set(i, {previous[i].x, previous[i].y, previous[i].z});
       state.carry.set(i, {0, 0, 0});
+      if (data_.fine) state.offset.set(i, {0, 0, 0});
     }
     cloths_[cloth].normals_stale = true;
   }

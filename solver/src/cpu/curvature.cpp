@@ -6,28 +6,12 @@
 
 #include <algorithm>
 
+#include "cpu/line.h"
 #include "lib/bend.h"
 #include "lib/bend_groups.h"
 
 namespace geocloth::cpu {
 namespace {
-
-using shader::vec3;
-
-constexpr uint32_t kPixelGrain = 4096;  ///< pixels that are worth a thread of their own
-constexpr uint32_t kRowGrain = 512;     ///< seam bends
-
-/// Three components of a point as raw pointers.
-struct PointLine {
-  float *x, *y, *z;
-  const float* inverse_mass;
-  [[nodiscard]] vec3 at(size_t i) const { return {x[i], y[i], z[i]}; }
-  void set(size_t i, const vec3& v) const {
-    x[i] = v.x;
-    y[i] = v.y;
-    z[i] = v.z;
-  }
-};
 
 struct BendLine {
   PointLine a, middle, b;
@@ -35,38 +19,38 @@ struct BendLine {
   float* multiplier;  ///< only with several relaxation steps
 };
 
-/// Projects `count` bends that start `stride` pixels apart. Bends of a group share no pixel, so what is written for one
-/// is never read for another: the loop vectorises (ivdep).
-template <size_t stride, bool accumulate>
-void project_line(const BendLine line, uint32_t count, float inverse_dt2, float kept_multiplier) {
-#ifdef __clang__
-#pragma clang loop vectorize(assume_safety)
-#else
-#pragma GCC ivdep
-#endif
+/// Projects the bend over point i of three lines. @return the new multiplier
+template <uint32_t fine>
+inline float project_bend(const PointLine& a, const PointLine& middle, const PointLine& b, size_t i, float middle_share,
+                          float chord, float rest, float compliance, float multiplier, Fine<fine> mode) {
+  const float wa = a.inverse_mass[i], wm = middle.inverse_mass[i], wb = b.inverse_mass[i];
+  const shader::BendMove move =
+      shader::bend_move(way_between(middle, a, i, mode), wa, wm, way_between(middle, b, i, mode), wb, middle_share,
+                        chord, rest, compliance, multiplier);
+  a.move(i, -move.step, wa * (1.F - chord));
+  middle.move(i, move.step, wm);
+  b.move(i, -move.step, wb * chord);
+  return move.multiplier;
+}
+
+template <size_t stride, bool accumulate, uint32_t fine>
+void project_line(const BendLine line, uint32_t count, float inverse_dt2, float kept_multiplier, Fine<fine> mode) {
+  GEOCLOTH_INDEPENDENT_TURNS
   for (size_t k = 0; k < count; ++k) {
     const size_t i = k * stride;
     const float sum = accumulate ? kept_multiplier * line.multiplier[i] : 0.F;
-    const shader::BendEnds ends =
-        shader::project_bend(line.a.at(i), line.a.inverse_mass[i], line.middle.at(i), line.middle.inverse_mass[i],
-                             line.b.at(i), line.b.inverse_mass[i], 1.F, shader::chord_share(line.h1[i], line.h2[i]),
-                             line.rest[i], line.compliance[i] * inverse_dt2, sum);
-    line.a.set(i, ends.a);
-    line.middle.set(i, ends.middle);
-    line.b.set(i, ends.b);
-    if constexpr (accumulate) line.multiplier[i] = ends.multiplier;
+    const float next = project_bend(line.a, line.middle, line.b, i, 1.F, shader::chord_share(line.h1[i], line.h2[i]),
+                                    line.rest[i], line.compliance[i] * inverse_dt2, sum, mode);
+    if constexpr (accumulate) line.multiplier[i] = next;
   }
 }
 
 template <size_t stride>
-void project_line(const BendLine& line, uint32_t count, float inverse_dt2, float kept_multiplier) {
-  line.multiplier != nullptr ? project_line<stride, true>(line, count, inverse_dt2, kept_multiplier)
-                             : project_line<stride, false>(line, count, inverse_dt2, kept_multiplier);
-}
-
-PointLine points_from(ClothState& state, size_t first) {
-  Vec3Array& p = state.position;
-  return {p.x.data() + first, p.y.data() + first, p.z.data() + first, state.inverse_mass.data() + first};
+void project_line(const BendLine& line, uint32_t count, float inverse_dt2, float kept_multiplier, uint32_t fine) {
+  with_fine(fine, [&](auto mode) {
+    line.multiplier != nullptr ? project_line<stride, true>(line, count, inverse_dt2, kept_multiplier, mode)
+                               : project_line<stride, false>(line, count, inverse_dt2, kept_multiplier, mode);
+  });
 }
 
 }  // namespace
@@ -74,6 +58,7 @@ PointLine points_from(ClothState& state, size_t first) {
 void curvature(const PassContext& context, ClothState& state, const PassStep& step) {
   const uint32_t width = state.data.width, height = state.data.height, group = step.group;
   const uint32_t component = shader::bend_component(group);
+  const uint32_t fine = context.cloth.params.fine;
   const bool row = component == 4;
   if ((row ? width : height) < 3) return;
   const bool accumulate = context.relaxation_steps > 1;
@@ -81,9 +66,9 @@ void curvature(const PassContext& context, ClothState& state, const PassStep& st
   const size_t offset = row ? 1 : width;
 
   const auto line_from = [&](size_t a) {
-    return BendLine{points_from(state, a),
-                    points_from(state, a + offset),
-                    points_from(state, a + 2 * offset),
+    return BendLine{PointLine(state, a, fine),
+                    PointLine(state, a + offset, fine),
+                    PointLine(state, a + 2 * offset, fine),
                     state.rest[component - 4].data() + a,
                     state.rest[component - 4].data() + a + offset,
                     state.rest[component].data() + a,
@@ -92,12 +77,12 @@ void curvature(const PassContext& context, ClothState& state, const PassStep& st
   };
   const auto along_row = [&](uint32_t y) {
     if (group + 2 >= width) return;
-    project_line<3>(line_from(size_t{y} * width + group), (width - 2 - group + 2) / 3, inverse_dt2, kept);
+    project_line<3>(line_from(size_t{y} * width + group), (width - 2 - group + 2) / 3, inverse_dt2, kept, fine);
   };
   const auto down_columns = [&](uint32_t n) {
     const uint32_t y = 3 * n + group - 3;
     if (y + 2 >= height) return;
-    project_line<1>(line_from(size_t{y} * width), width, inverse_dt2, kept);
+    project_line<1>(line_from(size_t{y} * width), width, inverse_dt2, kept, fine);
   };
   context.threads.for_range(row ? height : (height + 2) / 3, std::max(1U, kPixelGrain / width),
                             [&](uint32_t first, uint32_t last) {
@@ -107,6 +92,7 @@ void curvature(const PassContext& context, ClothState& state, const PassStep& st
 
 void seam_curvature(const PassContext& context, ClothState& state, const PassStep& step) {
   const float inverse_dt2 = context.cloth.params.inverse_dt2;
+  const uint32_t fine = context.cloth.params.fine;
   const bool accumulate = context.relaxation_steps > 1;
   const uint32_t begin = state.data.seam_color_offset[step.group];
   const uint32_t count = state.data.seam_color_offset[step.group + 1] - begin;
@@ -114,14 +100,12 @@ void seam_curvature(const PassContext& context, ClothState& state, const PassSte
     for (uint32_t k = begin + first; k < begin + last; ++k) {
       const shader::SeamSpring& s = state.data.seam_bends[k];
       const float multiplier = accumulate && step.relaxation > 0 ? state.seam_multiplier[k] : 0.F;
-      const shader::BendEnds ends =
-          shader::project_bend(state.position.at(s.a), state.inverse_mass[s.a], state.position.at(s.middle),
-                               state.inverse_mass[s.middle], state.position.at(s.b), state.inverse_mass[s.b],
-                               s.middle_share, s.chord, s.rest, s.compliance * inverse_dt2, multiplier);
-      state.position.set(s.a, ends.a);
-      state.position.set(s.middle, ends.middle);
-      state.position.set(s.b, ends.b);
-      if (accumulate) state.seam_multiplier[k] = ends.multiplier;
+      with_fine(fine, [&](auto mode) {
+        const float next =
+            project_bend(PointLine(state, s.a, fine), PointLine(state, s.middle, fine), PointLine(state, s.b, fine), 0,
+                         s.middle_share, s.chord, s.rest, s.compliance * inverse_dt2, multiplier, mode);
+        if (accumulate) state.seam_multiplier[k] = next;
+      });
     }
   });
 }

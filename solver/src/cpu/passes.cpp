@@ -9,12 +9,12 @@
 
 #include "cpu/collider_set.h"
 #include "cpu/curvature.h"
+#include "cpu/springs.h"
+#include "lib/fine.h"
 #include "lib/limit.h"
 #include "lib/normal.h"
 #include "lib/pin.h"
 #include "lib/predict.h"
-#include "lib/spring.h"
-#include "lib/spring_groups.h"
 #include "lib/stitch.h"
 
 namespace geocloth::cpu {
@@ -23,9 +23,7 @@ namespace {
 using shader::vec3;
 using shader::vec4;
 
-constexpr uint32_t kPixelGrain = 4096;  ///< pixels that are worth a thread of their own
-constexpr uint32_t kRowGrain = 512;     ///< split rows, pins, seam bends
-constexpr float kNoNumber = 0;          ///< where no collider has numbers, so that none is asked for
+constexpr float kNoNumber = 0;  ///< where no collider has numbers, so that none is asked for
 
 shader::ColliderSet colliders_of(const FrameInput& frame) {
   return {frame.shapes.data(), frame.poses.data(), static_cast<uint32_t>(frame.shapes.size()),
@@ -79,8 +77,11 @@ void predict(const PassContext& context, ClothState& state) {
   const shader::ClothParams& params = context.cloth.params;
   for_pixels(context.threads, state, [&](uint32_t i) {
     const vec3 position = state.position.at(i);
+    const bool fine = params.fine != shader::kFineOff;
+    const vec3 low = fine ? state.offset.at(i) : vec3(0, 0, 0);
     if (state.inverse_mass[i] == 0) {
       state.previous.set(i, position);
+      if (fine) state.carry.set(i, low);
       return;
     }
     const vec3 previous = state.previous.at(i);
@@ -94,9 +95,14 @@ void predict(const PassContext& context, ClothState& state) {
                                        ? shader::predict_along(params, static_cast<float>(context.substep), position,
                                                                previous, carry, acceleration)
                                        : shader::predict(params, position, previous, carry, acceleration);
-    state.position.set(i, next.position);
     state.previous.set(i, next.previous);
-    state.carry.set(i, next.carry);
+    if (fine) {
+      state.offset.set(i, shader::predicted_offset(next, low));
+      state.carry.set(i, low);
+    } else {
+      state.position.set(i, next.position);
+      state.carry.set(i, next.carry);
+    }
   });
 }
 
@@ -105,152 +111,26 @@ void pins(const PassContext& context, ClothState& state) {
                             [&](uint32_t first, uint32_t last) { move_pins(context, state, first, last); });
 }
 
-/// The springs of one component along a line of pixels, as raw pointers to the first one.
-struct SpringLine {
-  float* ax;
-  float* ay;
-  float* az;
-  const float* aw;
-  float* bx;
-  float* by;
-  float* bz;
-  const float* bw;
-  const float* rest;
-  const float* compliance;
-  float* multiplier;  ///< only with several relaxation steps
-};
-
-struct SpringParams {
-  float inverse_dt2 = 0, share = 1;
-  float kept_multiplier = 0;  ///< 1: XPBD's sum is continued, 0: it starts anew with the first relaxation step
-};
-
-/// Projects `count` springs that start `stride` pixels apart. Springs that do not exist have no rest length and leave
-/// their ends as they are. Within a group no pixel is an end of two springs, so what is written for one spring is never
-/// read for another: the loop vectorises (ivdep).
-template <size_t stride, bool accumulate>
-void project_line(const SpringLine line, uint32_t count, const SpringParams& params) {
-  // Copied to locals, for floats that a reference leads to might be among those that are written.
-  const float inverse_dt2 = params.inverse_dt2, share = params.share, kept = params.kept_multiplier;
-#ifdef __clang__
-#pragma clang loop vectorize(assume_safety)
-#else
-#pragma GCC ivdep
-#endif
-  for (size_t k = 0; k < count; ++k) {
-    const size_t i = k * stride;
-    const float sum = accumulate ? kept * line.multiplier[i] : 0.F;
-    const shader::SpringEnds ends = shader::project_spring(vec3(line.ax[i], line.ay[i], line.az[i]), line.aw[i],
-                                                           vec3(line.bx[i], line.by[i], line.bz[i]), line.bw[i],
-                                                           line.rest[i], line.compliance[i] * inverse_dt2, share, sum);
-    line.ax[i] = ends.a.x;
-    line.ay[i] = ends.a.y;
-    line.az[i] = ends.a.z;
-    line.bx[i] = ends.b.x;
-    line.by[i] = ends.b.y;
-    line.bz[i] = ends.b.z;
-    if constexpr (accumulate) line.multiplier[i] = ends.multiplier;
-  }
-}
-
-float share_of(const shader::ClothParams& params, uint32_t component) {
-  const uint32_t family = component / 2;
-  return family == 0 ? params.share_structural : family == 1 ? params.share_shear : params.share_bending;
-}
-
-/// One group of springs, line by line of the image.
-class SpringPass {
- public:
-  SpringPass(const PassContext& context, ClothState& state, const PassStep& step)
-      : context_(context),
-        state_(state),
-        group_(step.group),
-        component_(shader::group_component(step.group)),
-        params_{context.cloth.params.inverse_dt2, share_of(context.cloth.params, component_),
-                step.relaxation > 0 ? 1.F : 0.F} {}
-
-  void run() const {
-    const uint32_t width = state_.data.width;
-    const bool by_column = shader::group_by_column(group_) == 1;
-    const uint32_t lines = by_column ? state_.data.height : shader::group_line_count(group_, state_.data.height);
-    context_.threads.for_range(lines, std::max(1U, kPixelGrain / width), [&](uint32_t first, uint32_t last) {
-      for (uint32_t n = first; n < last; ++n) by_column ? along_row(n) : across_rows(shader::group_line(group_, n));
-    });
-  }
-
- private:
-  /// Springs from row y to a row below: one from every pixel.
-  void across_rows(uint32_t y) const {
-    const uint32_t first = component_ == 3 ? 1 : 0, last = state_.data.width - (component_ == 2 ? 1 : 0);
-    const uint32_t below = shader::spring_end(component_, first, y).y;
-    if (below < state_.data.height && first < last) project<1>(first, y, last - first);
-  }
-
-  /// Springs within row y: every second pixel, or, over two pixels, every fourth and its neighbour.
-  void along_row(uint32_t y) const {
-    const uint32_t odd = group_ % 2, width = state_.data.width;
-    if (component_ == 0) {
-      if (odd + 1 < width) project<2>(odd, y, (width - odd) / 2);
-      return;
-    }
-    for (uint32_t first = 2 * odd; first < 2 * odd + 2; ++first) {
-      if (first + 2 < width) project<4>(first, y, (width - 2 - first + 3) / 4);
-    }
-  }
-
-  template <size_t stride>
-  void project(uint32_t x, uint32_t y, uint32_t count) const {
-    const shader::uvec2 end = shader::spring_end(component_, x, y);
-    const size_t a = size_t{y} * state_.data.width + x, b = size_t{end.y} * state_.data.width + end.x;
-    Vec3Array& p = state_.position;
-    const bool accumulate = context_.relaxation_steps > 1;
-    const SpringLine line{p.x.data() + a,
-                          p.y.data() + a,
-                          p.z.data() + a,
-                          state_.inverse_mass.data() + a,
-                          p.x.data() + b,
-                          p.y.data() + b,
-                          p.z.data() + b,
-                          state_.inverse_mass.data() + b,
-                          state_.rest[component_].data() + a,
-                          state_.compliance[component_].data() + a,
-                          accumulate ? state_.multiplier[component_].data() + a : nullptr};
-    accumulate ? project_line<stride, true>(line, count, params_) : project_line<stride, false>(line, count, params_);
-  }
-
-  const PassContext& context_;
-  ClothState& state_;
-  uint32_t group_, component_;
-  SpringParams params_;
-};
-
-void seam_bends(const PassContext& context, ClothState& state, const PassStep& step) {
-  const shader::ClothParams& params = context.cloth.params;
-  const bool accumulate = context.relaxation_steps > 1;
-  const uint32_t begin = state.data.seam_color_offset[step.group];
-  const uint32_t count = state.data.seam_color_offset[step.group + 1] - begin;
-  context.threads.for_range(count, kRowGrain, [&](uint32_t first, uint32_t last) {
-    for (uint32_t k = begin + first; k < begin + last; ++k) {
-      const shader::SeamSpring& s = state.data.seam_bends[k];
-      const float multiplier = accumulate && step.relaxation > 0 ? state.seam_multiplier[k] : 0.F;
-      const shader::SpringEnds ends = shader::project_spring(
-          state.position.at(s.a), state.inverse_mass[s.a], state.position.at(s.b), state.inverse_mass[s.b], s.rest,
-          s.compliance * params.inverse_dt2, params.share_bending, multiplier);
-      state.position.set(s.a, ends.a);
-      state.position.set(s.b, ends.b);
-      if (accumulate) state.seam_multiplier[k] = ends.multiplier;
-    }
+void stitch(const PassContext& context, ClothState& state) {
+  Vec3Array& points = context.cloth.params.fine != shader::kFineOff ? state.offset : state.position;
+  const auto point = [&](uint32_t i) { return vec4(points.at(i), state.inverse_mass[i]); };
+  for_split_rows(context.threads, state, [&](std::span<const uint32_t> copies) {
+    const vec4 first = point(copies.front());
+    if (first.w == 0) return;  // pinned, and all its copies with it
+    shader::StitchSum sum = shader::stitch_begin();
+    for (const uint32_t i : copies) sum = shader::stitch_add(sum, first, point(i));
+    const vec3 mean = shader::stitch_mean(sum, first);
+    for (const uint32_t i : copies) points.set(i, mean);
   });
 }
 
-void stitch(const PassContext& context, ClothState& state) {
-  for_split_rows(context.threads, state, [&](std::span<const uint32_t> copies) {
-    const vec4 first = state.position_and_mass(copies.front());
-    if (first.w == 0) return;  // pinned, and all its copies with it
-    shader::StitchSum sum = shader::stitch_begin();
-    for (const uint32_t i : copies) sum = shader::stitch_add(sum, first, state.position_and_mass(i));
-    const vec3 mean = shader::stitch_mean(sum, first);
-    for (const uint32_t i : copies) state.position.set(i, mean);
+void settle(const PassContext& context, ClothState& state) {
+  for_pixels(context.threads, state, [&](uint32_t i) {
+    const shader::Settled next = shader::settle(state.previous.at(i), state.offset.at(i), state.carry.at(i));
+    state.position.set(i, next.position);
+    state.previous.set(i, next.previous);
+    state.carry.set(i, next.carry);
+    state.offset.set(i, next.low);
   });
 }
 
@@ -321,16 +201,22 @@ void normal_pixels(ClothState& state, uint32_t first, uint32_t last) {
   }
 }
 
-vec3 pinned_position(const PassContext& context, uint32_t pin, const vec3& position, const vec3& previous) {
+vec3 pinned_position(const PassContext& context, const shader::PinTarget& pin, const vec3& position,
+                     const vec3& previous) {
   const shader::Substep& step = context.frame.substeps[context.substep];
-  return shader::pinned_position(context.cloth.pins[pin], step.pin_fraction, step.frame_fraction, step.substep_share,
-                                 position, previous);
+  return shader::pinned_position(pin, step.pin_fraction, step.frame_fraction, step.substep_share, position, previous);
 }
 
 void move_pins(const PassContext& context, ClothState& state, uint32_t first, uint32_t last) {
   for (uint32_t k = first; k < last; ++k) {
-    const uint32_t i = context.cloth.pins[k].pixel.x;
-    state.position.set(i, pinned_position(context, k, state.position.at(i), state.previous.at(i)));
+    const shader::PinTarget& pin = context.cloth.pins[k];
+    const uint32_t i = pin.pixel.x;
+    if (context.cloth.params.fine == shader::kFineOff) {
+      state.position.set(i, pinned_position(context, pin, state.position.at(i), state.previous.at(i)));
+    } else {
+      const shader::PinTarget seen = shader::pin_from(pin, state.previous.at(i));
+      state.offset.set(i, pinned_position(context, seen, state.offset.at(i), state.carry.at(i)));
+    }
   }
 }
 
@@ -369,7 +255,7 @@ void run_pass(const PassStep& step, const PassContext& context, ClothState& stat
     case Pass::structural:
     case Pass::shear:
     case Pass::bending:
-      return SpringPass(context, state, step).run();
+      return springs(context, state, step);
     case Pass::seam_bends:
       return seam_bends(context, state, step);
     case Pass::curvature:
@@ -378,6 +264,8 @@ void run_pass(const PassStep& step, const PassContext& context, ClothState& stat
       return seam_curvature(context, state, step);
     case Pass::stitch:
       return stitch(context, state);
+    case Pass::settle:
+      return settle(context, state);
     case Pass::limit:
       return limit(context, state);
     case Pass::collide:

@@ -9,6 +9,9 @@
 
 namespace geocloth::cpu {
 
+inline constexpr uint32_t kPixelGrain = 4096;  ///< pixels that are worth a thread of their own
+inline constexpr uint32_t kRowGrain = 512;     ///< split rows, pins, seam bends
+
 /// Largest values met by the check passes [m].
 struct Measures {
   float copy_gap = 0, penetration = 0;
@@ -31,8 +34,8 @@ void normal_pixels(ClothState& state, uint32_t first, uint32_t last);
 [[nodiscard]] float penetration_of_pixels(const PassContext& context, const ClothState& state, uint32_t first,
                                           uint32_t last);
 /// Where the pins pass puts a pin that is at `position`; a held one from wherever it was before.
-[[nodiscard]] shader::vec3 pinned_position(const PassContext& context, uint32_t pin, const shader::vec3& position,
-                                           const shader::vec3& previous);
+[[nodiscard]] shader::vec3 pinned_position(const PassContext& context, const shader::PinTarget& pin,
+                                           const shader::vec3& position, const shader::vec3& previous);
 
 /// Runs one entry of a schedule over one cloth.
 void run_pass(const PassStep& step, const PassContext& context, ClothState& state, Measures& measures);

@@ -12,6 +12,7 @@
 #include <limits>
 #include <optional>
 
+#include "cpu/springs.h"
 #include "lib/bend.h"
 #include "lib/bend_groups.h"
 #include "lib/spring_groups.h"
@@ -48,11 +49,6 @@ uint32_t lane_of(RowKernel kernel, uint32_t column, uint32_t lanes) {
 struct Reach {
   uint32_t up = 0, down = 0;
 };
-
-float share_of(const shader::ClothParams& params, uint32_t component) {
-  const uint32_t family = component / 2;
-  return family == 0 ? params.share_structural : family == 1 ? params.share_shear : params.share_bending;
-}
 
 }  // namespace
 

@@ -14,7 +14,8 @@ namespace geocloth::cpu {
 void SweepRunner::prepare(const ClothState& state, const ClothFrame& cloth, const ScheduleOptions& options) {
   const shader::ClothParams& p = cloth.params;
   const auto is_soft = [](const shader::PinTarget& pin) { return pin.target.w > 0; };
-  if (p.moving != 0 || std::any_of(cloth.pins.begin(), cloth.pins.end(), is_soft)) {  // not among the sweep's passes
+  if (p.moving != 0 || p.fine != shader::kFineOff ||
+      std::any_of(cloth.pins.begin(), cloth.pins.end(), is_soft)) {  // not among the sweep's passes
     plan_ = {};
     planned_ = false;
     return;
@@ -33,7 +34,7 @@ void SweepRunner::place_anchors(const ClothState& state) {
   for (size_t k = 0; k < count; ++k) {
     shader::vec3 position = state.position.at(pins[k].pixel.x);
     for (size_t s = 0; s < contexts_.size(); ++s) {
-      position = pinned_position(contexts_[s], static_cast<uint32_t>(k), position, position);
+      position = pinned_position(contexts_[s], pins[k], position, position);
       float* const of_substep = &anchors_[3 * count * s];
       of_substep[k] = position.x;
       of_substep[count + k] = position.y;

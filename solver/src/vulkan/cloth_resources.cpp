@@ -38,18 +38,21 @@ size_t multiplier_bytes(const ClothData& data) {
 }  // namespace
 
 ClothResources::ClothResources(const std::shared_ptr<const Context>& context, const ClothData& data,
-                               bool with_multipliers)
+                               bool with_multipliers, bool fine)
     : width(data.width),
       height(data.height),
       split_rows(data.split_rows()),
       seam_color_offset(data.seam_color_offset),
       position(make_image(context, data, kStateUsage)),
       previous(make_image(context, data, kStateUsage)),
-      carry(make_image(context, data, kRestUsage)),
+      carry(make_image(context, data, kStateUsage)),
       normal(make_image(context, data, kStateUsage)),
       springs{make_image(context, data, kRestUsage), make_image(context, data, kRestUsage),
               make_image(context, data, kRestUsage)},
       cell(make_image(context, data, kRestUsage, vk::Format::eR32Uint)),
+      offset(context, {.format = vk::Format::eR32G32B32A32Sfloat,
+                       .extent = fine ? vk::Extent2D{data.width, data.height} : vk::Extent2D{1, 1},
+                       .usage = kRestUsage}),
       multipliers(make_buffer(context, with_multipliers ? multiplier_bytes(data) : 0)),
       attachments(make_buffer(context, data.attachments ? sizeof(shader::Attachment) * data.pixel_count() : 0)),
       seam_bends(make_buffer(context, bytes_of(data.seam_bends))),
@@ -61,6 +64,7 @@ ClothResources::ClothResources(const std::shared_ptr<const Context>& context, co
   upload.to_image(position, std::span(data.position));
   upload.to_image(previous, std::span(data.position));
   upload.clear_image(carry);
+  upload.clear_image(offset);
   upload.clear_image(normal);
   for (size_t family = 0; family < springs.size(); ++family)
     upload.to_image(springs[family], std::span(data.springs[family]));
@@ -74,7 +78,9 @@ ClothResources::ClothResources(const std::shared_ptr<const Context>& context, co
 
 size_t ClothResources::memory_bytes() const {
   constexpr size_t kVectorImages = 4 + 3;  // position, previous, carry, normal; springs
-  size_t sum = pixel_count() * (kVectorImages * sizeof(shader::vec4) + sizeof(uint32_t));
+  const size_t offsets = size_t{offset.extent().width} * offset.extent().height;
+  size_t sum =
+      pixel_count() * (kVectorImages * sizeof(shader::vec4) + sizeof(uint32_t)) + offsets * sizeof(shader::vec4);
   for (const Buffer* buffer :
        {&multipliers, &attachments, &seam_bends, &split_offset, &split_pixel, &measures, &inverse_mass})
     sum += buffer->size();

@@ -91,7 +91,8 @@ void FrameSlot::write_sets(const std::vector<ClothResources>& cloths) const {
     const ClothResources& cloth = cloths[c];
     const std::array<const Image*, kStorageImages> images{&cloth.position,   &cloth.previous,   &cloth.carry,
                                                           &cloth.normal,     &cloth.springs[0], &cloth.springs[1],
-                                                          &cloth.springs[2], &cloth.cell};
+                                                          &cloth.springs[2], &cloth.cell,
+                                                          &cloth.offset};
     const std::array<const Buffer*, kStorageBuffers> buffers{
         &cloth.multipliers,  &cloth.attachments, &cloth.seam_bends, &cloth.split_offset, &cloth.split_pixel,
         &cloths_[c].pins,    &shapes_,           &poses_,           &substeps_,          &cloth.measures,

@@ -17,6 +17,7 @@
 #include "predict_comp.h"
 #include "seam_bends_comp.h"
 #include "seam_curvature_comp.h"
+#include "settle_comp.h"
 #include "shared/workgroup.h"
 #include "springs_comp.h"
 #include "stitch_comp.h"
@@ -46,6 +47,8 @@ std::span<const uint32_t> spirv(Pass pass) {
       return seam_curvature_comp;
     case Pass::stitch:
       return stitch_comp;
+    case Pass::settle:
+      return settle_comp;
     case Pass::limit:
       return limit_comp;
     case Pass::collide:
@@ -145,6 +148,7 @@ void PassKernels::dispatch(const vk::raii::CommandBuffer& commands, const ClothR
       return over_pixels(shader::bend_extent(step.group, cloth.width, cloth.height));
     case Pass::normals:
     case Pass::predict:
+    case Pass::settle:
     case Pass::limit:
     case Pass::collide:
     case Pass::check_colliders:

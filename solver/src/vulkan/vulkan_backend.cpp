@@ -91,7 +91,7 @@ VulkanBackend::VulkanBackend(std::shared_ptr<const Context> context, SimulationD
     : context_(std::move(context)), data_(std::move(data)), kernels_(context_) {
   cloths_.reserve(data_.cloths.size());
   for (ClothData& cloth : data_.cloths) {
-    cloths_.emplace_back(context_, cloth, data_.relaxation_steps > 1);
+    cloths_.emplace_back(context_, cloth, data_.relaxation_steps > 1, data_.fine);
     drop_uploaded(cloth);
   }
   for (size_t i = 0; i < kSlots; ++i) slots_.push_back(std::make_unique<Slot>(context_, kernels_, cloths_));
@@ -199,6 +199,10 @@ void VulkanBackend::read_previous(uint32_t cloth, std::vector<shader::vec4>& out
   guarded("read positions back", [&] { read(cloths_[cloth].previous, out); });
 }
 
+void VulkanBackend::read_carry(uint32_t cloth, std::vector<shader::vec4>& out) {
+  guarded("read positions back", [&] { read(cloths_[cloth].carry, out); });
+}
+
 void VulkanBackend::read_normals(uint32_t cloth, std::vector<shader::vec4>& out) {
   guarded("read normals back", [&] { read(cloths_[cloth].normal, out); });
 }
@@ -211,6 +215,7 @@ void VulkanBackend::write_state(uint32_t cloth, std::span<const shader::vec4> po
     upload.to_image(cloths_[cloth].position, position);
     upload.to_image(cloths_[cloth].previous, previous);
     upload.clear_image(cloths_[cloth].carry);
+    upload.clear_image(cloths_[cloth].offset);
     upload.run();
     compute_normals({cloth});
   });

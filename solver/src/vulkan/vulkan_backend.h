@@ -22,6 +22,7 @@ class VulkanBackend final : public SolverBackend {
   void wait() override;
   void read_positions(uint32_t cloth, std::vector<shader::vec4>& out) override;
   void read_previous(uint32_t cloth, std::vector<shader::vec4>& out) override;
+  void read_carry(uint32_t cloth, std::vector<shader::vec4>& out) override;
   void read_normals(uint32_t cloth, std::vector<shader::vec4>& out) override;
   void write_state(uint32_t cloth, std::span<const shader::vec4> position,
                    std::span<const shader::vec4> previous) override;
