@@ -216,7 +216,10 @@ DevelopedSurface develop(const CutSurface& cut, const DevelopOptions& options, c
       {.most_energy = options.target_energy, .seam_price = options.cut_price, .narrow = kNarrow * options.least_cut});
   ChartedSurface result =
       options.straight_cuts ? straighten_layout(cut, sheet, charts) : ChartedSurface{cut, std::move(charts)};
-  for (Chart& chart : result.charts) turn_upright(chart);
+  tbb::parallel_for(size_t{0}, result.charts.size(), [&](size_t i) {
+    turn_upright(result.charts[i]);
+    straighten_threads(result.charts[i]);
+  });
   return assembled(result.cut, result.charts);
 }
 

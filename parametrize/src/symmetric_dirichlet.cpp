@@ -48,6 +48,8 @@ struct Map {
   double f00, f10, f01, f11;
   [[nodiscard]] double determinant() const { return f00 * f11 - f01 * f10; }
   [[nodiscard]] double squared_norm() const { return f00 * f00 + f10 * f10 + f01 * f01 + f11 * f11; }
+  /// Zero where the directions x and y of the plane are orthogonal on the surface.
+  [[nodiscard]] double shear() const { return f00 * f10 + f01 * f11; }
 };
 
 Map map_of(const Element& e, const Triangle& t, std::span<const Point2> uv) {
@@ -135,11 +137,23 @@ struct SymmetricDirichlet::Impl {
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> solver;
   std::vector<std::array<int32_t, 21>> slot;  // per triangle: where its lower entries go in the matrix' values
   bool analysed = false;
+  double shear_price = 0;
 
   [[nodiscard]] double energy(std::span<const Point2> uv) const {
     double sum = 0;
     for (size_t t = 0; t < triangle.size(); ++t)
       sum += element[t].weight * density(map_of(element[t], triangle[t], uv));
+    return sum;
+  }
+
+  /// What is minimised.
+  [[nodiscard]] double cost(std::span<const Point2> uv) const {
+    if (shear_price == 0) return energy(uv);
+    double sum = 0;
+    for (size_t t = 0; t < triangle.size(); ++t) {
+      const Map f = map_of(element[t], triangle[t], uv);
+      sum += element[t].weight * (density(f) + shear_price * f.shear() * f.shear());
+    }
     return sum;
   }
 
@@ -188,8 +202,13 @@ struct SymmetricDirichlet::Impl {
     for (size_t t = 0; t < triangle.size(); ++t) {
       const Element& e = element[t];
       const Map f = map_of(e, triangle[t], uv);
-      const Eigen::Vector4d first = e.weight * density_gradient(f);
-      const Matrix4 second = e.weight * projected_hessian(f);
+      Eigen::Vector4d first = e.weight * density_gradient(f);
+      Matrix4 second = e.weight * projected_hessian(f);
+      if (shear_price > 0) {  // Gauss-Newton: the shear is small
+        const Eigen::Vector4d change(f.f10, f.f00, f.f11, f.f01);
+        first += 2 * e.weight * shear_price * f.shear() * change;
+        second += 2 * e.weight * shear_price * change * change.transpose();
+      }
       // Chain rule: the unknown (corner k, coordinate i) moves F(i, j) by gradient[k][j], F(i, j) at index i + 2 j.
       Eigen::Matrix<double, 4, 6> chain = Eigen::Matrix<double, 4, 6>::Zero();
       for (int k = 0; k < 3; ++k) {
@@ -262,9 +281,13 @@ std::vector<double> SymmetricDirichlet::energy_per_triangle(std::span<const Poin
   return result;
 }
 
+void SymmetricDirichlet::set_shear_price(double price) {
+  impl_->shear_price = price;
+}
+
 double SymmetricDirichlet::minimise(std::vector<Point2>& uv, uint32_t max_iterations, double tolerance) {
   Impl& s = *impl_;
-  double current = s.energy(uv);
+  double current = s.cost(uv);
   if (!std::isfinite(current))
     throw Error(ErrorCode::verification, "the start of the flattening has a flipped triangle");
   if (s.unknowns == 0) return current;
@@ -290,7 +313,7 @@ double SymmetricDirichlet::minimise(std::vector<Point2>& uv, uint32_t max_iterat
         trial[v][0] += t * direction[v][0];
         trial[v][1] += t * direction[v][1];
       }
-      reached = s.energy(trial);
+      reached = s.cost(trial);
       if (reached <= current + 1e-4 * t * slope) break;
       reached = kInfinity;
     }

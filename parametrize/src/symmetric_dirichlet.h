@@ -30,6 +30,10 @@ class SymmetricDirichlet {
   /// The same per triangle.
   [[nodiscard]] std::vector<double> energy_per_triangle(std::span<const Point2> uv) const;
 
+  /// Adds `price` times the squared cosine of the angle at which the plane's x and y meet on the surface to what
+  /// minimise() makes small: the threads of a woven cloth stay orthogonal at the cost of a little stretch.
+  void set_shear_price(double price);
+
   /// Projected Newton steps until the energy falls by less than `tolerance` of itself in a step.
   /// @param uv  flip-free start; left flip-free and no worse
   /// @returns the energy reached

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "develop.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "chart.h"
+#include "chart_overlap.h"
+#include "embed_chart.h"
+#include "grain.h"
+#include "parametrize/clean_surfaces.h"
+#include "symmetric_dirichlet.h"
+
+namespace geocloth {
+namespace {
+
+/// A sheet bent into a cap that leans: its curvature has to go somewhere.
+Chart laid_out_cap() {
+  CleanSurface sheet = test::disk(24, 24);
+  for (Point3& p : sheet.position) {
+    const double x = p[0] - 0.5, y = p[1] - 0.5;
+    p = {x, y, 0.8 * (x * x + y * y) + 0.3 * x * y + 0.2 * y};
+  }
+  const CutSurface cut = cut_to_disks(sheet);
+  Chart chart = extract_chart(cut, triangles_of_components(cut)[0]);
+  embed(chart);
+  SymmetricDirichlet(chart.position, chart.triangle, {}).minimise(chart.uv, 60, 1e-9);
+  turn_upright(chart);
+  return chart;
+}
+
+/// Root mean square of the angle by which the plane's x and y miss a right one on the surface [rad].
+double mean_shear(const Chart& c) {
+  double sum = 0, area = 0;
+  for (const Triangle& t : c.triangle) {
+    const Point2 &a = c.uv[t[0]], &b = c.uv[t[1]], &d = c.uv[t[2]];
+    const double e = b[0] - a[0], f = b[1] - a[1], g = d[0] - a[0], h = d[1] - a[1], twice = e * h - f * g;
+    double xy = 0, xx = 0, yy = 0;
+    for (size_t k = 0; k < 3; ++k) {
+      const double p = c.position[t[1]][k] - c.position[t[0]][k], q = c.position[t[2]][k] - c.position[t[0]][k];
+      const double along_x = p * h - q * f, along_y = q * e - p * g;
+      xx += along_x * along_x;
+      yy += along_y * along_y;
+      xy += along_x * along_y;
+    }
+    const double angle = std::asin(xy / std::sqrt(xx * yy));
+    sum += angle * angle * twice;
+    area += twice;
+  }
+  return std::sqrt(sum / area);
+}
+
+// Springs along and across a weave that do not meet at right angles make a cloth that pulls askew.
+TEST(Develop, ThreadsMeetAtRightAnglesWhereTheClothIsCurved) {
+  Chart chart = laid_out_cap();
+  const SymmetricDirichlet energy(chart.position, chart.triangle, {});
+  const double shear = mean_shear(chart), excess = energy.energy(chart.uv) - 4;
+  ASSERT_GT(shear, 0.01);
+  straighten_threads(chart);
+  EXPECT_LT(mean_shear(chart), 0.5 * shear);
+  EXPECT_LT(energy.energy(chart.uv) - 4, 1.4 * excess);
+  EXPECT_TRUE(flip_free(chart));
+  EXPECT_FALSE(crossing_edges(chart, outline_loop(chart)));
+  EXPECT_GT(grain_of(chart).axis[1], 0.999);
+}
+
+}  // namespace
+}  // namespace geocloth
