@@ -253,24 +253,39 @@ class ImageFitter {
     return x;
   }
 
-  /// Takes back what would make a spring much shorter or longer: at folds narrower than a pixel a fit overshoots.
+  /// Takes back what would make a spring much shorter or longer than it was and than it should be: at folds narrower
+  /// than a pixel a fit overshoots.
   void limit(std::vector<Point3>& shift) const {
-    constexpr double kShortest = 0.6, kLongest = 1.5;  // of the length between the samples
-    constexpr double kKept = 0.7;
+    constexpr double kShortest = 0.6, kLongest = 1.5, kKept = 0.7;
     constexpr int kSweeps = 6;
+    const std::vector<std::array<uint32_t, 2>> edges = grid_edges();
     for (int sweep = 0; sweep <= kSweeps; ++sweep) {
-      for (std::size_t k = 0; k < triangle_.size(); ++k) {
-        for (std::size_t i = 0; i < 3; ++i) {
-          const uint32_t a = triangle_[k][i], b = triangle_[k][(i + 1) % 3];
-          const Point3 before = raster_.position[b] - raster_.position[a];
-          const double l = length(before), fitted = length(before + shift[b] - shift[a]);
-          if (fitted >= kShortest * l && fitted <= kLongest * l) continue;
-          const double kept = sweep < kSweeps ? kKept : 0.0;
-          shift[a] = shift[a] * kept;
-          shift[b] = shift[b] * kept;
-        }
+      for (const auto& [a, b] : edges) {
+        const Point3 sampled = raster_.position[b] - raster_.position[a];
+        const double was = length(sampled), is = length(sampled + shift[first_[b]] - shift[first_[a]]);
+        const double wanted =
+            flat_.charts[asset_.chart[a]].spacing *
+            std::hypot(raster_.place[b][0] - raster_.place[a][0], raster_.place[b][1] - raster_.place[a][1]);
+        if (is >= kShortest * std::min(was, wanted) && is <= kLongest * std::max(was, wanted)) continue;
+        for (const uint32_t i : {first_[a], first_[b]}) shift[i] = shift[i] * (sweep < kSweeps ? kKept : 0.0);
       }
     }
+  }
+
+  /// Structural springs and diagonals of the cells.
+  [[nodiscard]] std::vector<std::array<uint32_t, 2>> grid_edges() const {
+    std::vector<std::array<uint32_t, 2>> edges;
+    for (uint32_t i = 0; i < asset_.pixel_count(); ++i) {
+      if ((asset_.spring_mask[i] & kSpringRight) != 0) edges.push_back({i, i + 1});
+      if ((asset_.spring_mask[i] & kSpringDown) != 0) edges.push_back({i, i + asset_.width});
+      if (asset_.cell[i] == 0) continue;
+      if ((asset_.cell[i] & kCellDiagonalLeft) != 0) {
+        edges.push_back({i + 1, i + asset_.width});
+      } else {
+        edges.push_back({i, i + asset_.width + 1});
+      }
+    }
+    return edges;
   }
 
   const FlatSurface& flat_;
