@@ -16,6 +16,7 @@
 #include "glb.h"
 #include "sample_asset.h"
 #include "support/make_sheet.h"
+#include "support/temporary_folder.h"
 
 namespace geocloth {
 namespace {
@@ -288,7 +289,8 @@ TEST(AssetFile, DeeplyNestedJsonDoesNotOverflowTheStack) {
 }
 
 TEST(AssetFile, WritesAndReadsFiles) {
-  const auto path = std::filesystem::temp_directory_path() / "geocloth_asset_file_test.glb";
+  const test::TemporaryFolder folder;
+  const auto path = folder / "sheet.glb";
   write_asset(sample_asset(), path);
   EXPECT_EQ(encode_asset(read_asset(path)), encode_asset(sample_asset()));
   std::filesystem::remove(path);

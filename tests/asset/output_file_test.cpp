@@ -2,7 +2,6 @@
 // What a user must never find: half a file, a stray temporary, an old result lost to a run that failed.
 #include "geocloth/asset/output_file.h"
 
-#include <algorithm>
 #include <csignal>
 #include <functional>
 #include <string>
@@ -13,6 +12,7 @@
 #include <unistd.h>
 
 #include "geocloth/asset/error.h"
+#include "support/temporary_folder.h"
 
 namespace geocloth {
 namespace {
@@ -21,18 +21,6 @@ namespace fs = std::filesystem;
 
 class OutputFileTest : public testing::Test {
  protected:
-  OutputFileTest() {
-    std::string name = (fs::temp_directory_path() / "geocloth_output_XXXXXX").string();
-    folder_ = ::mkdtemp(name.data());
-  }
-  ~OutputFileTest() override { fs::remove_all(folder_); }
-
-  [[nodiscard]] std::vector<std::string> listing() const {
-    std::vector<std::string> names;
-    for (const auto& entry : fs::directory_iterator(folder_)) names.push_back(entry.path().filename().string());
-    std::sort(names.begin(), names.end());
-    return names;
-  }
   static std::string text(const fs::path& path) {
     const auto bytes = read_file(path);
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -47,7 +35,7 @@ class OutputFileTest : public testing::Test {
     return ErrorCode::verification;
   }
 
-  fs::path folder_;
+  const test::TemporaryFolder folder_;
 };
 
 using Names = std::vector<std::string>;
@@ -58,14 +46,14 @@ TEST_F(OutputFileTest, AppearsOnlyOnCommit) {
   EXPECT_FALSE(fs::exists(folder_ / "a.glb"));
   EXPECT_EQ(file.temporary_path().extension(), ".glb");
   file.commit();
-  EXPECT_EQ(listing(), Names{"a.glb"});
+  EXPECT_EQ(folder_.entries(), Names{"a.glb"});
   EXPECT_EQ(text(folder_ / "a.glb"), "hello");
 }
 
 TEST_F(OutputFileTest, AnAbandonedFileLeavesTheOldOneAlone) {
   write_file(folder_ / "a.txt", "old");
   { OutputFile(folder_ / "a.txt").write("new"); }
-  EXPECT_EQ(listing(), Names{"a.txt"});
+  EXPECT_EQ(folder_.entries(), Names{"a.txt"});
   EXPECT_EQ(text(folder_ / "a.txt"), "old");
   write_file(folder_ / "a.txt", "new");
   EXPECT_EQ(text(folder_ / "a.txt"), "new");
@@ -89,11 +77,11 @@ TEST_F(OutputFileTest, SeekRewritesAHeader) {
 }
 
 TEST_F(OutputFileTest, RefusesWhatIsNoFile) {
-  EXPECT_EQ(code_of([&] { OutputFile file(folder_); }), ErrorCode::io);
-  EXPECT_EQ(code_of([&] { OutputFile file(folder_ / "missing" / "a"); }), ErrorCode::io);
+  EXPECT_EQ(code_of([&] { OutputFile file(folder_.path()); }), ErrorCode::io);
+  EXPECT_EQ(code_of([&] { OutputFile file(folder_ / "missing/a"); }), ErrorCode::io);
   EXPECT_EQ(code_of([&] { OutputFile file(fs::path{}); }), ErrorCode::io);
   EXPECT_EQ(code_of([&] { OutputFile file("/dev/null"); }), ErrorCode::io);
-  EXPECT_TRUE(listing().empty());
+  EXPECT_TRUE(folder_.entries().empty());
 }
 
 TEST_F(OutputFileTest, ALinkStaysALinkAndLongNamesWork) {
@@ -118,7 +106,7 @@ TEST_F(OutputFileTest, AFullDiskIsAnErrorAndLeavesNothing) {
   ::setrlimit(RLIMIT_FSIZE, &old);
   std::signal(SIGXFSZ, handler);
   EXPECT_EQ(code, ErrorCode::io);
-  EXPECT_TRUE(listing().empty());
+  EXPECT_TRUE(folder_.entries().empty());
 }
 
 TEST_F(OutputFileTest, InterruptionRemovesEverythingUnfinished) {
@@ -126,9 +114,9 @@ TEST_F(OutputFileTest, InterruptionRemovesEverythingUnfinished) {
   OutputFile a(folder_ / "a"), b(folder_ / "b");
   OutputSeries series;
   for (uint32_t i = 0; i < 3; ++i) series.open(numbered_path(folder_ / "s.png", i)).write("picture");
-  EXPECT_EQ(listing().size(), 6U);
+  EXPECT_EQ(folder_.entries().size(), 6U);
   remove_unfinished_files();
-  EXPECT_EQ(listing(), Names{"kept"});
+  EXPECT_EQ(folder_.entries(), Names{"kept"});
 }
 
 TEST_F(OutputFileTest, ASeriesAppearsWhole) {
@@ -136,7 +124,7 @@ TEST_F(OutputFileTest, ASeriesAppearsWhole) {
   for (uint32_t i = 0; i < 2000; ++i) series.open(numbered_path(folder_ / "s.png", i)).write(std::to_string(i));
   EXPECT_FALSE(fs::exists(folder_ / "s_0000.png"));
   series.commit();
-  EXPECT_EQ(listing().size(), 2000U);
+  EXPECT_EQ(folder_.entries().size(), 2000U);
   EXPECT_EQ(text(folder_ / "s_1999.png"), "1999");
 }
 
@@ -155,7 +143,7 @@ TEST_F(OutputFileTest, NumbersGrowBeyondFourDigits) {
 }
 
 TEST_F(OutputFileTest, ReadingNamesWhatIsWrong) {
-  EXPECT_EQ(code_of([&] { static_cast<void>(read_file(folder_)); }), ErrorCode::io);
+  EXPECT_EQ(code_of([&] { static_cast<void>(read_file(folder_.path())); }), ErrorCode::io);
   EXPECT_EQ(code_of([&] { static_cast<void>(read_file(folder_ / "missing")); }), ErrorCode::io);
   ::mkfifo((folder_ / "pipe").c_str(), 0600);
   EXPECT_EQ(code_of([&] { static_cast<void>(read_file(folder_ / "pipe")); }), ErrorCode::io);

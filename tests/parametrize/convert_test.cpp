@@ -10,11 +10,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <unistd.h>
 
 #include "geocloth/asset/asset_file.h"
 #include "geocloth/asset/error.h"
 #include "geocloth/asset/grid_mesh.h"
+#include "support/temporary_folder.h"
 #include "verify.h"
 
 namespace geocloth {
@@ -306,24 +306,8 @@ TEST(Convert, NamesTheFileInItsErrors) {
   }
 }
 
-class TemporaryFolder {
- public:
-  TemporaryFolder()
-      : path_(std::filesystem::path(testing::TempDir()) / ("geocloth_convert_test_" + std::to_string(getpid()))) {
-    std::filesystem::remove_all(path_);
-    std::filesystem::create_directories(path_);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
 TEST(Convert, WritesItsStages) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   ConvertOptions options = small();
   options.stages = folder.path() / "deep" / "stages";
   const ConvertResult result = convert(tube(), options);

@@ -14,11 +14,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <unistd.h>
 
 #include "geocloth/asset/error.h"
 #include "geocloth/asset/output_file.h"
 #include "import_detail.h"
+#include "support/temporary_folder.h"
 
 namespace geocloth {
 namespace {
@@ -27,20 +27,10 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using Json = nlohmann::json;
 
-/// A folder of its own for every test, gone afterwards.
 class Import : public ::testing::Test {
  protected:
-  Import() {
-    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = std::filesystem::temp_directory_path() /
-              ("geocloth_import_" + std::string(info->name()) + "_" + std::to_string(::getpid()));
-    std::filesystem::create_directories(folder_);
-  }
-  ~Import() override { std::filesystem::remove_all(folder_); }
-
   std::filesystem::path write(const std::string& name, const std::string& bytes) const {
-    std::ofstream(folder_ / name, std::ios::binary) << bytes;
-    return folder_ / name;
+    return folder_.write(name, bytes);
   }
 
   TriangleMesh read(const std::string& name, const std::string& bytes, const ImportOptions& options = {}) const {
@@ -91,7 +81,7 @@ class Import : public ::testing::Test {
     }
   }
 
-  std::filesystem::path folder_;
+  const test::TemporaryFolder folder_;
 };
 
 template <typename T>

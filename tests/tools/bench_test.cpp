@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "support/run_program.h"
+#include "support/temporary_folder.h"
 
 namespace geocloth::test {
 namespace {

@@ -7,13 +7,13 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include "asset/sample_asset.h"
 #include "geocloth/asset/asset_file.h"
 #include "geocloth/asset/error.h"
 #include "geocloth/asset/output_file.h"
 #include "support/make_sheet.h"
+#include "support/temporary_folder.h"
 #include "waving_cloth.h"
 
 namespace geocloth {
@@ -26,14 +26,11 @@ using Bytes = std::vector<std::byte>;
 class CacheReader : public testing::Test {
  protected:
   CacheReader() {
-    std::string name = (fs::temp_directory_path() / "geocloth_reader_XXXXXX").string();
-    folder_ = ::mkdtemp(name.data());
     description_.cloths = {std::make_shared<const ClothAsset>(test::sample_asset()),
                            std::make_shared<const ClothAsset>(test::make_tube({.nx = 8, .ny = 4}))};
     description_.frame_rate = 25;
     description_.frame_count = 3;
   }
-  ~CacheReader() override { fs::remove_all(folder_); }
 
   [[nodiscard]] Bytes written(const char* name, const char* result) const {
     test::write_waving(*make_cache_writer(folder_ / name, description_), description_);
@@ -57,7 +54,7 @@ class CacheReader : public testing::Test {
     }
   }
 
-  fs::path folder_;
+  const test::TemporaryFolder folder_;
   CacheDescription description_;
 };
 

@@ -12,7 +12,6 @@
 #include <ImfInputFile.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include "asset/sample_asset.h"
 #include "export/cache_writer.h"
@@ -20,6 +19,7 @@
 #include "geocloth/asset/output_file.h"
 #include "glb.h"
 #include "support/make_sheet.h"
+#include "support/temporary_folder.h"
 #include "waving_cloth.h"
 
 namespace geocloth {
@@ -35,26 +35,14 @@ std::shared_ptr<const ClothAsset> sample() {
 
 class CacheWriters : public testing::Test {
  protected:
-  CacheWriters() {
-    std::string name = (fs::temp_directory_path() / "geocloth_cache_XXXXXX").string();
-    folder_ = ::mkdtemp(name.data());
-  }
-  ~CacheWriters() override { fs::remove_all(folder_); }
-
   void write(const char* name, const CacheDescription& description) {
     const auto writer = make_cache_writer(folder_ / name, description);
     ASSERT_NE(writer, nullptr);
     write_waving(*writer, description);
   }
-  [[nodiscard]] std::vector<std::string> listing() const {
-    std::vector<std::string> names;
-    for (const auto& entry : fs::directory_iterator(folder_)) names.push_back(entry.path().filename().string());
-    std::sort(names.begin(), names.end());
-    return names;
-  }
   [[nodiscard]] std::vector<std::byte> bytes(const char* name) const { return read_file(folder_ / name); }
 
-  fs::path folder_;
+  const test::TemporaryFolder folder_;
 };
 
 template <class T>
@@ -82,9 +70,9 @@ TEST_F(CacheWriters, NothingStandsBeforeCommitOrAfterAFailure) {
     const ClothFrame frame = waving_frame(*description.cloths[0], 0);
     for (int i = 0; i < 3; ++i) writer->add(std::span(&frame, 1));
     writer->finish();
-    for (const std::string& file : listing()) EXPECT_THAT(file, testing::StartsWith(".geocloth-")) << name;
+    for (const std::string& file : folder_.entries()) EXPECT_THAT(file, testing::StartsWith(".geocloth-")) << name;
   }
-  EXPECT_THAT(listing(), testing::IsEmpty());
+  EXPECT_THAT(folder_.entries(), testing::IsEmpty());
 }
 
 TEST_F(CacheWriters, Pc2HoldsEveryFrameInFileOrder) {
@@ -129,7 +117,7 @@ TEST_F(CacheWriters, MddIsBigEndianWithTimes) {
 TEST_F(CacheWriters, SeveralClothsAreSeveralPointCaches) {
   write("a.pc2", {{sample(), sample()}, 60, 1});
   write("b.mdd", {{sample(), sample()}, 60, 1});
-  EXPECT_THAT(listing(), testing::ElementsAre("a_1.pc2", "a_2.pc2", "b_1.mdd", "b_2.mdd"));
+  EXPECT_THAT(folder_.entries(), testing::ElementsAre("a_1.pc2", "a_2.pc2", "b_1.mdd", "b_2.mdd"));
   EXPECT_NE(bytes("a_1.pc2"), bytes("a_2.pc2"));
 }
 
@@ -137,7 +125,7 @@ TEST_F(CacheWriters, ObjSeriesIsTheSourceMeshWelded) {
   const CacheDescription description{{sample(), sample()}, 60, 2};
   const ClothAsset& asset = *description.cloths[0];
   write("a.obj", description);
-  ASSERT_THAT(listing(), testing::ElementsAre("a_0001.obj", "a_0002.obj"));
+  ASSERT_THAT(folder_.entries(), testing::ElementsAre("a_0001.obj", "a_0002.obj"));
   const auto data = bytes("a_0002.obj");
   std::istringstream text(std::string(reinterpret_cast<const char*>(data.data()), data.size()));
   std::vector<Vec3> points;
@@ -172,14 +160,14 @@ TEST_F(CacheWriters, ObjSeriesIsTheSourceMeshWelded) {
 TEST_F(CacheWriters, ARunWithoutFramesStillGivesAFile) {
   write("a.obj", {{sample()}, 60, 0});
   write("a.glb", {{sample()}, 60, 0});
-  EXPECT_THAT(listing(), testing::ElementsAre("a.glb", "a_0000.obj"));
+  EXPECT_THAT(folder_.entries(), testing::ElementsAre("a.glb", "a_0000.obj"));
 }
 
 TEST_F(CacheWriters, ExrHoldsTheGridBitForBit) {
   const CacheDescription description{{sample()}, 60, 2};
   const ClothAsset& asset = *description.cloths[0];
   write("a.exr", description);
-  ASSERT_THAT(listing(), testing::ElementsAre("a_0001.exr", "a_0002.exr"));
+  ASSERT_THAT(folder_.entries(), testing::ElementsAre("a_0001.exr", "a_0002.exr"));
   Imf::InputFile file((folder_ / "a_0002.exr").c_str());
   const auto width = static_cast<std::size_t>(asset.width);
   struct Pixel {
@@ -264,7 +252,7 @@ TEST_F(CacheWriters, SameFramesSameBytes) {
 
 TEST_F(CacheWriters, AGltfThatCannotHoldTheMotionIsRefusedAtOnce) {
   EXPECT_THROW(static_cast<void>(make_cache_writer(folder_ / "a.glb", CacheDescription{{sample()}, 60, 5000})), Error);
-  EXPECT_THAT(listing(), testing::IsEmpty());
+  EXPECT_THAT(folder_.entries(), testing::IsEmpty());
 }
 
 TEST_F(CacheWriters, AMissingFolderIsAnErrorAtOnce) {

@@ -10,6 +10,7 @@
 #include "render/picture.h"
 #include "support/make_sheet.h"
 #include "support/run_program.h"
+#include "support/temporary_folder.h"
 
 namespace geocloth::test {
 namespace {

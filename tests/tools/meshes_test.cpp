@@ -7,6 +7,7 @@
 #include "geocloth/asset/topology.h"
 #include "meshes/mesh_file.h"
 #include "support/run_program.h"
+#include "support/temporary_folder.h"
 
 namespace geocloth::meshes {
 namespace {

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "support/run_program.h"
+#include "support/temporary_folder.h"
 
 namespace geocloth::test {
 namespace {

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "support/run_program.h"
+#include "support/temporary_folder.h"
 
 namespace geocloth::test {
 namespace {
