@@ -244,10 +244,11 @@ class CutGraphFinder {
     touched_.clear();
   }
 
-  /// Cuts the way from v back to where the flood started; v stays a cut end.
+  /// Cuts the way from v back to where the flood started; both stay cut ends.
   void cut_back_from(uint32_t v) {
     required_[v] = 1;
     for (; parent_[v] != kNone; v = from(parent_[v])) set_cut(parent_[v], true);
+    required_[v] = 1;
   }
 
   /// A closed sphere, whole or joined to others at one point, has no outline yet: cut along a path between two far
@@ -392,6 +393,12 @@ class CutGraphFinder {
     return path;
   }
 
+  /// Whether what was taken out between the two only hung in the graph: another path had left `loose` when its end slid
+  /// away along the outline.
+  [[nodiscard]] bool is_dead_end(uint32_t loose, uint32_t other) const {
+    return degree_[loose] == 0 && !required_[loose] && degree_[other] > 0;
+  }
+
   void straighten_path(const std::vector<uint32_t>& path) {
     double old_length = 0;
     for (const uint32_t h : path) {
@@ -399,6 +406,7 @@ class CutGraphFinder {
       set_cut(h, false);
     }
     const uint32_t start = from(path.front()), end = to(path.back());
+    if (is_dead_end(start, end) || is_dead_end(end, start)) return;
     std::vector<uint32_t> shorter;
     // With both ends bare the path was the whole graph of a sphere.
     if (degree_[start] > 0 || degree_[end] > 0) {

@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <map>
+#include <random>
 #include <set>
 
 #include <gtest/gtest.h>
 
+#include "geocloth/parametrize/repair.h"
 #include "parametrize/clean_surfaces.h"
 #include "point_math.h"
 
@@ -153,6 +155,51 @@ TEST_P(Cut, IsDeterministic) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Surfaces, Cut, ::testing::ValuesIn(test::surfaces_of_every_topology()),
+                         [](const auto& test) { return std::string(test.param.name); });
+
+/// What repair makes of the faces between full and empty cells of a random block, a few of them left out: handles, bow
+/// ties, edges of four faces, holes and closed bags, all in one.
+test::NamedSurface random_block(uint32_t seed) {
+  constexpr uint32_t kCells = 5, kPoints = kCells + 1;
+  std::mt19937 random(seed);
+  TriangleMesh mesh;
+  mesh.name = "block_" + std::to_string(seed);
+  for (uint32_t i = 0; i < kPoints * kPoints * kPoints; ++i) {
+    const auto shaken = [&](uint32_t at) { return at + 0.2 * static_cast<double>(random() % 1000) / 1000; };
+    mesh.position.push_back({shaken(i % kPoints), shaken(i / kPoints % kPoints), shaken(i / kPoints / kPoints)});
+  }
+  std::vector<char> full(kCells * kCells * kCells);
+  for (char& f : full) f = random() % 2 == 0 ? 1 : 0;
+  const auto is_full = [&](const std::array<uint32_t, 3>& c) {
+    const bool inside = c[0] < kCells && c[1] < kCells && c[2] < kCells;  // -1 is a large number
+    return inside && full[c[0] + kCells * (c[1] + kCells * c[2])] != 0;
+  };
+  for (uint32_t axis = 0; axis < 3; ++axis) {
+    const std::array<uint32_t, 3> step{1, kPoints, kPoints * kPoints};
+    const uint32_t right = step[(axis + 1) % 3], up = step[(axis + 2) % 3];
+    for (uint32_t v = 0; v < mesh.position.size(); ++v) {
+      const std::array<uint32_t, 3> after{v % kPoints, v / kPoints % kPoints, v / kPoints / kPoints};
+      if (after[(axis + 1) % 3] == kCells || after[(axis + 2) % 3] == kCells) continue;
+      std::array<uint32_t, 3> before = after;
+      --before[axis];
+      if (is_full(before) == is_full(after) || random() % 32 == 0) continue;
+      mesh.triangle.push_back({v, v + right, v + right + up});
+      mesh.triangle.push_back({v, v + right + up, v + up});
+    }
+  }
+  for (uint32_t t = 0; t < mesh.triangle.size(); ++t) mesh.polygon.push_back(t);
+  mesh.part.push_back({"block", 0, 0, static_cast<uint32_t>(mesh.triangle.size())});
+  mesh.material.emplace_back();
+  return {mesh.name, repair_mesh(mesh).surface};
+}
+
+std::vector<test::NamedSurface> random_blocks() {
+  std::vector<test::NamedSurface> blocks;
+  for (uint32_t seed = 0; seed < 40; ++seed) blocks.push_back(random_block(seed));
+  return blocks;
+}
+
+INSTANTIATE_TEST_SUITE_P(Random, Cut, ::testing::ValuesIn(random_blocks()),
                          [](const auto& test) { return std::string(test.param.name); });
 
 double cut_length(const CutSurface& cut) {
