@@ -17,7 +17,7 @@ namespace geocloth {
 namespace {
 
 constexpr double kMostCarried = 0.01;  // share of the area
-constexpr double kLongestHole = 3;     // [pixels] around it: no wider than a pixel
+constexpr double kLongestHole = 3;     // [pixels] around it: less than a pixel's own outline
 
 double area_of(const CleanSurface& surface, const Triangle& t) {
   return triangle_area(surface.position[t[0]], surface.position[t[1]], surface.position[t[2]]);
@@ -143,6 +143,17 @@ double length_around(const CleanSurface& surface, const std::vector<uint32_t>& l
   return around;
 }
 
+/// Whether no two vertices of a loop are as far apart as `extent`.
+bool fits_into(const CleanSurface& surface, const std::vector<uint32_t>& loop, double extent) {
+  const auto place = [&](uint32_t h) { return surface.position[tail(surface.triangle, h)]; };
+  for (size_t i = 0; i < loop.size(); ++i) {
+    for (size_t k = 0; k < i; ++k) {
+      if (distance(place(loop[i]), place(loop[k])) >= extent) return false;
+    }
+  }
+  return true;
+}
+
 /// Fills a hole with a fan around its middle. @returns its area, or 0 and nothing done where triangles would be needles
 double close_hole(CleanSurface& surface, const std::vector<uint32_t>& loop) {
   constexpr double kNeedle = 1e-4;
@@ -190,6 +201,7 @@ void close_small_holes(const TriangleMesh& mesh, double spacing, CarriedSurface&
     const double around = length_around(surface, loop);
     // The only opening of a piece is more than a hole: without it the piece is a closed bag.
     if (around >= kLongestHole * spacing || loops_left[component] < 2) continue;
+    if (!fits_into(surface, loop, spacing)) continue;  // a slit
     const double area = close_hole(surface, loop);
     if (area <= 0) continue;
     --loops_left[component];
