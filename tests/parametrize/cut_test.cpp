@@ -199,6 +199,22 @@ std::vector<test::NamedSurface> random_blocks() {
   return blocks;
 }
 
+/// The least of closed surfaces, in all shapes: a cut of one edge has to grow to be an outline.
+std::vector<test::NamedSurface> random_tetrahedra() {
+  std::vector<test::NamedSurface> result;
+  for (uint32_t seed = 0; seed < 40; ++seed) {
+    std::mt19937 random(seed);
+    result.push_back({"tetrahedron_" + std::to_string(seed), test::tetrahedron()});
+    for (Point3& p : result.back().surface.position) {
+      for (double& x : p) x += static_cast<double>(random() % 1000) / 500;
+    }
+  }
+  return result;
+}
+
+INSTANTIATE_TEST_SUITE_P(Closed, Cut, ::testing::ValuesIn(random_tetrahedra()),
+                         [](const auto& test) { return std::string(test.param.name); });
+
 INSTANTIATE_TEST_SUITE_P(Random, Cut, ::testing::ValuesIn(random_blocks()),
                          [](const auto& test) { return std::string(test.param.name); });
 
