@@ -26,7 +26,7 @@ constexpr double kLopsided = 0.05;          // what a lopsided atlas costs, per 
 constexpr double kTurnPays = 0.97;          // half turns must bring the cost down to this share
 constexpr double kWidthStep = 1.02;         // between widths tried
 constexpr int kNarrower = 20, kWider = 35;  // steps from the square root of the area
-constexpr uint32_t kMostTries = 4000;
+constexpr size_t kMostTries = 4000, kTriesPerPair = 40;  // few shapes have been through everything soon
 constexpr double kThreshold = 0.03;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -238,13 +238,15 @@ class Packer {
     const auto below = [&](size_t n) { return static_cast<uint32_t>(random() % n); };
     Arrangement now = best_arrangement_;
     double now_cost = best_cost_;
-    for (uint32_t tries = 0; tries < kMostTries && work_ < kMostWork; ++tries) {
+    const size_t most_tries = std::min(kMostTries, kTriesPerPair * shape_.size() * shape_.size());
+    for (size_t tries = 0; tries < most_tries && work_ < kMostWork; ++tries) {
       Arrangement trial = now;
       const uint32_t kind = below(4), i = below(shape_.size()), k = below(shape_.size());
       if (kind <= 1) std::swap(trial.order[i], trial.order[k]);
       if (kind == 1 || kind == 2) trial.turned[k] ^= 1U;
       if (kind >= 2) trial.width = std::max(least_width(), trial.width + below(trial.width / 8 + 2) - trial.width / 16);
-      const double left = 1 - std::max(static_cast<double>(tries) / kMostTries, static_cast<double>(work_) / kMostWork);
+      const double left = 1 - std::max(static_cast<double>(tries) / static_cast<double>(most_tries),
+                                       static_cast<double>(work_) / kMostWork);
       const double cost = try_arrangement(trial, now_cost * (1 + kThreshold * left));
       if (!std::isfinite(cost)) continue;
       now = std::move(trial);
