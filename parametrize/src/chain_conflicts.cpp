@@ -11,77 +11,10 @@
 #include <set>
 #include <tuple>
 
+#include "cell_halves.h"
+
 namespace geocloth {
 namespace {
-
-/// The cells of a chart's rectangle, each as a left and a right half (apart only where the chain crosses it).
-class CellHalves {
- public:
-  explicit CellHalves(const std::vector<Pixel>& chain) {
-    low_ = high_ = chain.front();
-    for (const Pixel& p : chain) {
-      low_ = {std::min(low_[0], p[0]), std::min(low_[1], p[1])};
-      high_ = {std::max(high_[0], p[0]), std::max(high_[1], p[1])};
-    }
-    width_ = high_[0] - low_[0];
-    cell_.assign(static_cast<size_t>(width_) * static_cast<size_t>(high_[1] - low_[1]), Cell{});
-    std::vector<std::vector<int32_t>> crossing(static_cast<size_t>(high_[1] - low_[1]));  // [half pixels]
-    for (size_t i = 0; i < chain.size(); ++i) {
-      const Pixel &a = chain[i], &b = chain[(i + 1) % chain.size()];
-      if (a[1] == b[1]) continue;
-      const int32_t row = std::min(a[1], b[1]) - low_[1];
-      crossing[static_cast<size_t>(row)].push_back(a[0] + b[0] - 2 * low_[0]);
-      if (a[0] == b[0]) continue;
-      const bool falls_right = (b[0] > a[0]) == (b[1] > a[1]);
-      at(std::min(a[0], b[0]) - low_[0], row).diagonal = falls_right ? Diagonal::right : Diagonal::left;
-    }
-    for (int32_t y = 0; y < high_[1] - low_[1]; ++y) fill_row(crossing[static_cast<size_t>(y)], y);
-  }
-
-  [[nodiscard]] const Pixel& low() const { return low_; }
-  [[nodiscard]] const Pixel& high() const { return high_; }
-
-  /// Is there surface on both sides of the edge from p to the right, or downwards?
-  [[nodiscard]] bool inner_right(const Pixel& p) const {
-    const Cell below = get(p[0], p[1]), above = get(p[0], p[1] - 1);
-    return (below.diagonal == Diagonal::right ? below.right : below.left) &&
-           (above.diagonal == Diagonal::left ? above.right : above.left);
-  }
-  [[nodiscard]] bool inner_down(const Pixel& p) const { return get(p[0], p[1]).left && get(p[0] - 1, p[1]).right; }
-  /// Is the cell to the right of p and below it inside as a whole?
-  [[nodiscard]] bool whole(const Pixel& p) const {
-    const Cell cell = get(p[0], p[1]);
-    return cell.left && cell.right;
-  }
-
- private:
-  enum class Diagonal : uint8_t { none, right, left };
-  struct Cell {
-    bool left = false, right = false;
-    Diagonal diagonal = Diagonal::none;
-  };
-
-  Cell& at(int32_t x, int32_t y) { return cell_[static_cast<size_t>(y * width_ + x)]; }
-  [[nodiscard]] Cell get(int32_t x, int32_t y) const {
-    if (x < low_[0] || y < low_[1] || x >= high_[0] || y >= high_[1]) return {};
-    return cell_[static_cast<size_t>((y - low_[1]) * width_ + x - low_[0])];
-  }
-
-  void fill_row(std::vector<int32_t>& crossing, int32_t y) {
-    std::sort(crossing.begin(), crossing.end());
-    for (size_t k = 0; k + 1 < crossing.size(); k += 2) {
-      // Left half: between 2 x and 2 x + 1; right half: between 2 x + 1 and 2 x + 2.
-      for (int32_t half = crossing[k]; half < crossing[k + 1]; ++half) {
-        Cell& cell = at(half / 2, y);
-        (half % 2 == 0 ? cell.left : cell.right) = true;
-      }
-    }
-  }
-
-  Pixel low_{}, high_{};
-  int32_t width_ = 0;
-  std::vector<Cell> cell_;
-};
 
 constexpr uint32_t kInside = 0xFFFFFFFFU;  // not an outline sample
 

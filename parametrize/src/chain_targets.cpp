@@ -11,7 +11,6 @@ namespace {
 
 constexpr double kReach = 1.5;  // [pixels] what lies further away does not matter
 constexpr double kApart = 1;    // [pixels] that opposite sides want between them
-constexpr double kInset = 0.25;
 
 /// The outline's edges, sorted into squares of the lattice.
 class EdgeGrid {
@@ -97,7 +96,7 @@ std::vector<Point2> chain_targets(std::span<const Point2> sample) {
       const Point2 inward{dy / l, -dx / l}, outward{-inward[0], -inward[1]};
       const double inside = edges.room(i, inward), outside = edges.room(i, outward);
       const double most = (inside - kApart) / 2, least = (kApart - outside) / 2;
-      const double shift = least > most ? (least + most) / 2 : std::clamp(kInset, least, most);
+      const double shift = least > most ? (least + most) / 2 : std::clamp(0.0, least, most);
       p = {p[0] + shift * inward[0], p[1] + shift * inward[1]};
     }
     target.push_back(p);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A free-form chart's outline pixels stand for samples of the seam that lie up to a pixel off the lattice. Carried into
-// the chart by diffusion, that displacement fades out over a few rings; sampled so, the grid beside a seam is as even
-// as inside. Where nothing is displaced (square layout) every pixel samples itself.
+// A free-form chart's outline pixels stand for samples of the seam that lie up to a pixel off the lattice. The grid
+// beside them is relaxed (grid_relaxation.h), so that it is nearly as even there as inside. Where nothing is displaced
+// (square layout) every pixel samples itself.
 
 #include "chart_sampling.h"
 
@@ -10,41 +10,14 @@
 #include <cmath>
 #include <limits>
 
+#include "grid_relaxation.h"
 #include "point_math.h"
 
 namespace geocloth {
 namespace {
 
-constexpr int32_t kMargin = 4;       // [pixels] the plane may reach beyond the chain of outline pixels
-constexpr int kDiffusionSteps = 12;  // displacement fades over about as many square roots of rings
-
-/// Moves pixels inside so that no spring to a neighbour in row or column is much shorter or longer than a pixel: sweeps
-/// over the springs that are, as constraints are projected in position based dynamics (Mueller et al. 2007).
-/// @param place  per pixel of a rectangle `width` wide: where it samples the plane
-void limit_springs(std::vector<Point2>& place, const std::vector<uint8_t>& inside, size_t width) {
-  constexpr double kShortest = 0.7, kLongest = 1.4;  // [pixels]
-  constexpr int kSweeps = 12;
-  // Springs from inside pixels; those to the left and above belong to the neighbour when that is inside as well.
-  std::vector<std::array<size_t, 2>> springs;
-  for (size_t i = 0; i < place.size(); ++i) {
-    if (inside[i] == 0) continue;
-    springs.push_back({i, i + 1});
-    springs.push_back({i, i + width});
-    if (inside[i - 1] == 0) springs.push_back({i, i - 1});
-    if (inside[i - width] == 0) springs.push_back({i, i - width});
-  }
-  for (int sweep = 0; sweep < kSweeps; ++sweep) {
-    for (const auto& [a, b] : springs) {
-      Point2 &p = place[a], &q = place[b];
-      const double dx = q[0] - p[0], dy = q[1] - p[1], l = std::hypot(dx, dy);
-      const double wanted = std::clamp(l, kShortest, kLongest);
-      if (wanted == l || !(l > 0)) continue;
-      const double share = (l - wanted) / l / (inside[b] != 0 ? 2 : 1);
-      p = {p[0] + share * dx, p[1] + share * dy};
-      if (inside[b] != 0) q = {q[0] - share * dx, q[1] - share * dy};
-    }
-  }
-}
+constexpr int32_t kMargin = 4;  // [pixels] the plane may reach beyond the chain of outline pixels
+constexpr int kSweeps = 20;     // over the pixels beside the outline
 
 /// Nearest point of segment a-b to p, as its parameter.
 double nearest_on_segment(const Point2& a, const Point2& b, const Point2& p) {
@@ -127,42 +100,18 @@ PlanePlace PlaneLocator::locate(const Point2& place) const {
   return best;
 }
 
-std::vector<Point2> sampling_places(const FlatSurface& flat, const FlatChart& chart,
-                                    const std::vector<uint8_t>& inside) {
-  const size_t width = chart.width, height = chart.height;
-  std::vector<Point2> shift(width * height, Point2{0, 0});
+std::vector<Point2> sampling_places(const FlatSurface& flat, const FlatChart& chart) {
+  std::vector<Pixel> chain;
+  std::vector<Point2> place;
   bool displaced = false;
-  std::vector<uint8_t> outline(shift.size(), 0);
   for (const OutlineSample& s : chart.outline) {
-    const size_t i = s.y * width + s.x;
-    shift[i] = {flat.uv[s.vertex][0] - s.x, flat.uv[s.vertex][1] - s.y};
-    outline[i] = 1;
-    displaced = displaced || shift[i][0] != 0 || shift[i][1] != 0;
+    chain.push_back({static_cast<int32_t>(s.x), static_cast<int32_t>(s.y)});
+    place.push_back(flat.uv[s.vertex]);
+    displaced = displaced || place.back()[0] != s.x || place.back()[1] != s.y;
   }
-  if (displaced) {
-    std::vector<Point2> next = shift;
-    for (int step = 0; step < kDiffusionSteps; ++step) {
-      for (size_t y = 1; y + 1 < height; ++y) {
-        for (size_t x = 1; x + 1 < width; ++x) {
-          const size_t i = y * width + x;
-          if (inside[i] == 0) continue;
-          // All four neighbours of a pixel strictly inside are inside or on the outline.
-          for (size_t k = 0; k < 2; ++k) {
-            next[i][k] = (shift[i - 1][k] + shift[i + 1][k] + shift[i - width][k] + shift[i + width][k]) / 4;
-          }
-        }
-      }
-      shift.swap(next);
-    }
-  }
-  for (size_t y = 0; y < height; ++y) {
-    for (size_t x = 0; x < width; ++x) {
-      Point2& p = shift[y * width + x];
-      p = {static_cast<double>(x) + p[0], static_cast<double>(y) + p[1]};
-    }
-  }
-  if (displaced) limit_springs(shift, inside, width);
-  return shift;
+  GridRelaxation grid(chain, place);
+  for (int k = 0; displaced && k < kSweeps; ++k) grid.sweep();
+  return grid.places();
 }
 
 }  // namespace geocloth

@@ -30,10 +30,8 @@ class PlaneLocator {
 };
 
 /// Where the pixels of a chart sample its plane: outline pixels at their vertex, pixels deep inside at themselves, and
-/// those between evenly in between, so that no spring beside the outline is short or long.
-/// @param inside  per pixel of the chart's rectangle, row by row: non-zero strictly inside the outline
-/// @returns one place per pixel of the rectangle; meaningful on the outline and inside
-[[nodiscard]] std::vector<Point2> sampling_places(const FlatSurface& flat, const FlatChart& chart,
-                                                  const std::vector<uint8_t>& inside);
+/// those between so that the grid is as even as it can be there.
+/// @returns one place per pixel of the chart's rectangle, row by row; meaningful on the outline and inside
+[[nodiscard]] std::vector<Point2> sampling_places(const FlatSurface& flat, const FlatChart& chart);
 
 }  // namespace geocloth

@@ -17,12 +17,14 @@
 #include "chain_targets.h"
 #include "develop.h"
 #include "geocloth/asset/error.h"
+#include "lattice_shift.h"
 #include "pack.h"
 #include "pixel_chain.h"
 #include "point_math.h"
 #include "refined_mesh.h"
 #include "round_chart.h"
 #include "seam_samples.h"
+#include "seam_slide.h"
 #include "seam_steps.h"
 
 namespace geocloth {
@@ -55,8 +57,12 @@ double planar_distance(const Point2& a, const Point2& b) {
   return std::hypot(a[0] - b[0], a[1] - b[1]);
 }
 
-/// What every segment of every seam measures [pixels]: the longest of its runs in the plane, so that no chain of pixels
-/// has to go further than one pixel in a step.
+double larger_extent(const Point2& a, const Point2& b) {
+  return std::max(std::abs(a[0] - b[0]), std::abs(a[1] - b[1]));
+}
+
+/// What every segment of every seam measures [pixels]: how many steps from pixel to pixel, straight or diagonal, the
+/// longest of its runs in the plane takes, so that every chain of pixels has as many as it needs and few more.
 std::vector<std::vector<double>> segment_lengths(const Plan& plan) {
   std::vector<std::vector<double>> lengths(plan.steps.size());
   for (const Outline& outline : plan.outlines) {
@@ -66,7 +72,7 @@ std::vector<std::vector<double>> segment_lengths(const Plan& plan) {
       length.resize(segments, 0);
       for (size_t i = 0; i < segments; ++i) {
         const double run =
-            planar_distance(plan.developed.uv[path.vertex[i]], plan.developed.uv[path.vertex[i + 1]]) / plan.spacing;
+            larger_extent(plan.developed.uv[path.vertex[i]], plan.developed.uv[path.vertex[i + 1]]) / plan.spacing;
         double& longest = length[path.reversed ? segments - 1 - i : i];
         longest = std::max(longest, run);
       }
@@ -153,13 +159,27 @@ struct Laid {
   RefinedMesh mesh;
   std::vector<SampledOutline> sampled;        // per chart
   std::vector<std::vector<uint32_t>> vertex;  // per chart
+  std::vector<Point2> shift;                  // per chart [pixels], against the lattice
   std::vector<Point2> uv;                     // per vertex [pixels], v down
 };
 
-Laid lay_out(const Plan& plan) {
+/// Where the samples of a chart's outline lie in its plane.
+std::vector<Point2> sample_places(const Laid& laid, size_t chart) {
+  std::vector<Point2> places;
+  for (const uint32_t v : sample_vertices(laid.sampled[chart])) places.push_back(laid.uv[v]);
+  return places;
+}
+
+/// Where samples and charts are to lie, where that is known already.
+struct Places {
+  std::vector<std::vector<double>> at;  // per seam, as insert_seam_samples takes it; empty: evenly
+  std::vector<Point2> shift;            // per chart [pixels], against the lattice; empty: to be found
+};
+
+Laid lay_out(const Plan& plan, const Places& places = {}) {
   Laid laid;
   laid.mesh = make_refined_mesh(plan.developed.cut);
-  laid.sampled = insert_seam_samples(laid.mesh, plan.outlines, plan.steps, segment_lengths(plan));
+  laid.sampled = insert_seam_samples(laid.mesh, plan.outlines, plan.steps, segment_lengths(plan), places.at);
   laid.vertex.resize(plan.outlines.size());
   std::vector<uint8_t> met(laid.mesh.position.size(), 0);
   for (size_t t = 0; t < laid.mesh.triangle.size(); ++t) {
@@ -180,14 +200,15 @@ Laid lay_out(const Plan& plan) {
     const RoundChart round = lay_out_round(laid.mesh, round_triangles[c], laid.sampled[c]);
     for (size_t i = 0; i < round.vertex.size(); ++i) laid.uv[round.vertex[i]] = {round.uv[i][0], -round.uv[i][1]};
   }
+  laid.shift = places.shift;
+  for (size_t c = laid.shift.size(); c < laid.vertex.size(); ++c)
+    laid.shift.push_back(shift_to_lattice(sample_places(laid, c)));
+  for (size_t c = 0; c < laid.vertex.size(); ++c) {
+    for (const uint32_t v : laid.vertex[c]) {
+      laid.uv[v] = {laid.uv[v][0] + laid.shift[c][0], laid.uv[v][1] + laid.shift[c][1]};
+    }
+  }
   return laid;
-}
-
-/// Where the samples of a chart's outline lie in its plane.
-std::vector<Point2> sample_places(const Laid& laid, size_t chart) {
-  std::vector<Point2> places;
-  for (const uint32_t v : sample_vertices(laid.sampled[chart])) places.push_back(laid.uv[v]);
-  return places;
 }
 
 /// Twice the area inside a closed chain, positive when it runs counter-clockwise seen with v up.
@@ -277,13 +298,15 @@ std::vector<size_t> part_pinches(const Laid& laid, std::vector<ChartChain>& char
       if (pinched.empty() || pinched.back() != conflict.chart) pinched.push_back(conflict.chart);
     }
     if (pinched.empty()) return {};
+    std::vector<size_t> failed;
     for (const size_t c : pinched) {
       std::vector<ApartSamples>& apart = charts[c].apart;
       std::sort(apart.begin(), apart.end());
       apart.erase(std::unique(apart.begin(), apart.end()), apart.end());
       charts[c].place(charts[c].chain.pixel);
-      if (charts[c].chain.result != PixelChain::Result::found) return {c};
+      if (charts[c].chain.result != PixelChain::Result::found) failed.push_back(c);
     }
+    if (!failed.empty()) return failed;
   }
   return pinched;
 }
@@ -312,6 +335,41 @@ size_t give_room(Plan& plan, const Laid& laid, std::vector<ChartChain>& charts) 
   }
   for (const size_t c : too_short) lengthen(plan, c);
   return crowded.size() + too_short.size();
+}
+
+/// Samples slide along their seams to where they suit the pixels of all charts on them.
+/// @returns where they lie, as insert_seam_samples takes it
+std::vector<std::vector<double>> suit_samples(const Plan& plan, const Laid& laid,
+                                              const std::vector<ChartChain>& charts) {
+  const std::vector<std::vector<double>> lengths = segment_lengths(plan);
+  std::vector<SlidingSeam> seams(plan.steps.size());
+  for (size_t s = 0; s < seams.size(); ++s) {
+    seams[s].arc.assign(1, 0.0);
+    for (const double l : lengths[s]) seams[s].arc.push_back(seams[s].arc.back() + l);
+    for (uint32_t k = 0; k <= plan.steps[s]; ++k) seams[s].at.push_back(seams[s].arc.back() * k / plan.steps[s]);
+  }
+  std::vector<std::vector<Pixel>> chains;
+  for (size_t c = 0; c < charts.size(); ++c) {
+    const auto count = static_cast<uint32_t>(charts[c].chain.pixel.size());
+    uint32_t begin = 0;
+    for (const OutlinePath& path : plan.outlines[c].path) {
+      SeamSide side{c, {}, {}};
+      for (uint32_t k = 0; k <= plan.steps[path.seam]; ++k) side.sample.push_back((begin + k) % count);
+      for (const uint32_t v : path.vertex) side.curve.push_back(laid.uv[v]);
+      if (path.reversed) {
+        std::reverse(side.sample.begin(), side.sample.end());
+        std::reverse(side.curve.begin(), side.curve.end());
+      }
+      seams[path.seam].side.push_back(std::move(side));
+      begin += plan.steps[path.seam];
+    }
+    chains.push_back(charts[c].chain.pixel);
+  }
+  slide_samples(chains, seams);
+  std::vector<std::vector<double>> at;
+  at.reserve(seams.size());
+  for (SlidingSeam& seam : seams) at.push_back(std::move(seam.at));
+  return at;
 }
 
 /// Cuts a chart's rectangle out of the plane around its chain, and moves its vertices into it.
@@ -377,6 +435,8 @@ FlatSurface lay_out_developed(DevelopedSurface developed, const FlattenOptions& 
                                                " charts; raise the resolution or try --layout square");
     }
   }
+
+  laid = lay_out(plan, {suit_samples(plan, laid, charts), laid.shift});
 
   FlatSurface flat;
   for (size_t c = 0; c < charts.size(); ++c) flat.charts.push_back(make_chart(laid, c, charts[c].chain.pixel));

@@ -23,6 +23,8 @@ constexpr std::array<Pixel, 8> kStep{{{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 /// Cost of a turn by 0, 45, 90 and 135 degrees, in squared pixels: keeps straight outlines straight.
 constexpr std::array<float, 4> kTurnCost{0, 0, 0.3F, 2};
+/// By how much a distance along the outline is cheaper than one across: the sample can slide after its pixel later.
+constexpr double kEaseAlong = 0.5;
 constexpr int kRounds = 120, kFresh = 60;  // after each kFresh of them prices start anew
 constexpr size_t kNoDirection = 8;
 
@@ -110,7 +112,11 @@ struct Stretch {
 class Router {
  public:
   Router(std::span<const Point2> target, std::span<const ApartSamples> apart)
-      : target_(target), size_(target.size()), board_(make_board(target)), partners_(size_) {
+      : target_(target),
+        size_(target.size()),
+        along_(directions(target)),
+        board_(make_board(target)),
+        partners_(size_) {
     for (const ApartSamples& a : apart) {
       partners_[a.a].push_back({a.b, a.least});
       partners_[a.b].push_back({a.a, a.least});
@@ -129,6 +135,17 @@ class Router {
     uint32_t sample;
     int32_t least;
   };
+
+  /// Unit vectors along the outline at its samples.
+  static std::vector<Point2> directions(std::span<const Point2> target) {
+    std::vector<Point2> along;
+    for (size_t i = 0; i < target.size(); ++i) {
+      const Point2 &a = target[(i + target.size() - 1) % target.size()], &b = target[(i + 1) % target.size()];
+      const double dx = b[0] - a[0], dy = b[1] - a[1], l = std::hypot(dx, dy);
+      along.push_back(l > 0 ? Point2{dx / l, dy / l} : Point2{0, 0});
+    }
+    return along;
+  }
 
   static Board make_board(std::span<const Point2> target) {
     Pixel low = rounded(target[0]), high = low;
@@ -157,8 +174,9 @@ class Router {
 
   [[nodiscard]] float entry_cost(size_t sample, const Pixel& p) const {
     const double dx = p[0] - target_[sample][0], dy = p[1] - target_[sample][1];
-    float cost =
-        static_cast<float>(dx * dx + dy * dy) + board_.history(p) + price_ * static_cast<float>(board_.users(p));
+    const double along = dx * along_[sample][0] + dy * along_[sample][1];
+    float cost = static_cast<float>(dx * dx + dy * dy - kEaseAlong * along * along) + board_.history(p) +
+                 price_ * static_cast<float>(board_.users(p));
     for (const Partner& other : partners_[sample]) {
       if (!pixel_.empty() && sum_of_extents(p, pixel_[other.sample]) < other.least) cost += price_;
     }
@@ -367,6 +385,7 @@ class Router {
 
   std::span<const Point2> target_;
   size_t size_;
+  std::vector<Point2> along_;  // per sample: unit vector along the outline
   Board board_;
   std::vector<std::vector<Partner>> partners_;  // per sample
   std::vector<Pixel> pixel_;                    // per sample

@@ -164,11 +164,7 @@ class Rasterizer {
     for (uint32_t t = 0; t < flat_.triangle.size(); ++t) triangles[flat_.chart[t]].push_back(t);
     for (std::size_t c = 0; c < flat_.charts.size(); ++c) {
       const FlatChart& chart = flat_.charts[c];
-      std::vector<uint8_t> inside(std::size_t{chart.width} * chart.height, 0);
-      for_pixels(chart, [&](uint32_t x, uint32_t y, std::size_t pixel) {
-        inside[std::size_t{y} * chart.width + x] = out_.chart[pixel] == c && out_.vertex[pixel] == kNone ? 1 : 0;
-      });
-      const std::vector<Point2> places = sampling_places(flat_, chart, inside);
+      const std::vector<Point2> places = sampling_places(flat_, chart);
       std::optional<PlaneLocator> locator;
       for_pixels(chart, [&](uint32_t x, uint32_t y, std::size_t pixel) {
         if (out_.chart[pixel] != c) return;

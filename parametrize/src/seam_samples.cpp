@@ -31,8 +31,9 @@ struct SeamPlan {
 };
 
 /// @param length  of every segment, or empty for arc length in space
+/// @param at      of every sample along that, or empty for equal steps
 SeamPlan plan_seam(RefinedMesh& mesh, const std::vector<uint32_t>& vertex, uint32_t steps,
-                   std::span<const double> length) {
+                   std::span<const double> length, std::span<const double> at) {
   const size_t segments = vertex.size() - 1;
   std::vector<double> arc(vertex.size(), 0.0);
   for (size_t i = 0; i < segments; ++i) {
@@ -45,6 +46,9 @@ SeamPlan plan_seam(RefinedMesh& mesh, const std::vector<uint32_t>& vertex, uint3
                 "the seam at vertex " + std::to_string(mesh.clean_vertex[vertex[0]]) + " has no length");
   }
 
+  const auto arc_of = [&](double step) {
+    return at.empty() ? arc.back() * step / steps : at[static_cast<size_t>(std::lround(step))];
+  };
   SeamPlan plan;
   plan.step.assign(vertex.size(), -1.0);
   plan.inserted.resize(segments);
@@ -52,7 +56,7 @@ SeamPlan plan_seam(RefinedMesh& mesh, const std::vector<uint32_t>& vertex, uint3
   plan.step.back() = steps;
   size_t segment = 0;
   for (uint32_t j = 1; j < steps; ++j) {
-    const double target = arc.back() * j / steps;
+    const double target = arc_of(j);
     while (segment + 1 < segments && arc[segment + 1] < target) ++segment;
     const bool to_start = target - arc[segment] <= arc[segment + 1] - target;
     const size_t nearest = to_start ? segment : segment + 1;
@@ -75,7 +79,7 @@ SeamPlan plan_seam(RefinedMesh& mesh, const std::vector<uint32_t>& vertex, uint3
   for (size_t i = 0; i < vertex.size(); ++i) {
     if (plan.step[i] >= 0) knot.push_back({arc[i], plan.step[i], i + 1});
     if (i == segments) break;
-    for (const Sample& s : plan.inserted[i]) knot.push_back({arc.back() * s.step / steps, s.step, i + 1});
+    for (const Sample& s : plan.inserted[i]) knot.push_back({arc_of(s.step), s.step, i + 1});
   }
   for (size_t k = 0; k + 1 < knot.size(); ++k) {
     size_t last = knot[k].after;
@@ -111,7 +115,8 @@ void insert_run(RefinedMesh& mesh, const OutlinePath& path, const SeamPlan& plan
 
 std::vector<SampledOutline> insert_seam_samples(RefinedMesh& mesh, std::span<const Outline> outlines,
                                                 std::span<const uint32_t> seam_steps,
-                                                std::span<const std::vector<double>> segment_length) {
+                                                std::span<const std::vector<double>> segment_length,
+                                                std::span<const std::vector<double>> at) {
   std::vector<SeamPlan> plan(seam_steps.size());
   std::vector<SampledOutline> sampled(outlines.size());
   for (size_t c = 0; c < outlines.size(); ++c) {
@@ -120,9 +125,10 @@ std::vector<SampledOutline> insert_seam_samples(RefinedMesh& mesh, std::span<con
       if (seam.step.empty()) {
         std::vector<uint32_t> vertex = path.vertex;
         if (path.reversed) std::reverse(vertex.begin(), vertex.end());
-        const std::span<const double> length =
-            segment_length.empty() ? std::span<const double>{} : segment_length[path.seam];
-        seam = plan_seam(mesh, vertex, seam_steps[path.seam], length);
+        const auto of_seam = [&](std::span<const std::vector<double>> all) {
+          return all.empty() ? std::span<const double>{} : std::span<const double>(all[path.seam]);
+        };
+        seam = plan_seam(mesh, vertex, seam_steps[path.seam], of_seam(segment_length), of_seam(at));
       }
       insert_run(mesh, path, seam, seam_steps[path.seam], sampled[c]);
     }

@@ -25,8 +25,10 @@ struct SampledOutline {
 /// @param seam_steps  per seam, > 0
 /// @param segment_length  per seam and per segment between its vertices, in the seam's own direction: what counts as
 ///   length along it; empty: arc length in space
+/// @param at  per seam and per sample, ends included: where along that length the samples lie; empty: evenly
 [[nodiscard]] std::vector<SampledOutline> insert_seam_samples(RefinedMesh& mesh, std::span<const Outline> outlines,
                                                               std::span<const uint32_t> seam_steps,
-                                                              std::span<const std::vector<double>> segment_length = {});
+                                                              std::span<const std::vector<double>> segment_length = {},
+                                                              std::span<const std::vector<double>> at = {});
 
 }  // namespace geocloth

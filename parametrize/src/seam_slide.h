@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "geocloth/parametrize/mesh.h"
+#include "pixel_chain.h"
+
+namespace geocloth {
+
+/// One side of a seam, in the seam's own direction.
+struct SeamSide {
+  size_t chart = 0;
+  std::vector<uint32_t> sample;  ///< per sample of the seam: which pixel of the chart's chain it falls on
+  std::vector<Point2> curve;     ///< per vertex of the seam: its place in the chart's plane [pixels]
+};
+
+/// A seam whose samples may move along it.
+struct SlidingSeam {
+  std::vector<double> arc;  ///< per vertex: length along the seam, ascending from 0
+  std::vector<double> at;   ///< per sample, ends included: where it lies, ascending from 0 to the last of `arc`
+  std::vector<SeamSide> side;
+};
+
+/// Moves the samples of seams along them, those of all sides together, to where the grids of the charts beside them
+/// come out most even. Ends stay, and samples keep their order and a distance from each other.
+/// @param chain  per chart: the pixels of its outline, closed
+void slide_samples(std::span<const std::vector<Pixel>> chain, std::vector<SlidingSeam>& seams);
+
+}  // namespace geocloth
