@@ -9,8 +9,11 @@
 #include "develop.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <exception>
 #include <limits>
+#include <numeric>
 #include <optional>
 #include <string>
 
@@ -29,8 +32,9 @@ namespace geocloth {
 namespace {
 
 constexpr size_t kTrialWork = 40'000;  // triangles that trials of a cut may have together
-constexpr size_t kLeastTrials = 1, kMostTrials = 6;
-constexpr double kMostStrain = 4.055;  // energy of a triangle with s1 / s2 of about 1.15
+constexpr size_t kLeastTrials = 1;
+constexpr double kMostStrain = 4.055;   // energy of a triangle with s1 / s2 of about 1.15
+constexpr double kMostStrained = 0.05;  // of a chart's area
 constexpr uint32_t kTrialSteps = 6;
 constexpr double kNarrow = 0.3;  // of the least cut: what counts as a slit too narrow for pixels
 constexpr double kApart = 0.15;  // between the places tried, by the root of the area
@@ -68,9 +72,37 @@ std::vector<uint32_t> worst_vertices(const Chart& c, const std::vector<double>& 
   return chosen;
 }
 
+/// Cuts are chosen one after the other, and what is best at the time need not be in the end: several ways to choose are
+/// tried.
+struct Taste {
+  enum class Likes {
+    most_gain,            ///< the greatest fall of the energy beyond the price
+    most_for_its_length,  ///< the greatest fall by length
+    most_of_what_lacks,   ///< the same, but what falls below the target does not count
+  } likes = Likes::most_gain;
+  size_t places = 6;  ///< places tried at once, at most
+};
+constexpr std::array kTastes{Taste{Taste::Likes::most_gain, 6}, Taste{Taste::Likes::most_of_what_lacks, 6},
+                             Taste{Taste::Likes::most_for_its_length, 6}, Taste{Taste::Likes::most_gain, 12}};
+
+/// The area that is stretched more one way than the other than kMostStrain tells.
+double strained_area(const Chart& chart) {
+  const std::vector<double> energy =
+      SymmetricDirichlet(chart.position, chart.triangle, {}).energy_per_triangle(chart.uv);
+  double strained = 0;
+  for (size_t t = 0; t < energy.size(); ++t) {
+    const Triangle& k = chart.triangle[t];
+    if (energy[t] > kMostStrain) {
+      strained += triangle_area(chart.position[k[0]], chart.position[k[1]], chart.position[k[2]]);
+    }
+  }
+  return strained;
+}
+
 class Developer {
  public:
-  Developer(const CutSurface& cut, const DevelopOptions& options) : cut_(cut), options_(options) {}
+  Developer(const CutSurface& cut, const DevelopOptions& options, const Taste& taste)
+      : cut_(cut), options_(options), taste_(taste) {}
 
   /// Lays one component out; returns its charts.
   std::vector<Chart> develop_component(std::vector<uint32_t> triangles) {
@@ -96,7 +128,8 @@ class Developer {
   /// Minimises the energy and opens cuts while they pay.
   void relax(Chart& chart) {
     double energy = minimise(chart, 80, 1e-4);
-    while (cuts_left_ > 0 && (energy > options_.target_energy || is_strained(chart))) {
+    while (cuts_left_ > 0 &&
+           (energy > options_.target_energy || strained_area(chart) > kMostStrained * total_area(chart))) {
       std::optional<Trial> best = best_cut(chart, energy);
       if (!best) break;
       chart = std::move(best->chart);
@@ -106,29 +139,15 @@ class Developer {
     minimise(chart, 30, 1e-6);
   }
 
-  /// More than a twentieth of the area is stretched more one way than the other than kMostStrain tells.
-  [[nodiscard]] static bool is_strained(const Chart& chart) {
-    const std::vector<double> energy =
-        SymmetricDirichlet(chart.position, chart.triangle, {}).energy_per_triangle(chart.uv);
-    double strained = 0;
-    for (size_t t = 0; t < energy.size(); ++t) {
-      const Triangle& k = chart.triangle[t];
-      if (energy[t] > kMostStrain) {
-        strained += triangle_area(chart.position[k[0]], chart.position[k[1]], chart.position[k[2]]);
-      }
-    }
-    return strained > total_area(chart) / 20;
-  }
-
   struct Trial {
     Chart chart;
     double energy = 0;
-    double gain = 0;  // fall of the energy beyond the price of the cut
+    double worth = 0;  // as the taste has it
   };
 
   /// Of several places, the cut that brings most for its length; nothing when none pays.
   [[nodiscard]] std::optional<Trial> best_cut(const Chart& chart, double energy) const {
-    const size_t count = std::clamp<size_t>(kTrialWork / chart.triangle.size(), kLeastTrials, kMostTrials);
+    const size_t count = std::clamp<size_t>(kTrialWork / chart.triangle.size(), kLeastTrials, taste_.places);
     const Distances way_out = distances(chart, outline_loop(chart), on_outline(chart));
     const std::vector<double> per_triangle =
         SymmetricDirichlet(chart.position, chart.triangle, {}).energy_per_triangle(chart.uv);
@@ -139,14 +158,28 @@ class Developer {
       const double length = path_length(chart, path);
       Trial trial{opened(chart, path)};
       trial.energy = minimise(trial.chart, kTrialSteps, 5e-5);
-      trial.gain = energy - trial.energy - options_.cut_price * length / std::sqrt(total_area(chart));
-      if (trial.gain > 0) trials[i] = std::move(trial);
+      const double gain = energy - trial.energy - options_.cut_price * length / std::sqrt(total_area(chart));
+      trial.worth = worth(energy, trial.energy, length, gain);
+      if (gain > 0) trials[i] = std::move(trial);
     });
     std::optional<Trial> best;
     for (std::optional<Trial>& t : trials) {
-      if (t && (!best || t->gain > best->gain)) best = std::move(t);
+      if (t && (!best || t->worth > best->worth)) best = std::move(t);
     }
     return best;
+  }
+
+  [[nodiscard]] double worth(double before, double after, double length, double gain) const {
+    const bool lacks = before > options_.target_energy;
+    switch (taste_.likes) {
+      case Taste::Likes::most_of_what_lacks:
+        return (before - (lacks ? std::max(after, options_.target_energy) : after)) / length;
+      case Taste::Likes::most_for_its_length:
+        return (before - after) / length;
+      case Taste::Likes::most_gain:
+        break;
+    }
+    return gain;
   }
 
   static double minimise(Chart& chart, uint32_t iterations, double tolerance) {
@@ -169,8 +202,107 @@ class Developer {
 
   const CutSurface& cut_;
   DevelopOptions options_;
+  Taste taste_;
   uint32_t cuts_left_ = 0;
 };
+
+// -------------------------------------------------------------------------------------------------- whole garments
+
+/// The length of an outline in the plane when it runs straight where it is serrated now, about.
+double smooth_outline_length(const Chart& chart) {
+  constexpr int kRounds = 6;
+  std::vector<Point2> place;
+  for (const uint32_t v : outline_loop(chart)) place.push_back(chart.uv[v]);
+  const size_t n = place.size();
+  double length = 0;
+  for (int round = 0; round <= kRounds; ++round) {
+    const std::vector<Point2> before = place;
+    length = 0;
+    for (size_t i = 0; i < n; ++i) {
+      const Point2 &a = before[i], &b = before[(i + 1) % n];
+      length += std::hypot(b[0] - a[0], b[1] - a[1]);
+      place[i] = {(a[0] + b[0]) / 2, (a[1] + b[1]) / 2};
+    }
+  }
+  return length;
+}
+
+/// What a layout of one part costs, in lengths of seam by the root of the area: its seams, what little distortion it
+/// has, and much more where that is beyond the bounds.
+double cost_of(const std::vector<Chart>& charts, const DevelopOptions& options) {
+  constexpr double kExcess = 1 / 0.06, kBeyond = 1 / 0.005, kStrained = 20;
+  double area = 0, outline = 0, energy = 0, strained = 0;
+  for (const Chart& c : charts) {
+    const double own = total_area(c);
+    area += own;
+    outline += smooth_outline_length(c);
+    energy += own * SymmetricDirichlet(c.position, c.triangle, {}).energy(c.uv);
+    strained += strained_area(c);
+  }
+  energy /= area;
+  return outline / 2 / std::sqrt(area) + kExcess * (energy - 4) +
+         kBeyond * std::max(energy - options.target_energy, 0.0) +
+         kStrained * std::max(strained / area - kMostStrained, 0.0);
+}
+
+/// How many tastes a part is worth: time grows with its triangles.
+size_t tastes_for(size_t triangles) {
+  constexpr size_t kAll = 4'000, kTwo = 10'000;
+  return triangles <= kAll ? kTastes.size() : triangles <= kTwo ? 2 : 1;
+}
+
+/// Components of the cut surface that were one sheet, in the order of their first ones.
+std::vector<std::vector<uint32_t>> components_by_sheet(const CutSurface& cut, const Sheet& sheet) {
+  std::vector<uint32_t> root(cut.component_count);
+  std::iota(root.begin(), root.end(), 0U);
+  const auto find = [&](uint32_t c) {
+    while (root[c] != c) c = root[c] = root[root[c]];
+    return c;
+  };
+  std::vector<uint32_t> first(sheet.tied.size(), kNone);  // per sheet vertex: a component that has it
+  for (size_t t = 0; t < cut.triangle.size(); ++t) {
+    for (const uint32_t v : cut.triangle[t]) {
+      uint32_t& f = first[sheet.of_vertex[v]];
+      if (f == kNone) f = cut.component[t];
+      const auto [low, high] = std::minmax(find(f), find(cut.component[t]));
+      root[high] = low;
+    }
+  }
+  std::vector<std::vector<uint32_t>> group(cut.component_count);
+  for (uint32_t c = 0; c < cut.component_count; ++c) group[find(c)].push_back(c);
+  std::erase_if(group, [](const auto& g) { return g.empty(); });
+  return group;
+}
+
+/// Lays the components of one sheet out and sews together again what needs no seam.
+std::vector<Chart> develop_sheet(const CutSurface& cut, const Sheet& sheet,
+                                 const std::vector<std::vector<uint32_t>>& components, const DevelopOptions& options) {
+  size_t triangles = 0;
+  for (const std::vector<uint32_t>& c : components) triangles += c.size();
+  const size_t count = tastes_for(triangles);
+  std::vector<std::vector<Chart>> layouts(count);
+  std::vector<double> cost(count, std::numeric_limits<double>::infinity());
+  std::vector<std::exception_ptr> failed(count);
+  tbb::parallel_for(size_t{0}, count, [&](size_t i) {
+    try {
+      for (const std::vector<uint32_t>& c : components) {
+        for (Chart& chart : Developer(cut, options, kTastes.at(i)).develop_component(c)) {
+          layouts[i].push_back(std::move(chart));
+        }
+      }
+      merge_charts(layouts[i], sheet,
+                   {.most_energy = options.target_energy,
+                    .seam_price = options.cut_price,
+                    .narrow = kNarrow * options.least_cut});
+      cost[i] = cost_of(layouts[i], options);
+    } catch (const Error&) {
+      failed[i] = std::current_exception();
+    }
+  });
+  const auto best = static_cast<size_t>(std::min_element(cost.begin(), cost.end()) - cost.begin());
+  if (failed[best]) std::rethrow_exception(failed[best]);
+  return std::move(layouts[best]);
+}
 
 DevelopedSurface assembled(const CutSurface& cut, const std::vector<Chart>& charts) {
   DevelopedSurface result;
@@ -201,19 +333,20 @@ DevelopedSurface assembled(const CutSurface& cut, const std::vector<Chart>& char
 }  // namespace
 
 DevelopedSurface develop(const CutSurface& cut, const DevelopOptions& options, const Progress& progress) {
-  std::vector<std::vector<uint32_t>> parts = triangles_of_components(cut);
-  std::vector<std::vector<Chart>> developed(parts.size());
-  tbb::parallel_for(size_t{0}, parts.size(),
-                    [&](size_t i) { developed[i] = Developer(cut, options).develop_component(std::move(parts[i])); });
+  const Sheet sheet = find_sheet(cut);
+  std::vector<std::vector<uint32_t>> triangles = triangles_of_components(cut);
+  const std::vector<std::vector<uint32_t>> sheets = components_by_sheet(cut, sheet);
+  std::vector<std::vector<Chart>> developed(sheets.size());
+  tbb::parallel_for(size_t{0}, sheets.size(), [&](size_t i) {
+    std::vector<std::vector<uint32_t>> own;
+    for (const uint32_t c : sheets[i]) own.push_back(std::move(triangles[c]));
+    developed[i] = develop_sheet(cut, sheet, own, options);
+  });
   if (progress) progress("flatten", 0.3);
   std::vector<Chart> charts;
-  for (std::vector<Chart>& of_part : developed) {
-    for (Chart& chart : of_part) charts.push_back(std::move(chart));
+  for (std::vector<Chart>& of_sheet : developed) {
+    for (Chart& chart : of_sheet) charts.push_back(std::move(chart));
   }
-  const Sheet sheet = find_sheet(cut);
-  merge_charts(
-      charts, sheet,
-      {.most_energy = options.target_energy, .seam_price = options.cut_price, .narrow = kNarrow * options.least_cut});
   ChartedSurface result =
       options.straight_cuts ? straighten_layout(cut, sheet, charts) : ChartedSurface{cut, std::move(charts)};
   tbb::parallel_for(size_t{0}, result.charts.size(), [&](size_t i) {

@@ -65,11 +65,30 @@ uint32_t former_chart(const Chart& chart, const std::vector<uint32_t>& former_tr
   return best;
 }
 
-/// A chart after its outline has changed; false when it does not lie as well as before.
+/// Has a chart the triangles of a former one, whole and no others?
+bool same_triangles(const Chart& chart, const Chart& former_chart, const std::vector<uint32_t>& former_triangle,
+                    const FormerLayout& former) {
+  if (chart.triangle.size() != former_chart.triangle.size()) return false;
+  for (size_t t = 0; t < former_triangle.size(); ++t) {
+    for (size_t i = 0; i < 3; ++i) {
+      if (chart.position[chart.triangle[t][i]] != former.position[former_triangle[t]][i]) return false;
+    }
+  }
+  return true;
+}
+
+/// A chart after its outline has changed; false when it does not lie as well as before. One that did not change stays
+/// where it was when it would come to lie over itself on its way down.
 bool settle(Chart& chart, const std::vector<uint32_t>& former_triangle, const FormerLayout& former,
-            double energy_before) {
+            double energy_before, bool changed) {
   constexpr uint32_t kSteps = 30;
   if (!carry_layout(chart, former_triangle, former) && !embed_on_circle(chart)) return false;
+  if (!changed) {
+    const std::vector<Point2> before = chart.uv;
+    SymmetricDirichlet(chart.position, chart.triangle, {}).minimise(chart.uv, kSteps, 1e-6);
+    if (crossing_edges(chart, outline_loop(chart))) chart.uv = before;
+    return true;
+  }
   const double reached = SymmetricDirichlet(chart.position, chart.triangle, {}).minimise(chart.uv, kSteps, 1e-6);
   if (reached > energy_before + kStrained * (energy_before - 4) + kNoise) return false;
   return !crossing_edges(chart, outline_loop(chart));
@@ -99,7 +118,8 @@ ChartedSurface straighten_layout(const CutSurface& cut, const Sheet& sheet, cons
       former_triangle.reserve(chart.triangle.size());
       for (const uint32_t t : chart.global_triangle) former_triangle.push_back(result.cut.clean_triangle[t]);
       was[i] = former_chart(chart, former_triangle, former);
-      good[i] = settle(chart, former_triangle, former, energy[was[i]]) ? 1 : 0;
+      const bool changed = !same_triangles(chart, charts[was[i]], former_triangle, former);
+      good[i] = settle(chart, former_triangle, former, energy[was[i]], changed) ? 1 : 0;
     });
     for (size_t i = 0; i < good.size(); ++i) {
       if (good[i] == 0) keep[was[i]] = 1;

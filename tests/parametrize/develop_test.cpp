@@ -2,12 +2,16 @@
 #include "develop.h"
 
 #include <cmath>
+#include <filesystem>
 
 #include <gtest/gtest.h>
 
+#include "canonical_order.h"
 #include "chart.h"
 #include "chart_overlap.h"
 #include "embed_chart.h"
+#include "geocloth/parametrize/import.h"
+#include "geocloth/parametrize/repair.h"
 #include "grain.h"
 #include "parametrize/clean_surfaces.h"
 #include "symmetric_dirichlet.h"
@@ -18,27 +22,31 @@ namespace {
 /// A sheet bent into a cap that leans: its curvature has to go somewhere.
 Chart laid_out_cap() {
   CleanSurface sheet = test::disk(24, 24);
-  for (Point3& p : sheet.position) {
+  for (Point3 &p : sheet.position) {
     const double x = p[0] - 0.5, y = p[1] - 0.5;
     p = {x, y, 0.8 * (x * x + y * y) + 0.3 * x * y + 0.2 * y};
   }
   const CutSurface cut = cut_to_disks(sheet);
   Chart chart = extract_chart(cut, triangles_of_components(cut)[0]);
   embed(chart);
-  SymmetricDirichlet(chart.position, chart.triangle, {}).minimise(chart.uv, 60, 1e-9);
+  SymmetricDirichlet(chart.position, chart.triangle, {})
+      .minimise(chart.uv, 60, 1e-9);
   turn_upright(chart);
   return chart;
 }
 
-/// Root mean square of the angle by which the plane's x and y miss a right one on the surface [rad].
-double mean_shear(const Chart& c) {
+/// Root mean square of the angle by which the plane's x and y miss a right one
+/// on the surface [rad].
+double mean_shear(const Chart &c) {
   double sum = 0, area = 0;
-  for (const Triangle& t : c.triangle) {
+  for (const Triangle &t : c.triangle) {
     const Point2 &a = c.uv[t[0]], &b = c.uv[t[1]], &d = c.uv[t[2]];
-    const double e = b[0] - a[0], f = b[1] - a[1], g = d[0] - a[0], h = d[1] - a[1], twice = e * h - f * g;
+    const double e = b[0] - a[0], f = b[1] - a[1], g = d[0] - a[0],
+                 h = d[1] - a[1], twice = e * h - f * g;
     double xy = 0, xx = 0, yy = 0;
     for (size_t k = 0; k < 3; ++k) {
-      const double p = c.position[t[1]][k] - c.position[t[0]][k], q = c.position[t[2]][k] - c.position[t[0]][k];
+      const double p = c.position[t[1]][k] - c.position[t[0]][k],
+                   q = c.position[t[2]][k] - c.position[t[0]][k];
       const double along_x = p * h - q * f, along_y = q * e - p * g;
       xx += along_x * along_x;
       yy += along_y * along_y;
@@ -51,7 +59,8 @@ double mean_shear(const Chart& c) {
   return std::sqrt(sum / area);
 }
 
-// Springs along and across a weave that do not meet at right angles make a cloth that pulls askew.
+// Springs along and across a weave that do not meet at right angles make a
+// cloth that pulls askew.
 TEST(Develop, ThreadsMeetAtRightAnglesWhereTheClothIsCurved) {
   Chart chart = laid_out_cap();
   const SymmetricDirichlet energy(chart.position, chart.triangle, {});
@@ -65,5 +74,36 @@ TEST(Develop, ThreadsMeetAtRightAnglesWhereTheClothIsCurved) {
   EXPECT_GT(grain_of(chart).axis[1], 0.999);
 }
 
-}  // namespace
-}  // namespace geocloth
+void expect_simple_charts(const DevelopedSurface &developed) {
+  for (std::vector<uint32_t> &triangles :
+       triangles_of_components(developed.cut)) {
+    Chart chart = extract_chart(developed.cut, std::move(triangles));
+    for (const uint32_t v : chart.cut_vertex)
+      chart.uv.push_back(developed.uv[v]);
+    EXPECT_TRUE(flip_free(chart));
+    EXPECT_FALSE(crossing_edges(chart, outline_loop(chart)));
+  }
+}
+
+// A chart that lies over itself has two places of the garment on one pixel.
+TEST(Develop, NoChartLiesOverItself) {
+  for (const test::NamedSurface &named : test::surfaces_of_every_topology()) {
+    SCOPED_TRACE(named.name);
+    expect_simple_charts(develop(cut_to_disks(named.surface)));
+  }
+}
+
+// Strips of hair, nearly flat, whose outlines all but touch themselves.
+TEST(Develop, NoStripOfHairLiesOverItself) {
+  const std::filesystem::path file =
+      std::filesystem::path(GEOCLOTH_SOURCE_DIR) /
+      "../shared/meshes/irregular/mh_hair_bob.obj";
+  if (!std::filesystem::exists(file))
+    GTEST_SKIP() << "no shared meshes here";
+  CleanSurface surface = repair_mesh(import_mesh(file)).surface;
+  put_in_canonical_order(surface);
+  expect_simple_charts(develop(cut_to_disks(surface), {.least_cut = 0.1}));
+}
+
+} // namespace
+} // namespace geocloth
