@@ -264,7 +264,7 @@ std::vector<std::vector<uint32_t>> components_by_sheet(const CutSurface& cut, co
     for (const uint32_t v : cut.triangle[t]) {
       uint32_t& f = first[sheet.of_vertex[v]];
       if (f == kNone) f = cut.component[t];
-      const auto [low, high] = std::minmax(find(f), find(cut.component[t]));
+      const auto [low, high] = std::minmax({find(f), find(cut.component[t])});
       root[high] = low;
     }
   }
