@@ -9,7 +9,10 @@ layout(set = 0, binding = kBindingParams, std140) uniform ParamsBlock { ClothPar
 layout(set = 0, binding = kBindingPosition, rgba32f) uniform image2D position_image;
 layout(set = 0, binding = kBindingPrevious, rgba32f) uniform image2D previous_image;
 layout(set = 0, binding = kBindingCarry, rgba32f) uniform image2D carry_image;
-layout(set = 0, binding = kBindingNormal, rgba32f) uniform image2D normal_image;
+#ifndef GEOCLOTH_SHARED_NORMALS
+#define GEOCLOTH_SHARED_NORMALS
+#endif
+layout(set = 0, binding = kBindingNormal, rgba32f) uniform GEOCLOTH_SHARED_NORMALS image2D normal_image;
 layout(set = 0, binding = kBindingSpringsStructural, rgba32f) uniform readonly image2D structural_image;
 layout(set = 0, binding = kBindingSpringsShear, rgba32f) uniform readonly image2D shear_image;
 layout(set = 0, binding = kBindingSpringsBending, rgba32f) uniform readonly image2D bending_image;
@@ -27,20 +30,9 @@ layout(set = 0, binding = kBindingSubsteps, std430) readonly buffer SubstepBlock
 layout(set = 0, binding = kBindingMeasures, std430) buffer MeasureBlock { uint measures[kMeasureCount]; };
 layout(set = 0, binding = kBindingInverseMass, std430) readonly buffer InverseMassBlock { float inverse_mass[]; };
 layout(set = 0, binding = kBindingColliderNumbers, std430) readonly buffer NumberBlock { float collider_numbers[]; };
-layout(push_constant, std430) uniform ConstantsBlock { PassConstants constants; };
-
-// The pixel of this invocation; it may lie outside the image.
-uvec2 own_pixel() {
-  return gl_GlobalInvocationID.xy;
-}
 
 bool in_image(uvec2 pixel) {
   return pixel.x < params.width && pixel.y < params.height;
-}
-
-// The list entry of this invocation; it may lie beyond constants.count.
-uint own_entry() {
-  return gl_GlobalInvocationID.y * kListRow + gl_GlobalInvocationID.x;
 }
 
 ivec2 texel(uvec2 pixel) {
@@ -49,6 +41,48 @@ ivec2 texel(uvec2 pixel) {
 
 uvec2 pixel_at(uint index) {
   return uvec2(index % params.width, index / params.width);
+}
+
+#ifndef GEOCLOTH_TILE  // passes one by one, over the images
+layout(push_constant, std430) uniform ConstantsBlock { PassConstants constants; };
+
+// The pixel of this invocation; it may lie outside the image.
+uvec2 own_pixel() {
+  return gl_GlobalInvocationID.xy;
+}
+
+// The list entry of this invocation; it may lie beyond constants.count.
+uint own_entry() {
+  return gl_GlobalInvocationID.y * kListRow + gl_GlobalInvocationID.x;
+}
+
+// Points are in the images.
+bool is_here(uvec2 pixel) {
+  return true;
+}
+uint fine_mode() {
+  return params.fine;
+}
+vec4 load_position(uvec2 pixel) {
+  return imageLoad(position_image, texel(pixel));
+}
+void store_position(uvec2 pixel, vec4 position) {
+  imageStore(position_image, texel(pixel), position);
+}
+vec4 load_previous(uvec2 pixel) {
+  return imageLoad(previous_image, texel(pixel));
+}
+void store_previous(uvec2 pixel, vec4 previous) {
+  imageStore(previous_image, texel(pixel), previous);
+}
+vec4 load_carry(uvec2 pixel) {
+  return imageLoad(carry_image, texel(pixel));
+}
+void store_carry(uvec2 pixel, vec4 carry) {
+  imageStore(carry_image, texel(pixel), carry);
+}
+vec3 load_anchor(uvec2 pixel) {
+  return load_position(pixel).xyz;
 }
 
 // What constraints move: a point's position, or its offset (lib/fine.h); w: inverse mass.
@@ -80,3 +114,4 @@ vec3 first_way_between(uvec2 pa, uvec2 pb) {
   precise vec3 d = base + low;
   return d;
 }
+#endif

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// One projection of a spring or a bend between pixels, written in place.
+// Projections of springs and bends. Those of a group or a colour share no pixel, so they are written in place.
 #include "../lib/bend.h"
+#include "../lib/bend_groups.h"
 #include "../lib/spring.h"
+#include "../lib/spring_groups.h"
 
 // @return the new multiplier
 float project_spring(uvec2 pa, uvec2 pb, float rest, float compliance, float share, float multiplier) {
@@ -35,4 +37,63 @@ float project_bend(uvec2 pa, uvec2 pm, uvec2 pb, float middle_share, float chord
   store_point(pm, shifted(m.xyz, move.step, m.w), m.w);
   store_point(pb, shifted(b.xyz, -move.step, weight_b), b.w);
   return move.multiplier;
+}
+
+float multiplier_so_far(uint slot) {
+  return constants.read_multiplier != 0u ? multipliers[slot] : 0.0f;
+}
+
+void keep_multiplier(uint slot, float multiplier) {
+  if (constants.write_multiplier != 0u) multipliers[slot] = multiplier;
+}
+
+// What an image of a family holds for its first or its second component.
+vec2 of_component(uint component, vec4 family) {
+  return component % 2u == 0u ? family.xy : family.zw;
+}
+
+// The spring of the group constants.group that starts at pixel pa. @param family  structural, shear, bending
+void spring_at(uint family, uvec2 pa) {
+  uint component = group_component(constants.group);
+  vec2 rest = of_component(component, family == 0u   ? imageLoad(structural_image, texel(pa))
+                                      : family == 1u ? imageLoad(shear_image, texel(pa))
+                                                     : imageLoad(bending_image, texel(pa)));
+  uvec2 pb = spring_end(component, pa.x, pa.y);
+  if (rest.x == 0.0f || !is_here(pb)) return;
+  float share = family == 0u   ? params.share_structural
+                : family == 1u ? params.share_shear
+                               : params.share_bending;
+  uint slot = component * params.width * params.height + pa.y * params.width + pa.x;
+  keep_multiplier(slot, project_spring(pa, pb, rest.x, rest.y, share, multiplier_so_far(slot)));
+}
+
+// The bend of the group constants.group over three pixels that starts at pixel pa.
+void bend_at(uvec2 pa) {
+  uint component = bend_component(constants.group);
+  vec2 rest = of_component(component, imageLoad(bending_image, texel(pa)));
+  uvec2 pm = spring_end(component - 4u, pa.x, pa.y);
+  uvec2 pb = spring_end(component, pa.x, pa.y);
+  if (rest.y == 0.0f || !is_here(pb)) return;
+  float chord = chord_share(of_component(component, imageLoad(structural_image, texel(pa))).x,
+                            of_component(component, imageLoad(structural_image, texel(pm))).x);
+  uint slot = component * params.width * params.height + pa.y * params.width + pa.x;
+  keep_multiplier(slot, project_bend(pa, pm, pb, 1.0f, chord, rest.x, rest.y, multiplier_so_far(slot)));
+}
+
+uint slot_of_seam_bend(uint i) {
+  return kSpringComponents * params.width * params.height + i;
+}
+
+void seam_bend_at(uint i) {
+  SeamSpring bend = seam_bends[i];
+  uint slot = slot_of_seam_bend(i);
+  keep_multiplier(slot, project_spring(pixel_at(bend.a), pixel_at(bend.b), bend.rest, bend.compliance,
+                                       params.share_bending, multiplier_so_far(slot)));
+}
+
+void seam_curvature_at(uint i) {
+  SeamSpring bend = seam_bends[i];
+  uint slot = slot_of_seam_bend(i);
+  keep_multiplier(slot, project_bend(pixel_at(bend.a), pixel_at(bend.middle), pixel_at(bend.b), bend.middle_share,
+                                     bend.chord, bend.rest, bend.compliance, multiplier_so_far(slot)));
 }

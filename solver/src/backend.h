@@ -43,7 +43,7 @@ struct SimulationData {
   bool fine = false;     ///< ClothParams::fine is not kFineOff, in every frame
   bool check = false;    ///< measure after every substep
   bool timings = false;  ///< measure every pass
-  bool plain = false;    ///< pass by pass, whatever would be faster
+  SolverPath path = SolverPath::automatic;
 };
 
 /// One cloth in one frame.

@@ -90,7 +90,7 @@ Solver::Impl::Impl(std::span<const ClothDesc> cloths, const SolverSettings& sett
   data.fine = fine_ != shader::kFineOff;
   data.check = settings.check_copies;
   data.timings = settings.timings;
-  data.plain = settings.plain;
+  data.path = settings.path;
   for (const ClothDesc& desc : cloths) {
     ClothData& uploaded = data.cloths.emplace_back(make_cloth_data(desc, origin_));
     Cloth& cloth = cloths_.emplace_back();
@@ -330,6 +330,20 @@ SolverStatistics Solver::Impl::statistics() {
   }
   backend_->fill_statistics(statistics);
   return statistics;
+}
+
+const char* to_string(SolverPath path) {
+  switch (path) {
+    case SolverPath::plain:
+      return "plain";
+    case SolverPath::tiled:
+      return "tiled";
+    case SolverPath::tiny:
+      return "tiny";
+    case SolverPath::automatic:
+      break;
+  }
+  return "auto";
 }
 
 Solver::Solver(std::span<const ClothDesc> cloths, const SolverSettings& settings)

@@ -36,7 +36,7 @@ struct State {
 State state_after(const Case& c, bool plain, uint32_t threads, uint32_t frames) {
   SolverSettings settings = c.settings;
   settings.backend = Backend::cpu;
-  settings.plain = plain;
+  if (plain) settings.path = SolverPath::plain;
   settings.threads = threads;
   settings.check_copies = settings.timings = threads != 2;
   Solver solver(std::vector{test::describe(c.asset, c.material)}, settings);
@@ -233,7 +233,7 @@ TEST(Sweep, ClothsSideBySideDoNotDependOnThreads) {
     SolverSettings settings = c.settings;
     settings.backend = Backend::cpu;
     settings.threads = threads;
-    settings.plain = plain;
+    if (plain) settings.path = SolverPath::plain;
     std::vector<ClothDesc> cloths(5, test::describe(c.asset, c.material));
     for (size_t i = 0; i < cloths.size(); ++i) cloths[i].transform.translate.x = 2 * static_cast<float>(i);
     Solver solver(cloths, settings);

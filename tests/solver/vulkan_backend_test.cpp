@@ -74,10 +74,15 @@ double largest_distance(const std::vector<Vec3>& a, const std::vector<Vec3>& b) 
 class VulkanBackendTest : public test::VulkanTest {
  protected:
   /// Plays the scene on both backends and compares.
-  Outcome expect_same_as_cpu(Play scene) {
-    const Outcome vulkan = play(make_solver(scene.cloths, scene.settings), scene);
-    scene.settings.backend = Backend::cpu;
-    const Outcome cpu = play(Solver(scene.cloths, scene.settings), scene);
+  Outcome expect_same_as_cpu(const Play& scene) {
+    SolverSettings cpu_settings = scene.settings;
+    cpu_settings.backend = Backend::cpu;
+    Outcome vulkan = play(make_solver(scene.cloths, scene.settings), scene);
+    compare(scene, vulkan, play(Solver(scene.cloths, cpu_settings), scene));
+    return vulkan;
+  }
+
+  static void compare(const Play& scene, const Outcome& vulkan, const Outcome& cpu) {
     for (size_t c = 0; c < scene.cloths.size(); ++c) {
       SCOPED_TRACE(c);
       const ClothAsset& asset = *scene.cloths[c].asset;
@@ -93,7 +98,6 @@ class VulkanBackendTest : public test::VulkanTest {
     EXPECT_NEAR(vulkan.statistics.penetration, cpu.statistics.penetration, 1e-4);
     EXPECT_EQ(vulkan.statistics.particles, cpu.statistics.particles);
     EXPECT_EQ(vulkan.statistics.springs, cpu.statistics.springs);
-    return vulkan;
   }
 
   static bool exact_device(const SolverStatistics& statistics) {
@@ -278,6 +282,59 @@ TEST_F(VulkanBackendTest, SeveralClothsOfDifferentShapeStepTogether) {
   expect_same_as_cpu(scene);
 }
 
+/// A sheet with wind, a ball, attachments, and pins that come and go on a moving parent.
+Play busy(const SheetOptions& sheet, const Material& material) {
+  Play scene{.cloths = {cloth_of(sheet, material)}, .settings = settings_of(3)};
+  scene.settings.check_copies = true;
+  scene.frames = 5;
+  scene.before_frame = [sheet, asset = scene.cloths[0].asset](Solver& solver, uint32_t frame) {
+    std::vector<Pin> pins = pins_of_top(sheet, *asset, {0.02F * static_cast<float>(frame), 0, 0});
+    if (frame == 2) pins.resize(sheet.nx / 3);
+    pins[3].frequency = 5;  // drawn along softly
+    solver.set_pins(0, pins);
+    solver.set_colliders(std::vector<Collider>{{"ball", Sphere{{0, -0.1F, 0.1F}, 0.15F}, 0.3F, {}}});
+    if (frame == 1) solver.set_wind({.velocity = {1, 0, -5}, .turbulence = 0.5F, .lift = 0.2F});
+    if (frame >= 2) solver.set_parent(0, {{0.01F * static_cast<float>(frame), 0, 0}, {}, 1}, {0.5F, 1, 1});
+  };
+  return scene;
+}
+
+Material limited(bool springs) {
+  Material material;
+  material.max_stretch = 0.01F;
+  if (springs) material.stiffness = material.bend_stiffness = 0.8F;
+  return material;
+}
+
+/// Wider and higher than a tile, so that what happens in a border matters.
+TEST_F(VulkanBackendTest, TilesGiveWhatThePassesGive) {
+  for (const uint32_t charts : {1U, 2U}) {
+    SCOPED_TRACE(charts);
+    Play scene = busy({.nx = 61, .ny = 43, .charts_x = charts, .gap = charts}, limited(charts == 2));
+    scene.settings.path = SolverPath::tiled;
+    EXPECT_EQ(expect_same_as_cpu(scene).statistics.path, "tiled");
+  }
+}
+
+TEST_F(VulkanBackendTest, AWorkGroupForEachClothGivesWhatThePassesGive) {
+  Play scene = busy({.nx = 13, .ny = 11, .charts_x = 3, .charts_y = 2, .jitter = 0.2F}, limited(false));
+  scene.cloths.push_back(cloth_of({.nx = 41, .ny = 20}, limited(true)));
+  scene.settings.path = SolverPath::tiny;
+  scene.settings.relaxation_steps = 2;
+  EXPECT_EQ(expect_same_as_cpu(scene).statistics.path, "tiny");
+}
+
+TEST_F(VulkanBackendTest, WhatDoesNotFitAPathGoesThePlainWay) {
+  Play scene = busy({.nx = 70, .ny = 70}, limited(false));  // more than 48 KiB of points
+  scene.cloths.push_back(cloth_of(kUncut));
+  scene.settings.path = SolverPath::tiny;
+  const std::string path = make_solver(scene.cloths, scene.settings).statistics().path;
+  EXPECT_TRUE(path == "plain, tiny" || path == "tiny") << path;
+  scene.settings.path = SolverPath::tiled;
+  scene.settings.relaxation_steps = 2;
+  EXPECT_EQ(make_solver(scene.cloths, scene.settings).statistics().path, "plain");
+}
+
 TEST_F(VulkanBackendTest, FarFromTheWorldsOriginNothingIsLost) {
   Play scene = hanging(kCut);
   scene.cloths[0].transform.translate = {1000, 200, -3000};
@@ -360,6 +417,14 @@ TEST_F(VulkanBackendTest, TimingsNameThePassesAndChangeNothing) {
   EXPECT_EQ(timed.statistics.backend, "vulkan");
   EXPECT_EQ(timed.statistics.path, "plain");
   EXPECT_THAT(timed.statistics.device, testing::Not(testing::IsEmpty()));
+
+  scene.settings.path = SolverPath::tiled;
+  const Outcome tiled = play(make_solver(scene.cloths, scene.settings), scene);
+  EXPECT_EQ(hash_state(*scene.cloths[0].asset, plain.positions[0]),
+            hash_state(*scene.cloths[0].asset, tiled.positions[0]));
+  names.clear();
+  for (const PassTiming& timing : tiled.statistics.passes) names.push_back(timing.pass);
+  EXPECT_THAT(names, testing::IsSupersetOf({"predict+pins+structural", "shear+curvature", "stitch", "normals"}));
 }
 
 TEST_F(VulkanBackendTest, ManyFramesMayBeSubmittedWithoutWaiting) {

@@ -130,7 +130,7 @@ class CpuBackend final : public SolverBackend {
   }
 
   /// Pass by pass is the reference.
-  [[nodiscard]] bool by_sweeps() const { return !data_.plain; }
+  [[nodiscard]] bool by_sweeps() const { return data_.path != SolverPath::plain; }
 
   void run(const PassStep& step, const cpu::PassContext& context, Cloth& cloth) const {
     timed(cloth, step.pass, [&] { cpu::run_pass(step, context, cloth.state, cloth.measures); });

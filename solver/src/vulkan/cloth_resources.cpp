@@ -38,8 +38,9 @@ size_t multiplier_bytes(const ClothData& data) {
 }  // namespace
 
 ClothResources::ClothResources(const std::shared_ptr<const Context>& context, const ClothData& data,
-                               bool with_multipliers, bool fine)
-    : width(data.width),
+                               bool with_multipliers, bool fine, SolverPath chosen_path)
+    : path(chosen_path),
+      width(data.width),
       height(data.height),
       split_rows(data.split_rows()),
       seam_color_offset(data.seam_color_offset),
@@ -59,8 +60,14 @@ ClothResources::ClothResources(const std::shared_ptr<const Context>& context, co
       split_offset(make_buffer(context, bytes_of(data.split_offset))),
       split_pixel(make_buffer(context, bytes_of(data.split_pixel))),
       measures(context, sizeof(uint32_t) * shader::kMeasureCount, BufferUsage::eStorageBuffer, Memory::readback),
-      inverse_mass(make_buffer(context, sizeof(float) * data.pixel_count())) {
+      inverse_mass(make_buffer(context, sizeof(float) * data.pixel_count())),
+      pin_of_pixel(make_buffer(context, path != SolverPath::plain ? sizeof(uint32_t) * data.pixel_count() : 0)) {
   Upload upload(context);
+  if (path == SolverPath::tiled) {
+    scratch.emplace(ScratchImages{make_image(context, data, kRestUsage), make_image(context, data, kRestUsage),
+                                  make_image(context, data, kRestUsage)});
+    for (const Image* image : {&scratch->position, &scratch->previous, &scratch->carry}) upload.clear_image(*image);
+  }
   upload.to_image(position, std::span(data.position));
   upload.to_image(previous, std::span(data.position));
   upload.clear_image(carry);
@@ -81,8 +88,9 @@ size_t ClothResources::memory_bytes() const {
   const size_t offsets = size_t{offset.extent().width} * offset.extent().height;
   size_t sum =
       pixel_count() * (kVectorImages * sizeof(shader::vec4) + sizeof(uint32_t)) + offsets * sizeof(shader::vec4);
+  if (scratch) sum += pixel_count() * 3 * sizeof(shader::vec4);
   for (const Buffer* buffer :
-       {&multipliers, &attachments, &seam_bends, &split_offset, &split_pixel, &measures, &inverse_mass})
+       {&multipliers, &attachments, &seam_bends, &split_offset, &split_pixel, &measures, &inverse_mass, &pin_of_pixel})
     sum += buffer->size();
   return sum;
 }

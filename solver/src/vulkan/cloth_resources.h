@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "backend.h"
@@ -10,14 +11,21 @@
 
 namespace geocloth::vulkan {
 
+/// Points on their way between two dispatches of tiles; see shaders/cloth/tile.comp.
+struct ScratchImages {
+  Image position, previous, carry;
+};
+
 /// What one cloth keeps on the device, laid out as in shared/layout.h. All images are in the general layout.
 struct ClothResources {
   /// Uploads and waits.
-  ClothResources(const std::shared_ptr<const Context>& context, const ClothData& data, bool multipliers, bool fine);
+  ClothResources(const std::shared_ptr<const Context>& context, const ClothData& data, bool multipliers, bool fine,
+                 SolverPath path);
 
   [[nodiscard]] uint32_t pixel_count() const { return width * height; }
   [[nodiscard]] size_t memory_bytes() const;
 
+  SolverPath path;  ///< plain, tiled or tiny
   uint32_t width, height;
   uint32_t split_rows;
   std::vector<uint32_t> seam_color_offset;
@@ -29,6 +37,8 @@ struct ClothResources {
   Buffer multipliers, attachments, seam_bends, split_offset, split_pixel;
   Buffer measures;  ///< host-visible, kMeasureCount words
   Buffer inverse_mass;
+  Buffer pin_of_pixel;                   ///< see shared/tile.h; not on the plain path
+  std::optional<ScratchImages> scratch;  ///< on the tiled path
 };
 
 }  // namespace geocloth::vulkan

@@ -52,7 +52,7 @@ FrameSlot::FrameSlot(std::shared_ptr<const Context> context, vk::DescriptorSetLa
       poses_(make_input(context_, 0)),
       substeps_(make_input(context_, 0)),
       numbers_(make_input(context_, 0)),
-      pool_(make_pool(*context_, static_cast<uint32_t>(cloths.size()))),
+      pool_(make_pool(*context_, 2 * static_cast<uint32_t>(cloths.size()))),
       commands_(context_) {
   for (const ClothResources& cloth : cloths) {
     ClothInputs& inputs =
@@ -60,6 +60,7 @@ FrameSlot::FrameSlot(std::shared_ptr<const Context> context, vk::DescriptorSetLa
                                                           vk::BufferUsageFlagBits::eUniformBuffer, Memory::upload),
                                          .pins = make_input(context_, 0),
                                          .set = allocate_set(*context_, *pool_, layout)});
+    if (cloth.scratch) inputs.scratch_set = allocate_set(*context_, *pool_, layout);
     // Enough for the passes that run before the first frame.
     shader::ClothParams params{};
     params.width = cloth.width;
@@ -86,42 +87,51 @@ bool FrameSlot::write(const FrameInput& frame, const std::vector<ClothResources>
 }
 
 void FrameSlot::write_sets(const std::vector<ClothResources>& cloths) const {
-  using namespace shader;
   for (size_t c = 0; c < cloths_.size(); ++c) {
-    const ClothResources& cloth = cloths[c];
-    const std::array<const Image*, kStorageImages> images{&cloth.position,   &cloth.previous,   &cloth.carry,
-                                                          &cloth.normal,     &cloth.springs[0], &cloth.springs[1],
-                                                          &cloth.springs[2], &cloth.cell,
-                                                          &cloth.offset};
-    const std::array<const Buffer*, kStorageBuffers> buffers{
-        &cloth.multipliers,  &cloth.attachments, &cloth.seam_bends, &cloth.split_offset, &cloth.split_pixel,
-        &cloths_[c].pins,    &shapes_,           &poses_,           &substeps_,          &cloth.measures,
-        &cloth.inverse_mass, &numbers_};
-
-    std::array<vk::DescriptorImageInfo, kStorageImages> image_infos;
-    std::array<vk::DescriptorBufferInfo, kUniformBuffers + kStorageBuffers> buffer_infos;
-    std::vector<vk::WriteDescriptorSet> writes;
-    const auto add_buffer = [&](uint32_t binding, const Buffer& buffer, vk::DescriptorBufferInfo& info) {
-      info = vk::DescriptorBufferInfo{.buffer = buffer.handle(), .range = VK_WHOLE_SIZE};
-      writes.push_back({.dstSet = *cloths_[c].set,
-                        .dstBinding = binding,
-                        .descriptorCount = 1,
-                        .descriptorType = descriptor_type(binding),
-                        .pBufferInfo = &info});
-    };
-    add_buffer(kBindingParams, cloths_[c].params, buffer_infos.back());
-    for (uint32_t i = 0; i < kStorageBuffers; ++i) add_buffer(kBindingMultipliers + i, *buffers[i], buffer_infos[i]);
-    for (uint32_t i = 0; i < kStorageImages; ++i) {
-      image_infos[i] =
-          vk::DescriptorImageInfo{.imageView = images[i]->view(), .imageLayout = vk::ImageLayout::eGeneral};
-      writes.push_back({.dstSet = *cloths_[c].set,
-                        .dstBinding = kBindingPosition + i,
-                        .descriptorCount = 1,
-                        .descriptorType = vk::DescriptorType::eStorageImage,
-                        .pImageInfo = &image_infos[i]});
-    }
-    context_->device().updateDescriptorSets(writes, {});
+    write_set(cloths[c], cloths_[c], false);
+    if (cloths[c].scratch) write_set(cloths[c], cloths_[c], true);
   }
+}
+
+void FrameSlot::write_set(const ClothResources& cloth, const ClothInputs& inputs, bool scratch) const {
+  using namespace shader;
+  const vk::DescriptorSet set = scratch ? *inputs.scratch_set : *inputs.set;
+  const std::array<const Image*, kStorageImages> images{scratch ? &cloth.scratch->position : &cloth.position,
+                                                        scratch ? &cloth.scratch->previous : &cloth.previous,
+                                                        scratch ? &cloth.scratch->carry : &cloth.carry,
+                                                        &cloth.normal,
+                                                        &cloth.springs[0],
+                                                        &cloth.springs[1],
+                                                        &cloth.springs[2],
+                                                        &cloth.cell,
+                                                        &cloth.offset};
+  const std::array<const Buffer*, kStorageBuffers> buffers{
+      &cloth.multipliers,  &cloth.attachments, &cloth.seam_bends, &cloth.split_offset, &cloth.split_pixel,
+      &inputs.pins,        &shapes_,           &poses_,           &substeps_,          &cloth.measures,
+      &cloth.inverse_mass, &numbers_};
+
+  std::array<vk::DescriptorImageInfo, kStorageImages> image_infos;
+  std::array<vk::DescriptorBufferInfo, kUniformBuffers + kStorageBuffers> buffer_infos;
+  std::vector<vk::WriteDescriptorSet> writes;
+  const auto add_buffer = [&](uint32_t binding, const Buffer& buffer, vk::DescriptorBufferInfo& info) {
+    info = vk::DescriptorBufferInfo{.buffer = buffer.handle(), .range = VK_WHOLE_SIZE};
+    writes.push_back({.dstSet = set,
+                      .dstBinding = binding,
+                      .descriptorCount = 1,
+                      .descriptorType = descriptor_type(binding),
+                      .pBufferInfo = &info});
+  };
+  add_buffer(kBindingParams, inputs.params, buffer_infos.back());
+  for (uint32_t i = 0; i < kStorageBuffers; ++i) add_buffer(kBindingMultipliers + i, *buffers[i], buffer_infos[i]);
+  for (uint32_t i = 0; i < kStorageImages; ++i) {
+    image_infos[i] = vk::DescriptorImageInfo{.imageView = images[i]->view(), .imageLayout = vk::ImageLayout::eGeneral};
+    writes.push_back({.dstSet = set,
+                      .dstBinding = kBindingPosition + i,
+                      .descriptorCount = 1,
+                      .descriptorType = vk::DescriptorType::eStorageImage,
+                      .pImageInfo = &image_infos[i]});
+  }
+  context_->device().updateDescriptorSets(writes, {});
 }
 
 }  // namespace geocloth::vulkan

@@ -15,6 +15,7 @@ namespace geocloth::vulkan {
 struct ClothInputs {
   Buffer params, pins;
   vk::raii::DescriptorSet set = nullptr;
+  vk::raii::DescriptorSet scratch_set = nullptr;  ///< the same with the scratch images, for a cloth that has them
 };
 
 /// One of the frames that may be under way: its inputs, which the host writes, its descriptor sets and its commands.
@@ -28,11 +29,15 @@ class FrameSlot {
   /// @return whether a descriptor set had to be written anew, which invalidates recorded commands
   bool write(const FrameInput& frame, const std::vector<ClothResources>& cloths);
 
-  [[nodiscard]] vk::DescriptorSet set(size_t cloth) const { return *cloths_[cloth].set; }
+  /// @param scratch  with the scratch images, which the cloth must have
+  [[nodiscard]] vk::DescriptorSet set(size_t cloth, bool scratch = false) const {
+    return scratch ? *cloths_[cloth].scratch_set : *cloths_[cloth].set;
+  }
   [[nodiscard]] Commands& commands() { return commands_; }
 
  private:
   void write_sets(const std::vector<ClothResources>& cloths) const;
+  void write_set(const ClothResources& cloth, const ClothInputs& inputs, bool scratch) const;
 
   std::shared_ptr<const Context> context_;
   Buffer shapes_, poses_, substeps_, numbers_;

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
+#include <string>
+#include <utility>
 #include <vector>
 
-#include "pass.h"
 #include "vulkan/context.h"
 
 namespace geocloth::vulkan {
 
-/// Seconds of each pass, by Pass.
-using PassSeconds = std::array<double, kPasses.size()>;
+/// Seconds of each kind of dispatch, by the names of its passes, in the order in which they were first met.
+using PassSeconds = std::vector<std::pair<std::string, double>>;
 
 /// Timestamps around the passes of one frame. On a queue without timestamps it records nothing.
 class PassTimer {
@@ -19,15 +19,15 @@ class PassTimer {
 
   /// Starts to record a frame that has at most this many intervals.
   void begin(const vk::raii::CommandBuffer& commands, size_t intervals);
-  /// Ends an interval, which belongs to a pass and starts where the last one ended.
-  void mark(const vk::raii::CommandBuffer& commands, Pass pass);
+  /// Ends an interval, which belongs to a dispatch of that name and starts where the last one ended.
+  void mark(const vk::raii::CommandBuffer& commands, const std::string& name);
   /// Adds the intervals of the frame, which must be done, to the sums.
   void collect(PassSeconds& seconds) const;
 
  private:
   std::shared_ptr<const Context> context_;
   vk::raii::QueryPool queries_ = nullptr;
-  std::vector<Pass> passes_;
+  std::vector<std::string> names_;
 };
 
 }  // namespace geocloth::vulkan

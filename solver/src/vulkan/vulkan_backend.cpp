@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A frame is one command buffer: every step of the pass list is a dispatch for each cloth, then a barrier. All that
-// changes from frame to frame lies in buffers, so the commands are recorded once and submitted again until the pass
-// list itself changes. Two frames may be under way, each with its own inputs: the host writes one while the device runs
-// the other and never waits inside a frame.
+// A frame is one command buffer: dispatch after dispatch of each cloth's plan, all cloths side by side, then a barrier.
+// All that changes from frame to frame lies in buffers, so the commands are recorded once and submitted again until the
+// pass list itself changes. Two frames may be under way, each with its own inputs: the host writes one while the device
+// runs the other and never waits inside a frame.
 #include "vulkan/vulkan_backend.h"
 
 #include <algorithm>
@@ -19,23 +19,22 @@ using Stage = vk::PipelineStageFlagBits;
 
 constexpr size_t kSlots = 2;
 
-/// One dispatch.
+/// One dispatch of one cloth.
 struct Item {
   size_t cloth;
-  PassStep step;
-  uint32_t substep;
+  const Dispatch* dispatch;
 };
 /// Dispatches that need no barrier between them.
 using Batch = std::vector<Item>;
 
-/// The cloths' schedules side by side: entry k of every cloth in batch k.
-void add_side_by_side(std::vector<Batch>& batches, const std::vector<std::vector<PassStep>>& schedules,
-                      uint32_t substep) {
-  const size_t first = batches.size();
-  for (size_t c = 0; c < schedules.size(); ++c) {
-    if (batches.size() < first + schedules[c].size()) batches.resize(first + schedules[c].size());
-    for (size_t k = 0; k < schedules[c].size(); ++k) batches[first + k].push_back({c, schedules[c][k], substep});
+/// The cloths' dispatches side by side: number k of every cloth in batch k.
+std::vector<Batch> side_by_side(const std::vector<FramePlan>& plans) {
+  std::vector<Batch> batches;
+  for (size_t c = 0; c < plans.size(); ++c) {
+    batches.resize(std::max(batches.size(), plans[c].dispatches.size()));
+    for (size_t k = 0; k < plans[c].dispatches.size(); ++k) batches[k].push_back({c, &plans[c].dispatches[k]});
   }
+  return batches;
 }
 
 /// The same one after another, so that each can be timed.
@@ -44,19 +43,6 @@ std::vector<Batch> one_by_one(const std::vector<Batch>& batches) {
   for (const Batch& batch : batches)
     for (const Item& item : batch) result.push_back({item});
   return result;
-}
-
-std::vector<Batch> frame_batches(const std::vector<ScheduleOptions>& schedules, uint32_t substeps) {
-  const auto each = [&](auto schedule) {
-    std::vector<std::vector<PassStep>> result;
-    result.reserve(schedules.size());
-    for (const ScheduleOptions& options : schedules) result.push_back(schedule(options));
-    return result;
-  };
-  std::vector<Batch> batches;
-  for (uint32_t s = 0; s < substeps; ++s) add_side_by_side(batches, each(substep_schedule), s);
-  add_side_by_side(batches, each(frame_schedule), 0);
-  return batches;
 }
 
 /// Work of others on the queue, a renderer's for instance, is done with the images; see vulkan_interop.h.
@@ -87,14 +73,31 @@ void drop_uploaded(ClothData& cloth) {
 
 }  // namespace
 
+VulkanBackend::Slot::Slot(const std::shared_ptr<const Context>& context, const PassKernels& kernels,
+                          const TileKernels& tile_kernels, const std::vector<ClothResources>& cloths)
+    : frame(context, kernels.set_layout(), cloths), timer(context) {
+  for (const ClothResources& cloth : cloths) {
+    tiles.push_back(cloth.path == SolverPath::plain
+                        ? nullptr
+                        : std::make_unique<TileSets>(context, tile_kernels.set_layout(), cloth));
+  }
+}
+
 VulkanBackend::VulkanBackend(std::shared_ptr<const Context> context, SimulationData data)
-    : context_(std::move(context)), data_(std::move(data)), kernels_(context_) {
+    : context_(std::move(context)),
+      data_(std::move(data)),
+      kernels_(context_),
+      tile_kernels_(context_, kernels_.set_layout()) {
+  const TileLimits limits = tile_limits(*context_);
   cloths_.reserve(data_.cloths.size());
   for (ClothData& cloth : data_.cloths) {
-    cloths_.emplace_back(context_, cloth, data_.relaxation_steps > 1, data_.fine);
+    const SolverPath path =
+        choose_path(limits, {data_.path, cloth.width, cloth.height, data_.relaxation_steps, data_.fine});
+    cloths_.emplace_back(context_, cloth, data_.relaxation_steps > 1, data_.fine, path);
     drop_uploaded(cloth);
   }
-  for (size_t i = 0; i < kSlots; ++i) slots_.push_back(std::make_unique<Slot>(context_, kernels_, cloths_));
+  for (size_t i = 0; i < kSlots; ++i)
+    slots_.push_back(std::make_unique<Slot>(context_, kernels_, tile_kernels_, cloths_));
   std::vector<uint32_t> all(cloths_.size());
   std::iota(all.begin(), all.end(), 0U);
   compute_normals(all);
@@ -128,22 +131,36 @@ void VulkanBackend::run_frame(const FrameInput& frame) {
 }
 
 void VulkanBackend::record(Slot& slot) {
-  std::vector<Batch> batches = frame_batches(slot.recipe.schedules, data_.substeps);
+  const vk::raii::CommandBuffer& commands = slot.frame.commands().begin();  // waits, so the steps can be written
+  std::vector<FramePlan> plans;
+  for (size_t c = 0; c < cloths_.size(); ++c) {
+    plans.push_back(plan_frame(cloths_[c].path, slot.recipe.schedules[c], data_.substeps,
+                               {cloths_[c].split_rows, cloths_[c].seam_color_offset}));
+    if (slot.tiles[c]) slot.tiles[c]->write_steps(plans[c].steps, cloths_[c]);
+  }
+  std::vector<Batch> batches = side_by_side(plans);
   if (data_.timings) batches = one_by_one(batches);
-  const vk::raii::CommandBuffer& commands = slot.frame.commands().begin();
   begin_barrier(commands);
   if (data_.timings) slot.timer.begin(commands, batches.size());
   for (const Batch& batch : batches) {
-    for (const Item& item : batch) {
-      kernels_.bind(commands, slot.frame.set(item.cloth));
-      kernels_.dispatch(commands, cloths_[item.cloth], item.step, item.substep, data_.relaxation_steps,
-                        slot.recipe.pins[item.cloth]);
-    }
+    for (const Item& item : batch) record_dispatch(slot, commands, item.cloth, *item.dispatch);
     pass_barrier(commands);
-    if (data_.timings) slot.timer.mark(commands, batch.front().step.pass);
+    if (data_.timings) slot.timer.mark(commands, batch.front().dispatch->name);
   }
   end_barrier(commands);
   slot.frame.commands().end();
+}
+
+void VulkanBackend::record_dispatch(const Slot& slot, const vk::raii::CommandBuffer& commands, size_t cloth,
+                                    const Dispatch& dispatch) {
+  const vk::DescriptorSet points = slot.frame.set(cloth, dispatch.from_scratch);
+  if (dispatch.kind != Dispatch::Kind::pass) {
+    const vk::DescriptorSet out = slot.tiles[cloth]->out_of(dispatch.from_scratch);
+    return tile_kernels_.dispatch(commands, cloths_[cloth], dispatch, points, out);
+  }
+  kernels_.bind(commands, points);
+  kernels_.dispatch(commands, cloths_[cloth], dispatch.step, dispatch.substep, data_.relaxation_steps,
+                    slot.recipe.pins[cloth]);
 }
 
 void VulkanBackend::finish(Slot& slot) {
@@ -163,6 +180,11 @@ void VulkanBackend::change_pins(uint32_t cloth, const ClothFrame& frame) {
   Upload upload(context_);
   upload.to_buffer(cloths_[cloth].inverse_mass, std::span(frame.inverse_mass));
   upload.to_buffer(cloths_[cloth].attachments, std::span(frame.attachments));
+  if (cloths_[cloth].path != SolverPath::plain) {
+    std::vector<uint32_t> pin_of_pixel(cloths_[cloth].pixel_count(), shader::kNoPin);
+    for (uint32_t i = 0; i < frame.pins.size(); ++i) pin_of_pixel[frame.pins[i].pixel.x] = i;
+    upload.to_buffer(cloths_[cloth].pin_of_pixel, std::span<const uint32_t>(pin_of_pixel));
+  }
   upload.run();
   run_once(context_, [&](const vk::raii::CommandBuffer& commands) {
     begin_barrier(commands);
@@ -225,14 +247,13 @@ void VulkanBackend::fill_statistics(SolverStatistics& statistics) {
   wait();
   statistics.backend = to_string(Backend::vulkan);
   statistics.device = context_->info().name;
-  statistics.path = "plain";
   statistics.threads = 1;
-  for (const PassInfo& pass : kPasses) {
-    const double seconds = seconds_[static_cast<size_t>(pass.pass)];
-    if (seconds > 0) statistics.passes.push_back({std::string(pass.name), seconds});
-  }
+  for (const auto& [name, seconds] : seconds_) statistics.passes.push_back({name, seconds});
   for (const ClothResources& cloth : cloths_) {
     statistics.memory_bytes += cloth.memory_bytes();
+    const std::string path = to_string(cloth.path);
+    if (statistics.path.find(path) == std::string::npos)
+      statistics.path += (statistics.path.empty() ? "" : ", ") + path;
     const std::span<const uint32_t> measures = cloth.measures.as<uint32_t>();
     const auto measure = [&](uint32_t i) { return double{std::bit_cast<float>(measures[i])}; };
     statistics.copy_gap = std::max(statistics.copy_gap, measure(shader::kMeasureCopyGap));

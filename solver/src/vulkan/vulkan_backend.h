@@ -10,10 +10,12 @@
 #include "vulkan/frame_slot.h"
 #include "vulkan/pass_kernels.h"
 #include "vulkan/pass_timer.h"
+#include "vulkan/tile_kernels.h"
 
 namespace geocloth::vulkan {
 
-/// The passes as compute dispatches, one for each group of springs: the path that every device can run.
+/// The passes as compute dispatches: one for each group of springs, which every device can run, or several passes at
+/// once in the memory of work groups (frame_plan.h), with the same result.
 class VulkanBackend final : public SolverBackend {
  public:
   VulkanBackend(std::shared_ptr<const Context> context, SimulationData data);
@@ -39,9 +41,9 @@ class VulkanBackend final : public SolverBackend {
     bool operator==(const Recipe&) const = default;
   };
   struct Slot {
-    Slot(const std::shared_ptr<const Context>& context, const PassKernels& kernels,
-         const std::vector<ClothResources>& cloths)
-        : frame(context, kernels.set_layout(), cloths), timer(context) {}
+    Slot(const std::shared_ptr<const Context>& context, const PassKernels& kernels, const TileKernels& tile_kernels,
+         const std::vector<ClothResources>& cloths);
+    std::vector<std::unique_ptr<TileSets>> tiles;  ///< of each cloth; none on the plain path. Before the commands
     FrameSlot frame;
     PassTimer timer;
     Recipe recipe;
@@ -50,6 +52,8 @@ class VulkanBackend final : public SolverBackend {
 
   [[nodiscard]] Recipe recipe_of(const FrameInput& frame) const;
   void record(Slot& slot);
+  void record_dispatch(const Slot& slot, const vk::raii::CommandBuffer& commands, size_t cloth,
+                       const Dispatch& dispatch);
   void compute_normals(const std::vector<uint32_t>& cloths);
   void change_pins(uint32_t cloth, const ClothFrame& frame);
   void finish(Slot& slot);
@@ -58,6 +62,7 @@ class VulkanBackend final : public SolverBackend {
   std::shared_ptr<const Context> context_;
   SimulationData data_;  ///< without the arrays that are on the device
   PassKernels kernels_;
+  TileKernels tile_kernels_;
   std::vector<ClothResources> cloths_;
   std::vector<std::unique_ptr<Slot>> slots_;
   size_t next_slot_ = 0;

@@ -30,6 +30,16 @@ struct Wind {
   float lift = 0;        ///< lift coefficient; >= 0
 };
 
+/// Ways to run the passes of a frame, with the same results. A cloth that one of them cannot run goes the plain way.
+enum class SolverPath : uint8_t {
+  automatic,  ///< the fastest: sweeps through the rows on the cpu; tiny, else tiled on a GPU; plain on a software
+              ///< device
+  plain,      ///< pass by pass: the reference that the others are compared with
+  tiled,      ///< vulkan: two dispatches for each substep of an uncut cloth; not with several relaxation steps
+  tiny        ///< vulkan: one dispatch for each frame, for cloths that fit into the memory of a work group
+};
+[[nodiscard]] const char* to_string(SolverPath path);
+
 struct SolverSettings {
   Backend backend = Backend::automatic;
   std::string device;             ///< part of a device's name; empty: by backend
@@ -42,7 +52,7 @@ struct SolverSettings {
   bool keep_momentum = false;
   Vec3 gravity{0, -9.81F, 0};     ///< [m/s^2]
   bool timings = false;           ///< measure every pass (slower)
-  bool plain = false;             ///< pass by pass: the reference that faster paths are compared with; same results
+  SolverPath path = SolverPath::automatic;
   bool check_copies = false;      ///< measure the copy gap and the penetration after every substep (slower)
 };
 

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// Prediction and pins.
+#include "../lib/fine.h"
+#include "../lib/pin.h"
+#include "../lib/predict.h"
+
+vec3 air_at(vec3 position) {
+  precise vec3 air = params.wind.xyz;
+  for (uint i = 0u; i < kWindWaves; ++i) air = air + gust_at(substeps[constants.substep].waves[i], position);
+  return air;
+}
+
+// What is pinned stays where it is; pin_at() moves it.
+void predict_pinned(uvec2 p, vec4 position) {
+  store_previous(p, position);
+  if (fine_mode() == kFineOff) return;
+  vec4 offset = imageLoad(offset_image, texel(p));
+  store_carry(p, offset);
+  imageStore(offset_image, texel(p), vec4(offset.xyz, 0.0f));
+}
+
+void predict_at(uvec2 p) {
+  vec4 position = load_position(p);
+  if (position.w == 0.0f) {
+    predict_pinned(p, position);
+    return;
+  }
+  vec3 previous = load_previous(p).xyz;
+  vec3 carry = load_carry(p).xyz;
+  vec3 acceleration = vec3(0.0f);
+  if (params.air != 0u) {
+    precise vec3 velocity = ((position.xyz - previous) + carry) * params.inverse_dt;
+    vec3 normal = imageLoad(normal_image, texel(p)).xyz;
+    acceleration = air_acceleration(params, air_at(position.xyz), velocity, normal);
+  }
+  Predicted next;
+  if (params.moving != 0u) {
+    next = predict_along(params, float(constants.substep), position.xyz, previous, carry, acceleration);
+  } else {
+    next = predict(params, position.xyz, previous, carry, acceleration);
+  }
+  store_previous(p, vec4(next.previous, position.w));
+  if (fine_mode() != kFineOff) {
+    vec3 low = imageLoad(offset_image, texel(p)).xyz;
+    imageStore(offset_image, texel(p), vec4(predicted_offset(next, low), position.w));
+    store_carry(p, vec4(low, 0.0f));
+    return;
+  }
+  store_position(p, vec4(next.position, position.w));
+  store_carry(p, vec4(next.carry, 0.0f));
+}
+
+// One step towards the target of pin i; a held one reaches it with the last substep of the frame.
+void pin_at(uint i) {
+  PinTarget pin = pins[i];
+  uvec2 p = pixel_at(pin.pixel.x);
+  vec4 position = load_point(p);
+  vec3 previous = load_previous(p).xyz;
+  if (fine_mode() != kFineOff) {
+    pin = pin_from(pin, previous);
+    previous = load_carry(p).xyz;
+  }
+  vec3 moved = pinned_position(pin, substeps[constants.substep].pin_fraction, substeps[constants.substep].frame_fraction,
+                               substeps[constants.substep].substep_share, position.xyz, previous);
+  store_point(p, moved, position.w);
+}
