@@ -4,7 +4,8 @@
 // a fold by half of one whose diagonal lies across. So every cell is compared with the surface at many places of the
 // chart's plane, its diagonal is chosen by what remains after a fit, and the pixels move to the L2 projection of the
 // surface on to the piecewise linear functions of the grid, one unknown per surface point. The mass matrix with its own
-// diagonal as preconditioner has all eigenvalues in [1/2, 2] (Wathen 1987): a dozen conjugate gradient steps do.
+// diagonal as preconditioner has all eigenvalues in [1/2, 2] (Wathen 1987): a dozen conjugate gradient steps do. Later
+// rounds count only what is missing across the surface, so that the grid may slide a little along it, towards folds.
 #include "fit_image.h"
 
 #include <algorithm>
@@ -22,13 +23,15 @@
 namespace geocloth {
 namespace {
 
+constexpr int kRounds = 2;
 constexpr double kLeastArea = 1e-3;  ///< [pixels^2] of a grid triangle in the plane that takes part
 
-/// A place of a cell and where the surface is there.
+/// A place of a cell and the surface there.
 struct Target {
   Point2 place;     ///< [pixels] in the chart
   Point3 position;  ///< [m]
-  double area;      ///< [pixels^2] that it stands for
+  Point3 normal;
+  double area = 0;  ///< [pixels^2] that it stands for
 };
 
 /// How far a cell's corners, joined by one of its diagonals, are from the targets in it.
@@ -41,7 +44,12 @@ struct CellFit {
 class ImageFitter {
  public:
   ImageFitter(const FlatSurface& flat, const Raster& raster, ClothAsset& asset)
-      : flat_(flat), raster_(raster), asset_(asset), first_(first_copies(asset)), pull_(asset.pixel_count()) {
+      : flat_(flat),
+        raster_(raster),
+        asset_(asset),
+        first_(first_copies(asset)),
+        shift_(asset.pixel_count()),
+        pull_(asset.pixel_count()) {
     is_split_.assign(asset.pixel_count(), 0);
     for (const uint32_t pixel : asset.splits.pixel) is_split_[pixel] = 1;
     places_per_edge_ = count_valid_pixels(asset) < kFewPixels ? 4 : 2;
@@ -69,12 +77,19 @@ class ImageFitter {
     }
   }
 
+  /// Moves the pixels by what the comparison found missing.
   void move_pixels() {
-    std::vector<Point3> shift = solve_mass_matrix();
-    limit(shift);
+    const std::vector<Point3> more = solve_mass_matrix();
+    for (std::size_t i = 0; i < shift_.size(); ++i) shift_[i] = shift_[i] + more[i];
+    pull_.assign(pull_.size(), Point3{});
+    may_slide_ = true;
+  }
+
+  void finish() {
+    limit_shifts();
     for (uint32_t i = 0; i < asset_.pixel_count(); ++i) {
       if (!asset_.valid(i)) continue;
-      const Point3 p = raster_.position[first_[i]] + shift[first_[i]];
+      const Point3 p = fitted_position(i);
       asset_.rest_position[i] = {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
     }
   }
@@ -83,6 +98,8 @@ class ImageFitter {
   static constexpr uint32_t kFewPixels = 200'000;
 
   // -------------------------------------------------------------------------------------------------- cells
+
+  [[nodiscard]] Point3 fitted_position(uint32_t pixel) const { return raster_.position[pixel] + shift_[first_[pixel]]; }
 
   [[nodiscard]] double plane_area(const Triangle& t) const {
     return signed_area_twice(raster_.place[t[0]], raster_.place[t[1]], raster_.place[t[2]]) / 2;
@@ -94,8 +111,8 @@ class ImageFitter {
            (1 / signed_area_twice(a, b, c));
   }
 
-  /// The surface at a place; nothing beside the chart, where the outline's pixels cut a hollow corner.
-  [[nodiscard]] std::optional<Point3> surface_at(const PlaneLocator& locator, const Point2& place) const {
+  /// The surface at a place, without an area; nothing beside the chart, where the outline's pixels cut a hollow corner.
+  [[nodiscard]] std::optional<Target> surface_at(const PlaneLocator& locator, const Point2& place) const {
     constexpr double kBeside = 0.02;  // [pixels]
     const PlanePlace found = locator.locate(place);
     const Triangle& t = flat_.triangle[found.triangle];
@@ -106,7 +123,10 @@ class ImageFitter {
       for (std::size_t x = 0; x < 2; ++x) at[x] += found.weight[k] * flat_.uv[t[k]][x];
     }
     if (std::hypot(at[0] - place[0], at[1] - place[1]) > kBeside) return std::nullopt;
-    return position;
+    const Point3 normal =
+        cross(flat_.position[t[1]] - flat_.position[t[0]], flat_.position[t[2]] - flat_.position[t[0]]);
+    const double l = length(normal);
+    return Target{place, position, l > 0 ? normal * (1 / l) : normal};
   }
 
   /// Places spread evenly over a grid triangle: the middles of the triangles that its edges' division makes.
@@ -120,7 +140,10 @@ class ImageFitter {
       for (std::size_t x = 0; x < 2; ++x) {
         place[x] = (1 - s - u) * raster_.place[t[0]][x] + s * raster_.place[t[1]][x] + u * raster_.place[t[2]][x];
       }
-      if (const auto position = surface_at(locator, place)) targets.push_back({place, *position, area / (n * n)});
+      if (const auto target = surface_at(locator, place)) {
+        targets.push_back(*target);
+        targets.back().area = area / (n * n);
+      }
     };
     for (int i = 0; i < n; ++i) {
       for (int j = 0; i + j < n; ++j) {
@@ -141,7 +164,8 @@ class ImageFitter {
         w = weights(split.triangle[1], target.place);
       }
       Point3 missing = target.position;
-      for (std::size_t i = 0; i < 3; ++i) missing = missing - raster_.position[split.triangle[k][i]] * w[i];
+      for (std::size_t i = 0; i < 3; ++i) missing = missing - fitted_position(split.triangle[k][i]) * w[i];
+      if (may_slide_) missing = target.normal * dot(missing, target.normal);
       fit.error += target.area * dot(missing, missing);
       for (std::size_t i = 0; i < 3; ++i) fit.pull[k][i] = fit.pull[k][i] + missing * (target.area * w[i]);
     }
@@ -214,6 +238,8 @@ class ImageFitter {
   }
 
   [[nodiscard]] std::vector<Point3> solve_mass_matrix() {
+    triangle_.clear();
+    area_.clear();
     std::vector<double> diagonal(pull_.size(), 0);
     for (const Triangle& t : pixel_triangles(asset_)) {
       const double area = plane_area(t);
@@ -255,19 +281,19 @@ class ImageFitter {
 
   /// Takes back what would make a spring much shorter or longer than it was and than it should be: at folds narrower
   /// than a pixel a fit overshoots.
-  void limit(std::vector<Point3>& shift) const {
+  void limit_shifts() {
     constexpr double kShortest = 0.6, kLongest = 1.5, kKept = 0.7;
     constexpr int kSweeps = 6;
     const std::vector<std::array<uint32_t, 2>> edges = grid_edges();
     for (int sweep = 0; sweep <= kSweeps; ++sweep) {
       for (const auto& [a, b] : edges) {
-        const Point3 sampled = raster_.position[b] - raster_.position[a];
-        const double was = length(sampled), is = length(sampled + shift[first_[b]] - shift[first_[a]]);
+        const double was = distance(raster_.position[a], raster_.position[b]),
+                     is = distance(fitted_position(a), fitted_position(b));
         const double wanted =
             flat_.charts[asset_.chart[a]].spacing *
             std::hypot(raster_.place[b][0] - raster_.place[a][0], raster_.place[b][1] - raster_.place[a][1]);
         if (is >= kShortest * std::min(was, wanted) && is <= kLongest * std::max(was, wanted)) continue;
-        for (const uint32_t i : {first_[a], first_[b]}) shift[i] = shift[i] * (sweep < kSweeps ? kKept : 0.0);
+        for (const uint32_t i : {first_[a], first_[b]}) shift_[i] = shift_[i] * (sweep < kSweeps ? kKept : 0.0);
       }
     }
   }
@@ -292,8 +318,10 @@ class ImageFitter {
   const Raster& raster_;
   ClothAsset& asset_;
   std::vector<uint32_t> first_;     ///< per pixel: the first copy of its point
+  std::vector<Point3> shift_;       ///< per first copy: how far the pixel has moved [m]
   std::vector<Point3> pull_;        ///< per first copy: right side of the fit [m pixels^2]
   std::vector<uint8_t> is_split_;   ///< per pixel
+  bool may_slide_ = false;          ///< along the surface
   int places_per_edge_ = 0;         ///< of a grid triangle, at which the surface is asked
   std::vector<Triangle> triangle_;  ///< grid triangles that take part, as first copies
   std::vector<double> area_;        ///< of each in the plane, over 12 [pixels^2]
@@ -303,8 +331,11 @@ class ImageFitter {
 
 void fit_image(const FlatSurface& flat, const Raster& raster, ClothAsset& asset) {
   ImageFitter fitter(flat, raster, asset);
-  fitter.compare_cells();
-  fitter.move_pixels();
+  for (int round = 0; round < kRounds; ++round) {
+    fitter.compare_cells();
+    fitter.move_pixels();
+  }
+  fitter.finish();
   share_area(asset);
   for (SeamBend& bend : asset.seam_bends) {
     bend.rest_length = length(asset.rest_position[bend.b] - asset.rest_position[bend.a]);
