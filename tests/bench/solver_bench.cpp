@@ -47,7 +47,7 @@ Solver make_solver(const Setup& setup, SolverStatistics& statistics) {
   settings.backend = Backend::cpu;
   settings.substeps = setup.substeps;
   settings.threads = setup.threads;
-  settings.plain = setup.plain;
+  if (setup.plain) settings.path = SolverPath::plain;
   Solver solver(std::vector<ClothDesc>{{asset, material, {}}}, settings);
   std::vector<Pin> pins;
   for (const uint32_t v : asset->vertex_groups.front().source_vertex) {
