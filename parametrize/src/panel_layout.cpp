@@ -23,6 +23,7 @@
 #include "point_math.h"
 #include "refined_mesh.h"
 #include "round_chart.h"
+#include "seam_measure.h"
 #include "seam_samples.h"
 #include "seam_slide.h"
 #include "seam_steps.h"
@@ -39,7 +40,8 @@ constexpr int kNudges = 24;
 struct Plan {
   DevelopedSurface developed;
   std::vector<Outline> outlines;
-  double spacing = 0;           // [m]
+  double spacing = 0;  // [m]
+  std::vector<SeamMeasure> seams;
   std::vector<uint32_t> steps;  // per seam
   std::vector<uint8_t> round;   // per chart: non-zero where its own shape has no room for its outline
 };
@@ -57,30 +59,6 @@ double planar_distance(const Point2& a, const Point2& b) {
   return std::hypot(a[0] - b[0], a[1] - b[1]);
 }
 
-double larger_extent(const Point2& a, const Point2& b) {
-  return std::max(std::abs(a[0] - b[0]), std::abs(a[1] - b[1]));
-}
-
-/// What every segment of every seam measures [pixels]: how many steps from pixel to pixel, straight or diagonal, the
-/// longest of its runs in the plane takes, so that every chain of pixels has as many as it needs and few more.
-std::vector<std::vector<double>> segment_lengths(const Plan& plan) {
-  std::vector<std::vector<double>> lengths(plan.steps.size());
-  for (const Outline& outline : plan.outlines) {
-    for (const OutlinePath& path : outline.path) {
-      std::vector<double>& length = lengths[path.seam];
-      const size_t segments = path.vertex.size() - 1;
-      length.resize(segments, 0);
-      for (size_t i = 0; i < segments; ++i) {
-        const double run =
-            larger_extent(plan.developed.uv[path.vertex[i]], plan.developed.uv[path.vertex[i + 1]]) / plan.spacing;
-        double& longest = length[path.reversed ? segments - 1 - i : i];
-        longest = std::max(longest, run);
-      }
-    }
-  }
-  return lengths;
-}
-
 /// The spacing with which about resolution^2 pixels lie inside or on the outlines: area / h^2 + outline / (2 h).
 double choose_spacing(const std::vector<double>& area, const std::vector<Outline>& outlines,
                       const FlattenOptions& options) {
@@ -95,15 +73,6 @@ double choose_spacing(const std::vector<double>& area, const std::vector<Outline
   return 1 / per_metre;
 }
 
-/// Gives every seam at least as many steps as it is pixels long.
-void raise_steps(Plan& plan) {
-  const std::vector<std::vector<double>> lengths = segment_lengths(plan);
-  for (size_t seam = 0; seam < plan.steps.size(); ++seam) {
-    const double pixels = std::accumulate(lengths[seam].begin(), lengths[seam].end(), 0.0);
-    plan.steps[seam] = std::max(plan.steps[seam], static_cast<uint32_t>(std::lround(pixels)));
-  }
-}
-
 Plan make_plan(DevelopedSurface developed, const FlattenOptions& options) {
   Plan plan;
   plan.developed = std::move(developed);
@@ -116,7 +85,8 @@ Plan make_plan(DevelopedSurface developed, const FlattenOptions& options) {
     uint32_t& steps = plan.steps[outline.path[0].seam];
     steps = std::max(steps, kLeastLoopSteps);
   }
-  raise_steps(plan);
+  plan.seams = measure_seams(plan.outlines, plan.developed.uv, plan.spacing, plan.steps.size());
+  for (size_t s = 0; s < plan.steps.size(); ++s) plan.steps[s] = std::max(plan.steps[s], natural_steps(plan.seams[s]));
   return plan;
 }
 
@@ -172,14 +142,23 @@ std::vector<Point2> sample_places(const Laid& laid, size_t chart) {
 
 /// Where samples and charts are to lie, where that is known already.
 struct Places {
-  std::vector<std::vector<double>> at;  // per seam, as insert_seam_samples takes it; empty: evenly
-  std::vector<Point2> shift;            // per chart [pixels], against the lattice; empty: to be found
+  std::vector<SeamPlaces> seam;  // empty: in steps as equal as the seams' marks allow
+  std::vector<Point2> shift;     // per chart [pixels], against the lattice; empty: to be found
 };
 
-Laid lay_out(const Plan& plan, const Places& places = {}) {
+std::vector<SeamPlaces> even_places(const Plan& plan) {
+  std::vector<SeamPlaces> places;
+  for (size_t s = 0; s < plan.seams.size(); ++s) {
+    places.push_back({plan.seams[s].arc, spread_steps(plan.seams[s], plan.steps[s])});
+  }
+  return places;
+}
+
+Laid lay_out(const Plan& plan, Places places = {}) {
   Laid laid;
   laid.mesh = make_refined_mesh(plan.developed.cut);
-  laid.sampled = insert_seam_samples(laid.mesh, plan.outlines, plan.steps, segment_lengths(plan), places.at);
+  if (places.seam.empty()) places.seam = even_places(plan);
+  laid.sampled = insert_seam_samples(laid.mesh, plan.outlines, plan.steps, places.seam);
   laid.vertex.resize(plan.outlines.size());
   std::vector<uint8_t> met(laid.mesh.position.size(), 0);
   for (size_t t = 0; t < laid.mesh.triangle.size(); ++t) {
@@ -200,7 +179,7 @@ Laid lay_out(const Plan& plan, const Places& places = {}) {
     const RoundChart round = lay_out_round(laid.mesh, round_triangles[c], laid.sampled[c]);
     for (size_t i = 0; i < round.vertex.size(); ++i) laid.uv[round.vertex[i]] = {round.uv[i][0], -round.uv[i][1]};
   }
-  laid.shift = places.shift;
+  laid.shift = std::move(places.shift);
   for (size_t c = laid.shift.size(); c < laid.vertex.size(); ++c)
     laid.shift.push_back(shift_to_lattice(sample_places(laid, c)));
   for (size_t c = 0; c < laid.vertex.size(); ++c) {
@@ -338,16 +317,10 @@ size_t give_room(Plan& plan, const Laid& laid, std::vector<ChartChain>& charts) 
 }
 
 /// Samples slide along their seams to where they suit the pixels of all charts on them.
-/// @returns where they lie, as insert_seam_samples takes it
-std::vector<std::vector<double>> suit_samples(const Plan& plan, const Laid& laid,
-                                              const std::vector<ChartChain>& charts) {
-  const std::vector<std::vector<double>> lengths = segment_lengths(plan);
-  std::vector<SlidingSeam> seams(plan.steps.size());
-  for (size_t s = 0; s < seams.size(); ++s) {
-    seams[s].arc.assign(1, 0.0);
-    for (const double l : lengths[s]) seams[s].arc.push_back(seams[s].arc.back() + l);
-    for (uint32_t k = 0; k <= plan.steps[s]; ++k) seams[s].at.push_back(seams[s].arc.back() * k / plan.steps[s]);
-  }
+std::vector<SeamPlaces> suit_samples(const Plan& plan, const Laid& laid, const std::vector<ChartChain>& charts) {
+  std::vector<SeamPlaces> places = even_places(plan);
+  std::vector<SlidingSeam> seams(plan.seams.size());
+  for (size_t s = 0; s < seams.size(); ++s) seams[s] = {std::move(places[s]), plan.seams[s].mark, {}};
   std::vector<std::vector<Pixel>> chains;
   for (size_t c = 0; c < charts.size(); ++c) {
     const auto count = static_cast<uint32_t>(charts[c].chain.pixel.size());
@@ -366,10 +339,8 @@ std::vector<std::vector<double>> suit_samples(const Plan& plan, const Laid& laid
     chains.push_back(charts[c].chain.pixel);
   }
   slide_samples(chains, seams);
-  std::vector<std::vector<double>> at;
-  at.reserve(seams.size());
-  for (SlidingSeam& seam : seams) at.push_back(std::move(seam.at));
-  return at;
+  for (size_t s = 0; s < seams.size(); ++s) places[s] = std::move(seams[s].places);
+  return places;
 }
 
 /// Cuts a chart's rectangle out of the plane around its chain, and moves its vertices into it.

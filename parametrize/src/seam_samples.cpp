@@ -30,25 +30,25 @@ struct SeamPlan {
   std::vector<std::vector<Sample>> inserted;  // per segment, ascending
 };
 
-/// @param length  of every segment, or empty for arc length in space
-/// @param at      of every sample along that, or empty for equal steps
-SeamPlan plan_seam(RefinedMesh& mesh, const std::vector<uint32_t>& vertex, uint32_t steps,
-                   std::span<const double> length, std::span<const double> at) {
-  const size_t segments = vertex.size() - 1;
-  std::vector<double> arc(vertex.size(), 0.0);
-  for (size_t i = 0; i < segments; ++i) {
-    arc[i + 1] =
-        arc[i] + (length.empty() ? distance(mesh.position[vertex[i]], mesh.position[vertex[i + 1]]) : length[i]);
+/// Samples at equal lengths in space.
+SeamPlaces even_places(const RefinedMesh& mesh, const std::vector<uint32_t>& vertex, uint32_t steps) {
+  SeamPlaces places{{0}, {}};
+  for (size_t i = 0; i + 1 < vertex.size(); ++i) {
+    places.arc.push_back(places.arc.back() + distance(mesh.position[vertex[i]], mesh.position[vertex[i + 1]]));
   }
+  for (uint32_t j = 0; j <= steps; ++j) places.at.push_back(places.arc.back() * j / steps);
+  return places;
+}
+
+SeamPlan plan_seam(RefinedMesh& mesh, const std::vector<uint32_t>& vertex, uint32_t steps, const SeamPlaces& places) {
+  const size_t segments = vertex.size() - 1;
+  const std::vector<double>& arc = places.arc;
   const double step_length = arc.back() / steps;
   if (!(step_length > 0)) {
     throw Error(ErrorCode::verification,
                 "the seam at vertex " + std::to_string(mesh.clean_vertex[vertex[0]]) + " has no length");
   }
 
-  const auto arc_of = [&](double step) {
-    return at.empty() ? arc.back() * step / steps : at[static_cast<size_t>(std::lround(step))];
-  };
   SeamPlan plan;
   plan.step.assign(vertex.size(), -1.0);
   plan.inserted.resize(segments);
@@ -56,7 +56,7 @@ SeamPlan plan_seam(RefinedMesh& mesh, const std::vector<uint32_t>& vertex, uint3
   plan.step.back() = steps;
   size_t segment = 0;
   for (uint32_t j = 1; j < steps; ++j) {
-    const double target = arc_of(j);
+    const double target = places.at[j];
     while (segment + 1 < segments && arc[segment + 1] < target) ++segment;
     const bool to_start = target - arc[segment] <= arc[segment + 1] - target;
     const size_t nearest = to_start ? segment : segment + 1;
@@ -79,7 +79,8 @@ SeamPlan plan_seam(RefinedMesh& mesh, const std::vector<uint32_t>& vertex, uint3
   for (size_t i = 0; i < vertex.size(); ++i) {
     if (plan.step[i] >= 0) knot.push_back({arc[i], plan.step[i], i + 1});
     if (i == segments) break;
-    for (const Sample& s : plan.inserted[i]) knot.push_back({arc_of(s.step), s.step, i + 1});
+    for (const Sample& s : plan.inserted[i])
+      knot.push_back({places.at[static_cast<size_t>(std::lround(s.step))], s.step, i + 1});
   }
   for (size_t k = 0; k + 1 < knot.size(); ++k) {
     size_t last = knot[k].after;
@@ -115,8 +116,7 @@ void insert_run(RefinedMesh& mesh, const OutlinePath& path, const SeamPlan& plan
 
 std::vector<SampledOutline> insert_seam_samples(RefinedMesh& mesh, std::span<const Outline> outlines,
                                                 std::span<const uint32_t> seam_steps,
-                                                std::span<const std::vector<double>> segment_length,
-                                                std::span<const std::vector<double>> at) {
+                                                std::span<const SeamPlaces> places) {
   std::vector<SeamPlan> plan(seam_steps.size());
   std::vector<SampledOutline> sampled(outlines.size());
   for (size_t c = 0; c < outlines.size(); ++c) {
@@ -125,10 +125,8 @@ std::vector<SampledOutline> insert_seam_samples(RefinedMesh& mesh, std::span<con
       if (seam.step.empty()) {
         std::vector<uint32_t> vertex = path.vertex;
         if (path.reversed) std::reverse(vertex.begin(), vertex.end());
-        const auto of_seam = [&](std::span<const std::vector<double>> all) {
-          return all.empty() ? std::span<const double>{} : std::span<const double>(all[path.seam]);
-        };
-        seam = plan_seam(mesh, vertex, seam_steps[path.seam], of_seam(segment_length), of_seam(at));
+        const uint32_t steps = seam_steps[path.seam];
+        seam = plan_seam(mesh, vertex, steps, places.empty() ? even_places(mesh, vertex, steps) : places[path.seam]);
       }
       insert_run(mesh, path, seam, seam_steps[path.seam], sampled[c]);
     }

@@ -20,15 +20,18 @@ struct SampledOutline {
   uint32_t steps = 0;  ///< in all, once around
 };
 
-/// Divides every seam into a whole number of equal steps and inserts a vertex where a sample falls between two. Samples
-/// are found once per seam, so that all its runs get the same points at bit-identical places.
+/// Where the samples of a seam lie, in the seam's own direction.
+struct SeamPlaces {
+  std::vector<double> arc;  ///< per vertex of the seam: what counts as length along it, ascending from 0
+  std::vector<double> at;   ///< per sample, both ends included: where along that it lies, ascending
+};
+
+/// Divides every seam into a whole number of steps and inserts a vertex where a sample falls between two. Samples are
+/// found once per seam, so that all its runs get the same points at bit-identical places.
 /// @param seam_steps  per seam, > 0
-/// @param segment_length  per seam and per segment between its vertices, in the seam's own direction: what counts as
-///   length along it; empty: arc length in space
-/// @param at  per seam and per sample, ends included: where along that length the samples lie; empty: evenly
+/// @param places      per seam; empty: samples at equal lengths in space
 [[nodiscard]] std::vector<SampledOutline> insert_seam_samples(RefinedMesh& mesh, std::span<const Outline> outlines,
                                                               std::span<const uint32_t> seam_steps,
-                                                              std::span<const std::vector<double>> segment_length = {},
-                                                              std::span<const std::vector<double>> at = {});
+                                                              std::span<const SeamPlaces> places = {});
 
 }  // namespace geocloth

@@ -29,8 +29,8 @@ class Slider {
     for (size_t c = 0; c < chain.size(); ++c) place[c].resize(chain[c].size());
     for (const SlidingSeam& seam : seams) {
       for (const SeamSide& side : seam.side) {
-        for (size_t k = 0; k < seam.at.size(); ++k) {
-          place[side.chart][side.sample[k]] = place_on(seam, side, seam.at[k]).at;
+        for (size_t k = 0; k < seam.places.at.size(); ++k) {
+          place[side.chart][side.sample[k]] = place_on(seam, side, seam.places.at[k]).at;
         }
       }
     }
@@ -41,19 +41,21 @@ class Slider {
     for (int round = 0; round < kRounds; ++round) {
       for (GridRelaxation& grid : grid_) grid.sweep();
       for (SlidingSeam& seam : seams_) {
-        for (size_t k = 1; k + 1 < seam.at.size(); ++k) slide(seam, k);
+        for (size_t k = 1; k + 1 < seam.places.at.size(); ++k) {
+          if (!std::binary_search(seam.mark.begin(), seam.mark.end(), seam.places.at[k])) slide(seam, k);
+        }
       }
     }
   }
 
  private:
   static Place place_on(const SlidingSeam& seam, const SeamSide& side, double at) {
-    const auto after = std::upper_bound(seam.arc.begin() + 1, seam.arc.end() - 1, at);
-    const auto i = static_cast<size_t>(after - seam.arc.begin());
-    const double whole = seam.arc[i] - seam.arc[i - 1];
+    const auto after = std::upper_bound(seam.places.arc.begin() + 1, seam.places.arc.end() - 1, at);
+    const auto i = static_cast<size_t>(after - seam.places.arc.begin());
+    const double whole = seam.places.arc[i] - seam.places.arc[i - 1];
     const Point2 &a = side.curve[i - 1], &b = side.curve[i];
     const Point2 along = whole > 0 ? Point2{(b[0] - a[0]) / whole, (b[1] - a[1]) / whole} : Point2{0, 0};
-    const double share = at - seam.arc[i - 1];
+    const double share = at - seam.places.arc[i - 1];
     return {{a[0] + share * along[0], a[1] + share * along[1]}, along};
   }
 
@@ -75,20 +77,20 @@ class Slider {
     double first = 0, second = 0;
     for (const SeamSide& side : seam.side) {
       const GridRelaxation::Slope s = grid_[side.chart].slope(pixel(side, k));
-      const Point2 d = place_on(seam, side, seam.at[k]).along;
+      const Point2 d = place_on(seam, side, seam.places.at[k]).along;
       first += s.gradient[0] * d[0] + s.gradient[1] * d[1];
       second += s.hessian[0] * d[0] * d[0] + 2 * s.hessian[1] * d[0] * d[1] + s.hessian[2] * d[1] * d[1];
     }
     if (!(second > 0)) return;
-    const double gap = kLeastGap * seam.arc.back() / static_cast<double>(seam.at.size() - 1);
-    const double low = seam.at[k - 1] + gap, high = seam.at[k + 1] - gap;
+    const double gap = kLeastGap * seam.places.arc.back() / static_cast<double>(seam.places.at.size() - 1);
+    const double low = seam.places.at[k - 1] + gap, high = seam.places.at[k + 1] - gap;
     if (low >= high) return;
-    const double old = seam.at[k], before = energy(seam, k);
+    const double old = seam.places.at[k], before = energy(seam, k);
     for (const double share : {1.0, 0.5, 0.25, 0.125}) {
       const double trial = std::clamp(old - share * first / second, low, high);
       put(seam, k, trial);
       if (energy(seam, k) < before) {
-        seam.at[k] = trial;
+        seam.places.at[k] = trial;
         return;
       }
     }

@@ -6,6 +6,7 @@
 
 #include "geocloth/parametrize/mesh.h"
 #include "pixel_chain.h"
+#include "seam_samples.h"
 
 namespace geocloth {
 
@@ -18,8 +19,8 @@ struct SeamSide {
 
 /// A seam whose samples may move along it.
 struct SlidingSeam {
-  std::vector<double> arc;  ///< per vertex: length along the seam, ascending from 0
-  std::vector<double> at;   ///< per sample, ends included: where it lies, ascending from 0 to the last of `arc`
+  SeamPlaces places;
+  std::vector<double> mark;  ///< ascending: samples that lie here stay
   std::vector<SeamSide> side;
 };
 
