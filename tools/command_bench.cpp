@@ -33,6 +33,7 @@ struct Options {
   Backend backend = Backend::automatic;
   std::string device, scene;
   uint32_t threads = 0, size = 0, substeps = 0;  ///< 0: not given
+  SolverPath path = SolverPath::automatic;
   bool quick = false, json = false, quiet = false;
   std::vector<std::filesystem::path> compare;
 };
@@ -98,6 +99,7 @@ void measure(const Options& options) {
     settings.device = options.device;
     settings.threads = c.threads;
     settings.substeps = c.substeps;
+    settings.path = options.path;
     results.push_back(
         run_bench(std::string(c.kind->name), scene, settings, options.quick ? kQuickBudget : kFullBudget));
     if (options.json) continue;
@@ -118,6 +120,14 @@ CommandRun add_bench(CLI::App& app) {
            "default the first of the backend");
   add_number<uint32_t>(app, "--threads", "N", options->threads, 1, kMaxThreads, "threads", "for the cpu backend",
                        "1 and all of the machine's");
+  add_choice<SolverPath>(
+      app, "--path", options->path,
+      {{"auto", SolverPath::automatic},
+       {"plain", SolverPath::plain},
+       {"tiled", SolverPath::tiled},
+       {"tiny", SolverPath::tiny}},
+      "how the passes run, with the same results: plain one by one; tiled and tiny several at once in "
+      "a GPU's shared memory, where the cloth fits; auto the fastest");
   add_number<uint32_t>(app, "--size", "N", options->size, kMinSize, kMaxSize, "points",
                        "side of the sheets; a garment has about N x N points", "the scene's own sizes");
   add_number<uint32_t>(app, "--substeps", "N", options->substeps, 1, kMaxSubsteps, "substeps", "of a frame",

@@ -8,6 +8,7 @@
 #include "solver_fixture.h"
 #include "solver_impl.h"
 #include "support/count_allocations.h"
+#include "vulkan/frame_plan.h"
 
 namespace geocloth {
 namespace {
@@ -152,6 +153,104 @@ TEST(Cost, ThePlainPathIsOneDispatchForEachGroup) {
   // Two stitches and the colours of the bends over the seam.
   const BackendScene cut = make_scene({.nx = 64, .ny = 64, .charts_x = 2}, attached());
   EXPECT_EQ(count(attached(), 2).first, 18U + 2 + cut.data.cloths.front().seam_colors());
+}
+
+/// Of a dispatch, counting what its invocations load and store in images and lists of constants. A tile reads its
+/// border too; what caches keep of that is not taken off.
+double image_bytes_per_pixel(const vulkan::Dispatch& dispatch, const vulkan::FramePlan& plan,
+                             const vulkan::TileLimits& limits) {
+  if (dispatch.kind == vulkan::Dispatch::Kind::pass) return image_bytes_per_pixel(dispatch.step);
+  constexpr double kTexel = 16;
+  const double side = vulkan::tile_side(limits, dispatch.border), region = (side + 2 * dispatch.border) / side;
+  const double read = region * region;
+  const bool history = dispatch.tile.keep_history != 0;
+  double bytes = kTexel * read + kTexel + (history ? 4 * kTexel : 0);  // position; previous and carry as they are
+  bool rest = false, bent = false;
+  for (uint32_t k = dispatch.tile.first; k < dispatch.tile.first + dispatch.tile.count; ++k) {
+    const shader::TileStep& step = plan.steps[k];
+    if (step.pass == shader::kTilePredict) bytes += 2 * kTexel * read + 2 * kTexel + sizeof(uint32_t) * read;
+    if (step.pass == shader::kTileSprings && !rest) bytes += kTexel * read;    // of the family
+    if (step.pass == shader::kTileBends && !bent) bytes += 2 * kTexel * read;  // and of the structural one
+    if (step.pass == shader::kTileLimit) bytes += sizeof(shader::Attachment);
+    if (step.pass == shader::kTileCollide) bytes += 4 * kTexel;
+    rest = rest || step.pass == shader::kTileSprings;
+    bent = bent || step.pass == shader::kTileBends;
+  }
+  return bytes;
+}
+
+/// What a substep of a scene costs on a path.
+struct Cost {
+  size_t dispatches = 0;
+  double bytes_per_pixel = 0;
+};
+Cost cost_of_substep(const BackendScene& scene, SolverPath path, const vulkan::TileLimits& limits) {
+  const ScheduleOptions options = schedule_options(scene.data, 0, scene.frame);
+  const ClothData& cloth = scene.data.cloths.front();
+  const auto of_frame = [&](uint32_t substeps) {
+    const vulkan::FramePlan plan =
+        vulkan::plan_frame(path, options, substeps, {cloth.split_rows(), cloth.seam_color_offset});
+    Cost cost{plan.dispatches.size(), 0};
+    for (const vulkan::Dispatch& dispatch : plan.dispatches)
+      cost.bytes_per_pixel += image_bytes_per_pixel(dispatch, plan, limits);
+    return cost;
+  };
+  const Cost two = of_frame(2), one = of_frame(1);
+  return {two.dispatches - one.dispatches, two.bytes_per_pixel - one.bytes_per_pixel};
+}
+
+constexpr vulkan::TileLimits kGpu{
+    .shared_bytes = 49152, .invocations = 1024, .subgroup = 32, .descriptors = true, .software = false};
+
+TEST(Cost, TilesAreTwoDispatchesForASubstepAndHalfTheBytes) {
+  const BackendScene uncut = make_scene({.nx = 64, .ny = 64}, attached());
+  const Cost plain = cost_of_substep(uncut, SolverPath::plain, kGpu);
+  const Cost tiled = cost_of_substep(uncut, SolverPath::tiled, kGpu);
+  EXPECT_EQ(plain.dispatches, 18U);
+  EXPECT_EQ(tiled.dispatches, 2U);
+  EXPECT_LT(tiled.bytes_per_pixel, 0.55 * plain.bytes_per_pixel);
+  // Seams: stitches, the colours of the bends over them, attachments and colliders by themselves.
+  const BackendScene cut = make_scene({.nx = 64, .ny = 64, .charts_x = 2}, attached());
+  const size_t colors = cut.data.cloths.front().seam_colors();
+  EXPECT_EQ(cost_of_substep(cut, SolverPath::tiled, kGpu).dispatches, 2 + 2 + 2 + colors);
+}
+
+TEST(Cost, ATinyClothIsOneDispatchForAFrame) {
+  for (const uint32_t charts : {1U, 2U}) {
+    const BackendScene scene = make_scene({.nx = 40, .ny = 40, .charts_x = charts}, attached());
+    const ScheduleOptions options = schedule_options(scene.data, 0, scene.frame);
+    const ClothData& cloth = scene.data.cloths.front();
+    const vulkan::FramePlan plan =
+        vulkan::plan_frame(SolverPath::tiny, options, 6, {cloth.split_rows(), cloth.seam_color_offset});
+    EXPECT_EQ(plan.dispatches.size(), 1U);
+    EXPECT_EQ(plan.dispatches.front().tile.count, plan.steps.size());
+  }
+}
+
+TEST(Cost, PathsAreChosenByTheDeviceAndTheSize) {
+  const auto chosen = [](const vulkan::TileLimits& limits, uint32_t side, SolverPath wish, uint32_t relaxation = 1,
+                         bool fine = false) {
+    return vulkan::choose_path(limits, {wish, side, side, relaxation, fine});
+  };
+  constexpr SolverPath kAny = SolverPath::automatic;
+  EXPECT_EQ(chosen(kGpu, 55, kAny), SolverPath::tiny);
+  EXPECT_EQ(chosen(kGpu, 56, kAny), SolverPath::tiled);
+  EXPECT_EQ(chosen(kGpu, 55, kAny, 4), SolverPath::tiny);
+  EXPECT_EQ(chosen(kGpu, 56, kAny, 4), SolverPath::plain);
+  EXPECT_EQ(chosen(kGpu, 20, kAny, 1, true), SolverPath::plain);
+  EXPECT_EQ(chosen(kGpu, 20, SolverPath::tiled), SolverPath::tiled);
+  EXPECT_EQ(chosen(kGpu, 20, SolverPath::plain), SolverPath::plain);
+  vulkan::TileLimits other = kGpu;
+  other.software = true;
+  EXPECT_EQ(chosen(other, 20, kAny), SolverPath::plain);
+  EXPECT_EQ(chosen(other, 20, SolverPath::tiny), SolverPath::tiny);
+  other = kGpu;
+  other.descriptors = false;
+  EXPECT_EQ(chosen(other, 20, kAny), SolverPath::plain);
+  // The least that Vulkan promises still has tiles of a fair size, with the widest border.
+  other = kGpu;
+  other.shared_bytes = 16384;
+  EXPECT_GE(vulkan::tile_side(other, 10), 8U);
 }
 
 }  // namespace

@@ -165,6 +165,12 @@ std::vector<Case> cases() {
   list.back().on_parent = true;
   list.push_back({"soft pins", make_sheet({.nx = 60, .ny = 30}), attached(), few_substeps(), {}, {}});
   list.back().pin_frequency = 3;
+  list.push_back({"bands of rows", make_sheet({.nx = 40, .ny = 150, .charts_x = 2, .charts_y = 2, .gap = 2}),
+                  attached(), few_substeps(), all_shapes(), breeze});
+  list.back().on_parent = true;
+  list.back().pin_frequency = 3;
+  list.push_back(
+      {"bands of springs", make_sheet({.nx = 40, .ny = 170, .charts_x = 2}), stiff(), few_substeps(), {}, {}});
   list.push_back({"one substep", make_sheet({.nx = 60, .ny = 30}), stiff(), few_substeps(), {}, {}});
   list.back().settings.substeps = 1;
   for (const uint32_t n : {2U, 3U, 5U, 15U, 16U, 17U, 28U, 29U, 52U}) {

@@ -56,6 +56,40 @@ HWY_INLINE Points<D> air_acceleration(D d, const shader::ClothParams& params, co
   return scale(d, force, hn::Div(one, hn::Add(one, hn::Mul(hn::Add(drag, lift), hn::Set(d, params.dt)))));
 }
 
+/// lib/frame.h: displacement of points in a substep.
+template <class D>
+struct Field {
+  Points<D> row0, row1, row2, shift;
+
+  HWY_INLINE Field(D d, const shader::FrameField& field, float substep)
+      : row0(set(d, field.row0.x, field.row0.y, field.row0.z)),
+        row1(set(d, field.row1.x, field.row1.y, field.row1.z)),
+        row2(set(d, field.row2.x, field.row2.y, field.row2.z)),
+        shift(set(d, field.row0.w + field.drift.x * substep, field.row1.w + field.drift.y * substep,
+                  field.row2.w + field.drift.z * substep)) {}
+  HWY_INLINE Points<D> turn(D d, const Points<D>& v) const {
+    return {dot(d, row0, v), dot(d, row1, v), dot(d, row2, v)};
+  }
+  HWY_INLINE Points<D> at(D d, const Points<D>& p) const { return add(turn(d, p), shift); }
+};
+
+/// lib/frame.h: take_along().
+template <class D>
+struct FramedSteps {
+  Points<D> start, way;
+};
+template <class D>
+HWY_INLINE FramedSteps<D> take_along(D d, const shader::ClothParams& params, float substep, const Points<D>& position,
+                                     const Points<D>& way) {
+  const Field<D> whole(d, params.whole, substep), along(d, params.taken, substep);
+  const Points<D> taken = along.at(d, position);
+  const Points<D> left = sub(whole.at(d, position), taken);
+  const Points<D> turned = add(way, along.turn(d, way));
+  const Points<D> start = add(position, taken);
+  const Points<D> lost = sub(taken, sub(start, position));
+  return {start, add(add(left, scale(d, sub(turned, left), hn::Set(d, params.keep))), lost)};
+}
+
 /// lib/predict.h. What is pinned stays.
 template <class D>
 HWY_NOINLINE void predict(D d, const PassContext& context, ClothState& state, const Run& run) {
@@ -71,11 +105,13 @@ HWY_NOINLINE void predict(D d, const PassContext& context, ClothState& state, co
       acceleration = air_acceleration(d, params, context.frame.substeps[context.substep], position,
                                       scale(d, way, hn::Set(d, params.inverse_dt)), load(d, mask, at(state.normal, i)));
     }
-    const Points<D> increment = add(add(scale(d, way, keep), gravity), scale(d, acceleration, dt2));
-    const Points<D> next = add(position, increment);
-    const Points<D> lost = sub(increment, sub(next, position));
+    FramedSteps<D> step{position, scale(d, way, keep)};
+    if (params.moving != 0) step = take_along(d, params, static_cast<float>(context.substep), position, way);
+    const Points<D> increment = add(add(step.way, gravity), scale(d, acceleration, dt2));
+    const Points<D> next = add(step.start, increment);
+    const Points<D> lost = sub(increment, sub(next, step.start));
     const auto free = hn::Gt(load(d, mask, &state.inverse_mass[i]), hn::Zero(d));
-    store(d, position, mask, pp);
+    store(d, choose<D>(free, step.start, position), mask, pp);
     store(d, choose<D>(free, next, position), mask, p);
     store(d, choose<D>(free, lost, carry), mask, pc);
   });

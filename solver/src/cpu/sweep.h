@@ -49,6 +49,7 @@ struct SweepOp {
   RowKernel kernel;
   Pass pass = Pass::predict;  ///< whose time it is
   uint32_t lag = 0;
+  uint32_t rise = 0;    ///< like the lag, for passes that run upwards: what they leave to a band above
   uint32_t offset = 0;  ///< pixels from one end of a constraint to the next
   float share = 1;
   const RowStream* stream = nullptr;
@@ -58,6 +59,7 @@ struct SweepOp {
 struct Sweep {
   std::vector<SweepOp> ops;
   uint32_t last_lag = 0;  ///< of the last pass
+  uint32_t last_rise = 0;
   uint32_t distance = 0;  ///< times that the same sweep of the substep before must be ahead
 };
 
@@ -87,11 +89,29 @@ struct SweepFrame {
   double* seconds = nullptr;              ///< of a sample of the rows, for each substep one for each pass
 };
 
+/// Rows of a sweep that can be done without those of other bands. Band k leaves out the rows at its upper side that
+/// need what the band above does last; when both are done, a gap is what they have left out.
+///
+///   time   band 0 | gap | band 1        pass 0  ......|......
+///                                       pass 1  .....|-|.....
+///   pass k leaves `lag` rows at the     pass 2  ....|---|....
+///   lower side and `rise` at the upper
+struct SweepBand {
+  uint32_t first_time = 0, end_time = 0;
+  uint32_t low = 0;    ///< with `upper`: row from which on, plus its rise, a pass works
+  uint32_t high = 0;   ///< with `lower`: row up to which, plus its rise, a pass works
+  bool upper = false;  ///< a band above has the rows before
+  bool lower = false;  ///< it is a gap: a band below has the rows after
+};
+[[nodiscard]] inline SweepBand whole_sweep(const Sweep& sweep, uint32_t height) {
+  return {.first_time = 0, .end_time = height + sweep.last_lag};
+}
+
 /// Runs the sweep of one substep. Waits, row by row, until `ahead` has come far enough, and tells its own way.
 /// @param lanes  of the vectors that the streams were made for
 /// @param ahead  times that the substep before has done, or nullptr
-void run_sweep(uint32_t lanes, const SweepFrame& frame, uint32_t substep, const std::atomic<uint32_t>* ahead,
-               std::atomic<uint32_t>* own);
+void run_sweep(uint32_t lanes, const SweepFrame& frame, uint32_t substep, const SweepBand& band,
+               const std::atomic<uint32_t>* ahead, std::atomic<uint32_t>* own);
 
 /// Unit normals of the pixels of some rows from their own cells.
 /// @param runs  none reaches over the end of a row

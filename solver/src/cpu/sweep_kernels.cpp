@@ -2,7 +2,6 @@
 // The passes of shaders/lib in vectors, for every instruction set that Highway knows; the best one is chosen when the
 // program runs. Each operation is the one that the shared text names, in its order, so that the bits are the same.
 #include <chrono>
-#include <thread>
 
 #include "cpu/sweep.h"
 
@@ -24,7 +23,8 @@ namespace geocloth::cpu::HWY_NAMESPACE {
 
 #if HWY_TARGET == HWY_SCALAR  // no vectors: nothing is planned for one lane, the plain path runs
 
-void run_sweep_here(uint32_t, const SweepFrame&, uint32_t, const std::atomic<uint32_t>*, std::atomic<uint32_t>*) {}
+void run_sweep_here(uint32_t, const SweepFrame&, uint32_t, const SweepBand&, const std::atomic<uint32_t>*,
+                    std::atomic<uint32_t>*) {}
 void run_normals_here(uint32_t, ClothState& state, std::span<const Run> runs) {
   for (const Run& run : runs) normal_pixels(state, run.first, run.last);
 }
@@ -76,20 +76,6 @@ HWY_INLINE void run_row(D d, const SweepFrame& frame, const SweepOp& op, uint32_
   }
 }
 
-/// Spins a little, then lets others run: the thread ahead may be waiting for this core.
-inline void wait_until(const std::atomic<uint32_t>& progress, uint32_t time) {
-  constexpr int kSpins = 200;
-  for (int spin = 0; progress.load(std::memory_order_acquire) < time; ++spin) {
-    if (spin < kSpins) {
-#if HWY_ARCH_X86
-      __builtin_ia32_pause();
-#endif
-    } else {
-      std::this_thread::yield();
-    }
-  }
-}
-
 /// One row in so many is timed: odd and no multiple of 3, so that all groups of rows are met.
 constexpr uint32_t kSampledRows = 13;
 constexpr uint32_t kFewRows = 100;  ///< that all are timed
@@ -109,19 +95,24 @@ HWY_NOINLINE void time_rows(D d, const SweepFrame& frame, uint32_t substep, uint
   }
 }
 
+/// Whether a band has the row of a pass.
+HWY_INLINE bool has_row(const SweepBand& band, const SweepOp& op, uint32_t y, uint32_t height) {
+  return y < height && (!band.upper || y >= band.low + op.rise) && (!band.lower || y < band.high + op.rise);
+}
+
 template <class D>
-void sweep_rows(D d, const SweepFrame& frame, uint32_t substep, const std::atomic<uint32_t>* ahead,
-                std::atomic<uint32_t>* own) {
+void sweep_rows(D d, const SweepFrame& frame, uint32_t substep, const SweepBand& band,
+                const std::atomic<uint32_t>* ahead, std::atomic<uint32_t>* own) {
   const Sweep& sweep = *frame.sweep;
   const uint32_t height = frame.state->data.height, end = height + sweep.last_lag;
-  for (uint32_t time = 0; time < end; ++time) {
+  for (uint32_t time = band.first_time; time < band.end_time; ++time) {
     if (ahead != nullptr) wait_until(*ahead, std::min(end, time + sweep.distance));
     if (frame.seconds != nullptr && (end < kFewRows || time % kSampledRows == 0)) {
       time_rows(d, frame, substep, time);
     } else {
       for (const SweepOp& op : sweep.ops) {
         if (op.lag > time) break;  // lags ascend
-        if (time - op.lag < height) run_row(d, frame, op, substep, time - op.lag);
+        if (has_row(band, op, time - op.lag, height)) run_row(d, frame, op, substep, time - op.lag);
       }
     }
     if (own != nullptr) own->store(time + 1, std::memory_order_release);
@@ -137,9 +128,9 @@ HWY_INLINE void with_lanes(uint32_t lanes, const Body& body) {
   body(hn::CappedTag<float, 4>());
 }
 
-void run_sweep_here(uint32_t lanes, const SweepFrame& frame, uint32_t substep, const std::atomic<uint32_t>* ahead,
-                    std::atomic<uint32_t>* own) {
-  with_lanes(lanes, [&](auto d) HWY_ATTR { sweep_rows(d, frame, substep, ahead, own); });
+void run_sweep_here(uint32_t lanes, const SweepFrame& frame, uint32_t substep, const SweepBand& band,
+                    const std::atomic<uint32_t>* ahead, std::atomic<uint32_t>* own) {
+  with_lanes(lanes, [&](auto d) HWY_ATTR { sweep_rows(d, frame, substep, band, ahead, own); });
 }
 
 void run_normals_here(uint32_t lanes, ClothState& state, std::span<const Run> runs) {
@@ -168,9 +159,9 @@ HWY_EXPORT(run_normals_here);
 HWY_EXPORT(lanes_here);
 HWY_EXPORT(target_here);
 
-void run_sweep(uint32_t lanes, const SweepFrame& frame, uint32_t substep, const std::atomic<uint32_t>* ahead,
-               std::atomic<uint32_t>* own) {
-  HWY_DYNAMIC_DISPATCH(run_sweep_here)(lanes, frame, substep, ahead, own);
+void run_sweep(uint32_t lanes, const SweepFrame& frame, uint32_t substep, const SweepBand& band,
+               const std::atomic<uint32_t>* ahead, std::atomic<uint32_t>* own) {
+  HWY_DYNAMIC_DISPATCH(run_sweep_here)(lanes, frame, substep, band, ahead, own);
 }
 void run_normals(uint32_t lanes, ClothState& state, std::span<const Run> runs) {
   HWY_DYNAMIC_DISPATCH(run_normals_here)(lanes, state, runs);

@@ -91,10 +91,12 @@ class SweepPlanner {
     const Reach reach = reach_of(op);
     for (size_t k = 0; k < sweep.ops.size(); ++k) {
       op.lag = std::max(op.lag, sweep.ops[k].lag + reach.down + reaches_[k].up);
+      op.rise = std::max(op.rise, sweep.ops[k].rise + reach.up + reaches_[k].down);
     }
     sweep.ops.push_back(op);
     reaches_.push_back(reach);
     sweep.last_lag = op.lag;
+    sweep.last_rise = op.rise;
     // The next substep's pass j at t is on row t - lag(j); this one's pass k has to be through row t - lag(j) + down(j)
     // + up(k) by then, and so at the time t + distance.
     int64_t distance = 0;
@@ -294,11 +296,11 @@ class SweepPlanner {
   }
 
   /// Anchors stay where the pins put them during a substep, so they need not be looked up in the image.
-  std::optional<SweepOp> limit() {
+  SweepOp limit() {
     std::vector<int32_t> pin_of(state_.pixel_count(), -1);
     for (size_t k = 0; k < cloth_.pins.size(); ++k) {
       const uint32_t pixel = cloth_.pins[k].pixel.x;
-      if (state_.inverse_mass[pixel] > 0) return {};
+      if (state_.inverse_mass[pixel] > 0) continue;  // drawn along softly: nobody's anchor
       pin_of[pixel] = static_cast<int32_t>(k);
     }
     const auto anchor_of = [&](size_t i) {

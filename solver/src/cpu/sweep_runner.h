@@ -21,12 +21,12 @@ class SweepRunner {
     std::array<double, kPasses.size()>* seconds = nullptr;  ///< of each pass, added to; none: not measured
   };
 
+  using RunPass = std::function<void(const PassStep&, const PassContext&)>;
   /// Runs all substeps of a frame.
   /// @param pass  runs, and times, what does not go by rows: one entry of the schedule in one substep
   /// @return false, with nothing done, when the cloth is too narrow for vectors
   bool run(const FrameInput& frame, const ClothFrame& cloth, const ScheduleOptions& options, const Threads& threads,
-           ClothState& state, const Measuring& measuring,
-           const std::function<void(const PassStep&, const PassContext&)>& pass);
+           ClothState& state, const Measuring& measuring, const RunPass& pass);
 
   /// Unit normals of all pixels from their own cells.
   void normals(const Threads& threads, ClothState& state) const;
@@ -43,6 +43,10 @@ class SweepRunner {
 
   void prepare(const ClothState& state, const ClothFrame& cloth, const ScheduleOptions& options);
   void place_anchors(const ClothState& state);
+  /// Chooses the rows where bands begin, one band for each thread if there is room for so many.
+  void cut_bands(const ClothState& state, uint32_t threads);
+  /// Runs the plan's parts one after another, each by all threads: a sweep in bands and then the gaps between them.
+  void run_in_bands(const SweepFrame& frame, const Threads& threads, const RunPass& pass);
   /// Runs a sweep in the substeps first .. last - 1 and shares its time out among its passes.
   void run_substeps(SweepFrame& frame, const Sweep& sweep, uint32_t first, uint32_t last, const Threads& threads,
                     const Measuring& measuring);
@@ -51,6 +55,10 @@ class SweepRunner {
   bool planned_ = false;
   Recipe recipe_;
   std::unique_ptr<SweepPlan> plan_;
+  std::vector<uint32_t> bands_;  ///< rows where they begin, and the height
+  std::vector<uint32_t> first_tasks_;
+  Threads alone_{1};
+  std::vector<Threads> shares_;  ///< of a pass that does not go by rows, one for each band
   std::vector<PassContext> contexts_;
   std::vector<float> anchors_;
   std::vector<ColliderGuard> guards_;

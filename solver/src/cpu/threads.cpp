@@ -23,11 +23,18 @@ struct Threads::Arena {
 Threads::Threads(uint32_t count) : count_(std::max(1U, count)) {
   if (count_ > 1) arena_ = std::make_unique<Arena>(count_);
 }
+Threads::Threads(uint32_t part, uint32_t parts) : part_(part), parts_(parts) {}
 Threads::~Threads() = default;
 Threads::Threads(Threads&&) noexcept = default;
 Threads& Threads::operator=(Threads&&) noexcept = default;
 
 void Threads::run_range(uint32_t count, uint32_t grain, const std::function<void(uint32_t, uint32_t)>& body) const {
+  if (parts_ > 1) {
+    const uint32_t parts = count <= grain ? 1 : parts_;
+    const auto bound = [&](uint32_t k) { return static_cast<uint32_t>(uint64_t{count} * k / parts); };
+    if (part_ < parts && count > 0) body(bound(part_), bound(part_ + 1));
+    return;
+  }
   if (!arena_ || count <= grain) {
     if (count > 0) body(0, count);
     return;
