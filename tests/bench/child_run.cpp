@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// fork, a pipe for the answer, wait4 for the peak of resident memory.
+// fork, a pipe for the answer, poll to hear who is done, wait4 for the peak of resident memory.
 #include "child_run.h"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <csignal>
 #include <cstring>
 #include <exception>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
+#include <poll.h>
 #include <sys/resource.h>
 #include <sys/time.h>
 #include <sys/wait.h>
@@ -41,29 +45,38 @@ void write_all(int file, const std::string& text) {
   _exit(status);
 }
 
-}  // namespace
+/// A child at work.
+struct Child {
+  std::size_t number = 0;  ///< of its work
+  pid_t process = 0;
+  int answer = -1;  ///< the pipe that it writes to
+  std::chrono::steady_clock::time_point start;
+  std::string text;
+};
 
-ChildRun run_in_child(const std::function<std::string()>& work, unsigned limit_seconds) {
+Child start_child(std::size_t number, const std::function<std::string(std::size_t)>& work, unsigned limit_seconds) {
   std::array<int, 2> ends{};
   if (pipe(ends.data()) != 0) throw std::runtime_error("no pipe");
-  const auto start = std::chrono::steady_clock::now();
-  const pid_t child = fork();
-  if (child < 0) throw std::runtime_error("no child process");
-  if (child == 0) {
+  Child child{number, 0, ends[0], std::chrono::steady_clock::now(), {}};
+  child.process = fork();
+  if (child.process < 0) throw std::runtime_error("no child process");
+  if (child.process == 0) {
     close(ends[0]);
-    be_the_child(work, ends[1], limit_seconds);
+    be_the_child([&] { return work(number); }, ends[1], limit_seconds);
   }
   close(ends[1]);
-  ChildRun run;
-  std::array<char, 4096> buffer{};
-  for (ssize_t count = 0; (count = read(ends[0], buffer.data(), buffer.size())) > 0;) {
-    run.text.append(buffer.data(), static_cast<std::size_t>(count));
-  }
-  close(ends[0]);
+  return child;
+}
+
+/// What became of a child that has closed its pipe.
+ChildRun ended(const Child& child, unsigned limit_seconds) {
+  close(child.answer);
   int status = 0;
   rusage usage{};
-  wait4(child, &status, 0, &usage);
-  run.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  wait4(child.process, &status, 0, &usage);
+  ChildRun run;
+  run.text = child.text;
+  run.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - child.start).count();
   const auto in_seconds = [](const timeval& t) {
     return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
   };
@@ -78,6 +91,47 @@ ChildRun run_in_child(const std::function<std::string()>& work, unsigned limit_s
     run.text = "refused: " + run.text;
   }
   return run;
+}
+
+/// Waits until some child has something to say. @returns it
+std::size_t next_to_speak(const std::vector<Child>& children) {
+  std::vector<pollfd> files;
+  files.reserve(children.size());
+  for (const Child& child : children) files.push_back({child.answer, POLLIN, 0});
+  if (poll(files.data(), files.size(), -1) < 0) throw std::runtime_error("cannot wait for a child process");
+  const auto spoke = std::find_if(files.begin(), files.end(), [](const pollfd& file) { return file.revents != 0; });
+  return static_cast<std::size_t>(spoke - files.begin());
+}
+
+}  // namespace
+
+void run_in_children(std::size_t count, const std::function<std::string(std::size_t)>& work, unsigned at_once,
+                     unsigned limit_seconds, const std::function<void(std::size_t, const ChildRun&)>& done) {
+  std::vector<Child> children;
+  for (std::size_t started = 0; started < count || !children.empty();) {
+    if (started < count && children.size() < at_once) {
+      children.push_back(start_child(started++, work, limit_seconds));
+      continue;
+    }
+    const std::size_t i = next_to_speak(children);
+    std::array<char, 4096> buffer{};
+    const ssize_t read_count = read(children[i].answer, buffer.data(), buffer.size());
+    if (read_count > 0) {
+      children[i].text.append(buffer.data(), static_cast<std::size_t>(read_count));
+      continue;
+    }
+    const Child child = std::move(children[i]);
+    children.erase(children.begin() + static_cast<std::ptrdiff_t>(i));
+    done(child.number, ended(child, limit_seconds));
+  }
+}
+
+ChildRun run_in_child(const std::function<std::string()>& work, unsigned limit_seconds) {
+  ChildRun result;
+  run_in_children(
+      1, [&](std::size_t) { return work(); }, 1, limit_seconds,
+      [&](std::size_t, const ChildRun& run) { result = run; });
+  return result;
 }
 
 }  // namespace geocloth::bench

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -20,5 +21,9 @@ struct ChildRun {
 /// not the end of it.
 /// @param limit_seconds  of wall time, then the child is ended
 [[nodiscard]] ChildRun run_in_child(const std::function<std::string()>& work, unsigned limit_seconds);
+
+/// The same for work(0) to work(count - 1), several at once; done(i, run) is called as they end, in whatever order.
+void run_in_children(std::size_t count, const std::function<std::string(std::size_t)>& work, unsigned at_once,
+                     unsigned limit_seconds, const std::function<void(std::size_t, const ChildRun&)>& done);
 
 }  // namespace geocloth::bench

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How the time and the memory of a conversion grow with the number of triangles: the project's own garments, each face
-// divided into four again and again, at the default resolution, written to a file and converted as a user would.
+// How the time and the memory of a conversion grow with the number of triangles: a garment of the project's own, each
+// face divided into 1, 4, 16, 49 and 121, at the default resolution, written to a file and converted as a user would.
 //
-//   convert_bench OUT.md [TRIANGLES]     up to so many triangles, 600,000 without
+//   convert_bench OUT.md [TRIANGLES]     up to so many triangles, 300,000 without
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -33,22 +33,46 @@ struct PlainMesh {
   std::vector<Triangle> triangle;
 };
 
-/// Every triangle becomes four; a vertex in the middle of every edge.
-PlainMesh divided(const PlainMesh& mesh) {
+/// Every side of a triangle in n parts, every triangle in n^2.
+PlainMesh divided(const PlainMesh& mesh, uint32_t n) {
   PlainMesh result{mesh.position, {}};
-  std::map<std::array<uint32_t, 2>, uint32_t> middle_of;
-  const auto middle = [&](uint32_t a, uint32_t b) {
-    const std::array<uint32_t, 2> key{std::min(a, b), std::max(a, b)};
-    const auto [place, is_new] = middle_of.try_emplace(key, static_cast<uint32_t>(result.position.size()));
-    if (is_new) {
-      const Point3 &p = mesh.position[a], &q = mesh.position[b];
-      result.position.push_back({(p[0] + q[0]) / 2, (p[1] + q[1]) / 2, (p[2] + q[2]) / 2});
+  std::map<std::array<uint32_t, 3>, uint32_t> on_edge;  // lower vertex, upper vertex, steps from the lower one
+  const auto add = [&](const Triangle& t, const std::array<double, 3>& weight) {
+    Point3 p{};
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      for (std::size_t k = 0; k < 3; ++k) p[k] += mesh.position[t[corner]][k] * weight[corner] / n;
     }
-    return place->second;
+    result.position.push_back(p);
+    return static_cast<uint32_t>(result.position.size() - 1);
+  };
+  // The point i steps from corner 0 to corner 1 and j steps to corner 2.
+  const auto point = [&](const Triangle& t, uint32_t i, uint32_t j) {
+    const std::array<uint32_t, 3> weight{n - i - j, i, j};
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (weight[k] == n) return t[k];
+    }
+    const std::array<double, 3> weights{double(weight[0]), double(weight[1]), double(weight[2])};
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (weight[k] != 0) continue;
+      const uint32_t a = t[(k + 1) % 3], b = t[(k + 2) % 3];
+      const std::array<uint32_t, 3> key{std::min(a, b), std::max(a, b),
+                                        a < b ? weight[(k + 2) % 3] : weight[(k + 1) % 3]};
+      const auto known = on_edge.find(key);
+      return known != on_edge.end() ? known->second : on_edge[key] = add(t, weights);
+    }
+    return add(t, weights);
   };
   for (const Triangle& t : mesh.triangle) {
-    const uint32_t ab = middle(t[0], t[1]), bc = middle(t[1], t[2]), ca = middle(t[2], t[0]);
-    result.triangle.insert(result.triangle.end(), {{t[0], ab, ca}, {ab, t[1], bc}, {ca, bc, t[2]}, {ab, bc, ca}});
+    std::vector<std::vector<uint32_t>> row(n + 1);
+    for (uint32_t j = 0; j <= n; ++j) {
+      for (uint32_t i = 0; i + j <= n; ++i) row[j].push_back(point(t, i, j));
+    }
+    for (uint32_t j = 0; j < n; ++j) {
+      for (uint32_t i = 0; i + j < n; ++i) {
+        result.triangle.push_back({row[j][i], row[j][i + 1], row[j + 1][i]});
+        if (i + j + 1 < n) result.triangle.push_back({row[j][i + 1], row[j + 1][i + 1], row[j + 1][i]});
+      }
+    }
   }
   return result;
 }
@@ -71,8 +95,11 @@ void write_obj(const PlainMesh& mesh, const std::filesystem::path& file) {
 }
 
 /// Seconds of every stage and in all, one after the other.
-std::string seconds_of(const std::filesystem::path& file) {
-  const ConvertResult result = convert(file);
+std::string seconds_of(const std::filesystem::path& file, Layout layout) {
+  ConvertOptions options;
+  options.flatten.layout = layout;
+  options.square_if_panels_fail = false;
+  const ConvertResult result = convert(file, options);
   std::string text;
   for (const char* stage : kStages) {
     double seconds = 0;
@@ -82,17 +109,44 @@ std::string seconds_of(const std::filesystem::path& file) {
   return text + number(result.report.seconds.back().second, 3) + '\n';
 }
 
-MarkdownTable measure(const std::string& garment, std::size_t most) {
-  MarkdownTable table{garment, {"triangles", "CPU seconds", "us / (n log2 n)", "MiB", "seconds"}, {}};
+struct Sample {
+  double triangles, seconds;
+};
+
+/// The exponent e of the power law seconds ~ cost(triangles)^e that fits best: a line through the logarithms.
+template <class Cost>
+double exponent(const std::vector<Sample>& samples, const Cost& cost) {
+  double x = 0, y = 0, xx = 0, xy = 0;
+  for (const Sample& s : samples) {
+    const double lx = std::log(cost(s.triangles)), ly = std::log(s.seconds);
+    x += lx;
+    y += ly;
+    xx += lx * lx;
+    xy += lx * ly;
+  }
+  const auto n = static_cast<double>(samples.size());
+  return (n * xy - x * y) / (n * xx - x * x);
+}
+
+std::string growth_in_words(const std::vector<Sample>& samples) {
+  if (samples.size() < 2) return {};
+  return "Time grows as n^" + number(exponent(samples, [](double n) { return n; }), 3) + ", which is (n log n)^" +
+         number(exponent(samples, [](double n) { return n * std::log(n); }), 3) + ".\n\n";
+}
+
+/// The table of a layout, and below it how time grows.
+std::string measure(const PlainMesh& garment, Layout layout, std::size_t most) {
+  const std::string name = geocloth::to_string(layout);
+  MarkdownTable table{name, {"triangles", "CPU seconds", "us / (n log2 n)", "MiB", "seconds"}, {}};
   for (const char* stage : kStages) table.column.emplace_back(stage);
-  const TriangleMesh file =
-      import_mesh(std::filesystem::path(GEOCLOTH_SOURCE_DIR "/meshes/garments") / (garment + ".obj"));
-  PlainMesh mesh{file.position, file.triangle};
   const std::filesystem::path path =
       std::filesystem::temp_directory_path() / ("geocloth_convert_bench_" + std::to_string(getpid()) + ".obj");
-  for (; mesh.triangle.size() <= most; mesh = divided(mesh)) {
+  std::vector<Sample> samples;
+  for (const uint32_t parts : {1U, 2U, 4U, 7U, 11U}) {
+    if (garment.triangle.size() * parts * parts > most) break;
+    const PlainMesh mesh = divided(garment, parts);
     write_obj(mesh, path);
-    const ChildRun run = run_in_child([&] { return seconds_of(path); }, kLimitSeconds);
+    const ChildRun run = run_in_child([&] { return seconds_of(path, layout); }, kLimitSeconds);
     std::vector<std::string> row{std::to_string(mesh.triangle.size())};
     if (run.done) {
       std::vector<std::string> seconds;
@@ -100,6 +154,7 @@ MarkdownTable measure(const std::string& garment, std::size_t most) {
         seconds.push_back(run.text.substr(at, end - at));
       }
       const auto n = static_cast<double>(mesh.triangle.size());
+      samples.push_back({n, run.cpu_seconds});
       row.push_back(number(run.cpu_seconds, 3));
       row.push_back(number(1e6 * run.cpu_seconds / (n * std::log2(n)), 2));
       row.push_back(std::to_string(run.peak_memory_bytes >> 20U));
@@ -109,11 +164,11 @@ MarkdownTable measure(const std::string& garment, std::size_t most) {
       row.push_back(run.text);
     }
     for (const std::string& cell : row) std::cout << cell << " | ";
-    std::cout << garment << std::endl;
+    std::cout << name << std::endl;
     table.row.push_back(row);
   }
   std::filesystem::remove(path);
-  return table;
+  return to_markdown(table) + growth_in_words(samples);
 }
 
 }  // namespace
@@ -126,14 +181,19 @@ int main(int argc, char** argv) {
   }
   try {
     using namespace geocloth::bench;
-    const std::size_t most = argc == 3 ? std::stoul(argv[2]) : 600'000;
+    const std::size_t most = argc == 3 ? std::stoul(argv[2]) : 300'000;
     std::string text =
         "# Time of a conversion against the size of the mesh\n\n"
-        "Made by `convert_bench tests/bench/results/convert_time.md`: the project's own garments, every triangle "
+        "Made by `convert_bench tests/bench/results/convert_time.md`: the project's own T-shirt, every triangle "
         "divided "
-        "into four again and again, at the default resolution. Where time grows as n log n, the third column stays the "
-        "same or falls. MiB is the peak of the process; seconds, of all and per stage, are wall time.\n\n";
-    for (const char* garment : {"t_shirt", "poncho"}) text += to_markdown(measure(garment, most));
+        "into 1 to 121, at the default resolution. Where time grows as n log n, the third column stays the same or "
+        "falls. CPU seconds are of all threads; MiB is the peak of the process; seconds, of all and per stage, are "
+        "wall "
+        "time.\n\n";
+    const geocloth::TriangleMesh file = geocloth::import_mesh(GEOCLOTH_SOURCE_DIR "/meshes/garments/t_shirt.obj");
+    for (const geocloth::Layout layout : {geocloth::Layout::panels, geocloth::Layout::square}) {
+      text += measure({file.position, file.triangle}, layout, most);
+    }
     geocloth::write_file(argv[1], text);
     return EXIT_SUCCESS;
   } catch (const std::exception& e) {

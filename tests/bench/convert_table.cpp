@@ -3,14 +3,18 @@
 // what misses its target marked; or the reason why a file was refused. Times stand in a table of their own, so that a
 // change of the other lines in git is a change of the geometry.
 //
-//   convert_table FOLDER OUT.md [--resolution N] [--compare OLD.md] [--only PART_OF_NAME]
+//   convert_table FOLDER OUT.md [--resolution N] [--compare OLD.md] [--only PART_OF_NAME] [--jobs N]
+//
+// Rows that are done stand in OUT.md.part until the table is whole: the same program, ended early, goes on from there.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <iostream>
 #include <map>
 #include <set>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "child_run.h"
@@ -30,6 +34,7 @@ struct Settings {
   std::filesystem::path folder, out, old;
   std::string only;
   uint32_t resolution = FlattenOptions{}.resolution;
+  unsigned jobs = std::max(1U, std::thread::hardware_concurrency());
 };
 
 std::string number(double value, int digits) {
@@ -79,10 +84,15 @@ double peer_measure(const Quality& q, const std::string& key) {
   return key == "seam_length" ? q.seam_length : q.l2_stretch;
 }
 
-/// Bold where the target is missed, in italics where it is missed by little. Only garments have targets.
+/// Only garments have targets.
+bool is_garment(const std::filesystem::path& file) {
+  return file.parent_path().filename() == "garments";
+}
+
+/// Bold where the target is missed, in italics where it is missed by little.
 std::string marked(const Measure& measure, const std::filesystem::path& file, const ConvertResult& result) {
   std::string value = measure.value.substr(0, measure.value.find_first_of(" \xC2"));  // without a unit
-  Verdict verdict = file.parent_path().filename() == "garments" ? measure.verdict : Verdict::none;
+  Verdict verdict = is_garment(file) ? measure.verdict : Verdict::none;
   for (const PeerTarget& peer : kPeerTargets) {
     if (measure.key != peer.key || file.stem() != peer.mesh || result.asset.layout != peer.layout) continue;
     verdict = peer_measure(result.report.quality, peer.key) <= peer.at_most ? Verdict::met : Verdict::missed;
@@ -151,45 +161,127 @@ std::string without_folder(std::string text, const std::filesystem::path& file) 
   return text;
 }
 
+/// A mesh in one layout.
+struct Row {
+  std::vector<std::string> cells;  ///< of the table of measures
+  std::vector<std::string> time;   ///< of the table of times; empty where the mesh was refused
+};
+
+/// Rows that are done, by layout and mesh, kept in a file while the others are made.
+class DoneRows {
+ public:
+  DoneRows(const Settings& settings, const std::filesystem::path& file) : file_(file) {
+    const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe");
+    const std::string key = std::to_string(settings.resolution) + " " +
+                            std::to_string(std::filesystem::last_write_time(program).time_since_epoch().count());
+    std::ifstream before(file_);
+    std::string line;
+    const bool same = std::getline(before, line) && line == key;
+    while (same && std::getline(before, line)) {
+      std::vector<std::string> cells = split(line);
+      const auto at = cells.begin() + 2;
+      const auto times = static_cast<std::ptrdiff_t>(std::stoul(cells[1]));
+      rows_[cells[0]] = {{at + times, cells.end()}, {at, at + times}};
+    }
+    before.close();
+    out_.open(file_, same ? std::ios::app : std::ios::trunc);
+    if (!same) out_ << key << std::endl;
+  }
+
+  [[nodiscard]] const Row* find(const std::string& name) const {
+    const auto found = rows_.find(name);
+    return found == rows_.end() ? nullptr : &found->second;
+  }
+  void add(const std::string& name, const Row& row) {
+    rows_[name] = row;
+    out_ << name << kNextCell << row.time.size() << kNextCell;
+    for (const auto& cells : {row.time, row.cells}) {
+      for (const std::string& cell : cells) out_ << cell << kNextCell;
+    }
+    out_ << std::endl;
+  }
+  void forget() {
+    out_.close();
+    std::filesystem::remove(file_);
+  }
+
+ private:
+  std::filesystem::path file_;
+  std::ofstream out_;
+  std::map<std::string, Row> rows_;
+};
+
+constexpr Layout kLayouts[] = {Layout::panels, Layout::square};
+
+struct Job {
+  std::string mesh;  ///< relative to the folder
+  std::filesystem::path file;
+  Layout layout;
+  [[nodiscard]] std::string name() const { return std::string(geocloth::to_string(layout)) + " " + mesh; }
+};
+
+Row to_row(const Job& job, const ChildRun& run) {
+  Row row{{job.mesh}, {}};
+  if (!run.done) {
+    row.cells.push_back(without_folder(run.text, job.file));
+    std::replace(row.cells.back().begin(), row.cells.back().end(), '\n', ' ');
+    return row;
+  }
+  const std::vector<std::string> cells = split(run.text);
+  row.cells.insert(row.cells.end(), cells.begin(), cells.end() - 1);
+  row.time = {job.mesh, number(run.cpu_seconds, 2), std::to_string(run.peak_memory_bytes >> 20U), cells.back()};
+  return row;
+}
+
+/// Converts what is not done yet, the largest files first, so that no long one is alone at the end.
+void make_rows(const Settings& settings, std::vector<Job> jobs, DoneRows& rows) {
+  std::erase_if(jobs, [&](const Job& job) { return rows.find(job.name()) != nullptr; });
+  std::stable_sort(jobs.begin(), jobs.end(), [](const Job& a, const Job& b) {
+    return std::filesystem::file_size(a.file) > std::filesystem::file_size(b.file);
+  });
+  const auto convert_one = [&](std::size_t i) {
+    ConvertOptions options;
+    options.flatten.layout = jobs[i].layout;
+    options.flatten.resolution = settings.resolution;
+    options.square_if_panels_fail = false;
+    return convert_to_cells(jobs[i].file, options);
+  };
+  run_in_children(jobs.size(), convert_one, settings.jobs, kLimitSeconds, [&](std::size_t i, const ChildRun& run) {
+    const Row row = to_row(jobs[i], run);
+    rows.add(jobs[i].name(), row);
+    std::cout << geocloth::to_string(jobs[i].layout) << " | ";
+    for (const std::string& cell : row.cells) std::cout << cell << " | ";
+    std::cout << number(run.cpu_seconds, 2) << " s" << std::endl;
+  });
+}
+
 struct LayoutTables {
   MarkdownTable measures, times;
   std::string summary;
 };
 
-LayoutTables tables_of(const Settings& settings, Layout layout) {
-  ConvertOptions options;
-  options.flatten.layout = layout;
-  options.flatten.resolution = settings.resolution;
-  options.square_if_panels_fail = false;
+LayoutTables tables_of(const std::vector<Job>& jobs, Layout layout, const DoneRows& rows) {
   const std::string name = geocloth::to_string(layout);
   LayoutTables tables;
   tables.measures = {name, {"mesh", "faces", "surface", "carried", "charts"}, {}};
   for (const Column& column : kColumns) tables.measures.column.emplace_back(column.title);
   tables.measures.column.emplace_back(kMissed);
-  tables.times = {name + ", time and memory", {"mesh", "seconds", "CPU seconds", "MiB", "stages"}, {}};
-
-  const std::vector<std::filesystem::path> files = meshes_in(settings);
-  std::size_t done = 0, all_met = 0;
-  for (const auto& file : files) {
-    const std::string mesh = std::filesystem::relative(file, settings.folder).string();
-    const ChildRun run = run_in_child([&] { return convert_to_cells(file, options); }, kLimitSeconds);
-    std::vector<std::string> row{mesh};
-    if (run.done) {
-      const std::vector<std::string> cells = split(run.text);
-      row.insert(row.end(), cells.begin(), cells.end() - 1);
-      ++done;
-      if (row.back() == "0") ++all_met;
-      tables.times.row.push_back(
-          {mesh, number(run.seconds, 2), std::to_string(run.peak_memory_bytes >> 20U), cells.back()});
-    } else {
-      row.push_back(without_folder(run.text, file));
-    }
-    for (const std::string& cell : row) std::cout << cell << " | ";
-    std::cout << number(run.seconds, 2) << " s" << std::endl;
-    tables.measures.row.push_back(row);
+  tables.times = {name + ", time and memory", {"mesh", "CPU seconds", "MiB", "stages"}, {}};
+  std::size_t all = 0, garments = 0, all_met = 0;
+  for (const Job& job : jobs) {
+    if (job.layout != layout) continue;
+    const Row& row = *rows.find(job.name());
+    ++all;
+    tables.measures.row.push_back(row.cells);
+    if (row.time.empty()) continue;
+    tables.times.row.push_back(row.time);
+    if (!is_garment(job.file)) continue;
+    ++garments;
+    if (row.cells.back() == "0") ++all_met;
   }
-  tables.summary = "- " + name + ": " + std::to_string(done) + " of " + std::to_string(files.size()) + " converted, " +
-                   std::to_string(all_met) + " of them with nothing missed.\n";
+  tables.summary = "- " + name + ": " + std::to_string(tables.times.row.size()) + " of " + std::to_string(all) +
+                   " converted; " + std::to_string(all_met) + " of " + std::to_string(garments) +
+                   " garments miss nothing.\n";
   return tables;
 }
 
@@ -199,9 +291,17 @@ std::string text_of(const std::filesystem::path& file) {
 }
 
 int run(const Settings& settings) {
+  std::vector<Job> jobs;
+  for (const Layout layout : kLayouts) {
+    for (const auto& file : meshes_in(settings)) {
+      jobs.push_back({std::filesystem::relative(file, settings.folder).string(), file, layout});
+    }
+  }
+  DoneRows rows(settings, settings.out.string() + ".part");
+  make_rows(settings, jobs, rows);
   std::string measures, times, summary;
-  for (const Layout layout : {Layout::panels, Layout::square}) {
-    const LayoutTables tables = tables_of(settings, layout);
+  for (const Layout layout : kLayouts) {
+    const LayoutTables tables = tables_of(jobs, layout, rows);
     measures += to_markdown(tables.measures);
     times += to_markdown(tables.times);
     summary += tables.summary;
@@ -216,7 +316,8 @@ int run(const Settings& settings) {
       "been refused. Springs are structural, relative to the nominal spacing; angles in degrees off a right one, PSNR "
       "in "
       "dB, deviation relative to the diagonal, seam relative to the square root of the area, border and utilisation in "
-      "percent of the pixels. **Bold**: a target is missed; *italics*: by little; \"missed\" counts both. Targets are "
+      "percent of the pixels. Conversions run side by side, so times of stages are longer than alone; CPU seconds are "
+      "not. **Bold**: a target is missed; *italics*: by little; \"missed\" counts both. Targets are "
       "those "
       "of `tools/report/targets.cpp`, and hold for garments.\n\n" +
       summary + "\n" + measures + times;
@@ -228,6 +329,7 @@ int run(const Settings& settings) {
               << differences(parse_markdown(text_of(settings.old)), parse_markdown(text), direction) << std::flush;
   }
   write_file(settings.out, text);
+  rows.forget();
   return EXIT_SUCCESS;
 }
 
@@ -250,6 +352,8 @@ int main(int argc, char** argv) {
         settings.old = value;
       } else if (option == "--only") {
         settings.only = value;
+      } else if (option == "--jobs") {
+        settings.jobs = std::max(1U, static_cast<unsigned>(std::stoul(value)));
       } else {
         good = false;
       }
@@ -259,6 +363,7 @@ int main(int argc, char** argv) {
     std::cerr << e.what() << '\n';
     return EXIT_FAILURE;
   }
-  std::cerr << "usage: convert_table FOLDER OUT.md [--resolution N] [--compare OLD.md] [--only PART_OF_NAME]\n";
+  std::cerr
+      << "usage: convert_table FOLDER OUT.md [--resolution N] [--compare OLD.md] [--only PART_OF_NAME] [--jobs N]\n";
   return 2;
 }
