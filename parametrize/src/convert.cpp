@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <new>
+#include <optional>
 #include <utility>
 
 #include <sys/resource.h>
@@ -218,6 +220,48 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& optio
   return result;
 }
 
+/// The way to the origin for a mesh so far from it that single precision, in which assets and solvers count, would show
+/// in its springs; nothing for one that can stay where it is.
+std::optional<Point3> way_to_origin(const TriangleMesh& mesh) {
+  constexpr double kFar = 100;  // diagonals
+  std::vector<Point3> used;
+  used.reserve(mesh.triangle.size() * 3);
+  for (const Triangle& t : mesh.triangle) {
+    for (const uint32_t v : t) used.push_back(mesh.position[v]);
+  }
+  if (used.empty()) return std::nullopt;
+  Point3 low = used[0], high = used[0];
+  for (const Point3& p : used) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      low[k] = std::min(low[k], p[k]);
+      high[k] = std::max(high[k], p[k]);
+    }
+  }
+  const Point3 middle = (low + high) * 0.5;
+  return length(middle) > kFar * distance(low, high) ? std::optional(middle * -1) : std::nullopt;
+}
+
+std::string warning_of_move(const Point3& way) {
+  char text[256];
+  std::snprintf(text, sizeof text,
+                "the mesh lies %.3g m from the origin, too far for single precision: the asset is moved by (%.9g, "
+                "%.9g, %.9g) m to the origin; move it there in the file to have it where colliders are",
+                length(way), way[0], way[1], way[2]);
+  return text;
+}
+
+ConvertResult convert_near_origin(TriangleMesh mesh, const ConvertOptions& options, const Progress& progress,
+                                  Stages& stages, const StageFiles& files) {
+  files.save(mesh);
+  const std::optional<Point3> way = way_to_origin(mesh);
+  if (!way) return convert_mesh(mesh, options, progress, stages, files);
+  for (Point3& p : mesh.position) p = p + *way;
+  ConvertResult result = convert_mesh(mesh, options, progress, stages, files);
+  result.report.moved = *way;
+  result.report.warnings.insert(result.report.warnings.begin(), warning_of_move(*way));
+  return result;
+}
+
 TriangleMesh chosen_parts(TriangleMesh mesh, const ConvertOptions& options) {
   if (options.parts.empty()) return mesh;
   return select_parts(with_choosable_parts(std::move(mesh)), options.parts);
@@ -239,9 +283,7 @@ ConvertResult convert(const TriangleMesh& mesh, const ConvertOptions& options, c
   return translated([&] {
     const StageFiles files(options.stages);
     Stages stages(progress);
-    const TriangleMesh chosen = chosen_parts(mesh, options);
-    files.save(chosen);
-    return convert_mesh(chosen, options, progress, stages, files);
+    return convert_near_origin(chosen_parts(mesh, options), options, progress, stages, files);
   });
 }
 
@@ -250,10 +292,9 @@ ConvertResult convert(const std::filesystem::path& path, const ConvertOptions& o
     return translated([&] {
       const StageFiles files(options.stages);
       Stages stages(progress);
-      const TriangleMesh mesh =
+      TriangleMesh mesh =
           stages.run("import", [&] { return chosen_parts(import_mesh(path, options.import), options); });
-      files.save(mesh);
-      return convert_mesh(mesh, options, progress, stages, files);
+      return convert_near_origin(std::move(mesh), options, progress, stages, files);
     });
   } catch (const Error& e) {
     const std::string message = e.what();

@@ -230,6 +230,27 @@ TEST(ConvertReport, HasEveryKey) {
   EXPECT_EQ(json["source"]["faces"], 480);
 }
 
+// A garment placed in a city's coordinates: single precision is too coarse for its springs there.
+TEST(Convert, BringsAMeshFromFarAwayToTheOrigin) {
+  TriangleMesh mesh = tube();
+  const ConvertResult near = convert(mesh, small());
+  EXPECT_EQ(near.report.moved, (Point3{0, 0, 0}));
+  for (Point3& p : mesh.position) p = {p[0] + 3e6, p[1], p[2] - 2e6};
+  const ConvertResult far = convert(mesh, small());
+  EXPECT_LE(far.report.quality.binding_error, 1e-6);
+  EXPECT_NEAR(far.report.quality.spring_min, near.report.quality.spring_min, 1e-3);
+  EXPECT_NEAR(far.report.moved[0], -3e6, 10);
+  EXPECT_NEAR(far.report.moved[2], 2e6, 10);
+  ASSERT_FALSE(far.report.warnings.empty());
+  EXPECT_THAT(far.report.warnings[0], ::testing::HasSubstr("from the origin"));
+  for (size_t v = 0; v < mesh.position.size(); ++v) {
+    const Vec3& p = far.asset.source.position[v];
+    const Point3& was = mesh.position[far.asset.source.source_vertex[v]];
+    EXPECT_NEAR(double{p.x}, was[0] + far.report.moved[0], 1e-5);
+    EXPECT_NEAR(double{p.z}, was[2] + far.report.moved[2], 1e-5);
+  }
+}
+
 TEST(ConvertReport, CountsTheTimeOfBothLayoutsWhereSquaresTakeOver) {
   // Panels have no pixels for the seams of a closed surface at this resolution.
   ConvertOptions options = small(Layout::panels);

@@ -51,6 +51,9 @@ struct ConvertReport {
   Topology source;
   double source_bbox_diagonal = 0;                 ///< [m]
   uint32_t source_vertices = 0, source_faces = 0;  ///< as counted in the file (faces: polygons)
+  /// [m] How far the asset was moved from where the file has it: nowhere, unless that is so far from the origin that
+  /// single precision could not tell its points apart.
+  Point3 moved{};
   std::vector<Repair> repairs;
   Topology cleaned;
   double cleaned_bbox_diagonal = 0;  ///< [m]
