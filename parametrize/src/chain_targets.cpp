@@ -9,8 +9,7 @@
 namespace geocloth {
 namespace {
 
-constexpr double kReach = 1.5;  // [pixels] what lies further away does not matter
-constexpr double kApart = 1;    // [pixels] that opposite sides want between them
+constexpr double kSlit = 1;  // [pixels] that the sides of a slit want between them
 
 /// The outline's edges, sorted into squares of the lattice.
 class EdgeGrid {
@@ -29,11 +28,12 @@ class EdgeGrid {
   }
 
   /// How far the ray from sample i along a unit vector goes before it meets an edge that does not end there.
-  [[nodiscard]] double room(uint32_t i, const Point2& direction) const {
+  /// @param reach  [pixels] what lies further away does not matter
+  [[nodiscard]] double room(uint32_t i, const Point2& direction, double reach) const {
     const Point2& from = sample_[i];
-    const Point2 to{from[0] + kReach * direction[0], from[1] + kReach * direction[1]};
+    const Point2 to{from[0] + reach * direction[0], from[1] + reach * direction[1]};
     const auto count = static_cast<uint32_t>(sample_.size());
-    double room = kReach;
+    double room = reach;
     for_cells(from, to, [&](uint64_t c) {
       for (auto e = std::lower_bound(entry_.begin(), entry_.end(), std::pair<uint64_t, uint32_t>(c, 0));
            e != entry_.end() && e->first == c; ++e) {
@@ -82,7 +82,7 @@ class EdgeGrid {
 
 }  // namespace
 
-std::vector<Point2> chain_targets(std::span<const Point2> sample) {
+std::vector<Point2> chain_targets(std::span<const Point2> sample, double inside) {
   const EdgeGrid edges(sample);
   const auto count = static_cast<uint32_t>(sample.size());
   std::vector<Point2> target;
@@ -94,8 +94,9 @@ std::vector<Point2> chain_targets(std::span<const Point2> sample) {
     if (l > 0) {
       // Left of the outline's direction; v runs down.
       const Point2 inward{dy / l, -dx / l}, outward{-inward[0], -inward[1]};
-      const double inside = edges.room(i, inward), outside = edges.room(i, outward);
-      const double most = (inside - kApart) / 2, least = (kApart - outside) / 2;
+      constexpr double kMargin = 0.5;
+      const double most = (edges.room(i, inward, inside + kMargin) - inside) / 2;
+      const double least = (kSlit - edges.room(i, outward, kSlit + kMargin)) / 2;
       const double shift = least > most ? (least + most) / 2 : std::clamp(0.0, least, most);
       p = {p[0] + shift * inward[0], p[1] + shift * inward[1]};
     }

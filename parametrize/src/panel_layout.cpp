@@ -13,8 +13,8 @@
 #include <numeric>
 #include <string>
 
-#include "chain_conflicts.h"
 #include "chain_targets.h"
+#include "chart_chain.h"
 #include "develop.h"
 #include "geocloth/asset/error.h"
 #include "lattice_shift.h"
@@ -34,7 +34,11 @@ namespace {
 constexpr uint32_t kLeastLoopSteps = 4;  // a closed chain without sharp turns
 constexpr double kLeastCut = 5;          // [pixels] shorter cut extensions are not worth their pixels
 constexpr int kRounds = 40;
-constexpr int kNudges = 24;
+
+/// What a chart looks like to the pixels of its outline: as it is; where that has no room for them, as if it were a few
+/// pixels wide everywhere; where that has none either, round.
+enum class Shape : uint8_t { own, widened, round };
+constexpr double kNarrow = 1, kWide = 3;  // [pixels] that opposite sides keep between them
 
 /// Everything about the charts that their pixels depend on.
 struct Plan {
@@ -43,7 +47,7 @@ struct Plan {
   double spacing = 0;  // [m]
   std::vector<SeamMeasure> seams;
   std::vector<uint32_t> steps;  // per seam
-  std::vector<uint8_t> round;   // per chart: non-zero where its own shape has no room for its outline
+  std::vector<Shape> shape;     // per chart
 };
 
 std::vector<double> chart_areas(const CutSurface& cut) {
@@ -53,10 +57,6 @@ std::vector<double> chart_areas(const CutSurface& cut) {
     area[cut.component[t]] += triangle_area(cut.position[k[0]], cut.position[k[1]], cut.position[k[2]]);
   }
   return area;
-}
-
-double planar_distance(const Point2& a, const Point2& b) {
-  return std::hypot(a[0] - b[0], a[1] - b[1]);
 }
 
 /// The spacing with which about resolution^2 pixels lie inside or on the outlines: area / h^2 + outline / (2 h).
@@ -78,7 +78,7 @@ Plan make_plan(DevelopedSurface developed, const FlattenOptions& options) {
   plan.developed = std::move(developed);
   plan.outlines = trace_outlines(plan.developed.cut);
   plan.spacing = choose_spacing(chart_areas(plan.developed.cut), plan.outlines, options);
-  plan.round.assign(plan.outlines.size(), 0);
+  plan.shape.assign(plan.outlines.size(), Shape::own);
   plan.steps = least_seam_steps(plan.developed.cut, plan.outlines);
   for (const Outline& outline : plan.outlines) {
     if (outline.path.size() != 1) continue;
@@ -169,13 +169,13 @@ Laid lay_out(const Plan& plan, Places places = {}) {
   }
   laid.uv = refined_coordinates(plan, laid.mesh, laid.sampled);
   for (Point2& p : laid.uv) p = {p[0] / plan.spacing, -p[1] / plan.spacing};
-  std::vector<std::vector<uint32_t>> round_triangles(plan.round.size());
+  std::vector<std::vector<uint32_t>> round_triangles(plan.shape.size());
   for (uint32_t t = 0; t < laid.mesh.triangle.size(); ++t) {
     const uint32_t c = laid.mesh.component[t];
-    if (plan.round[c] != 0) round_triangles[c].push_back(t);
+    if (plan.shape[c] == Shape::round) round_triangles[c].push_back(t);
   }
-  for (size_t c = 0; c < plan.round.size(); ++c) {
-    if (plan.round[c] == 0) continue;
+  for (size_t c = 0; c < plan.shape.size(); ++c) {
+    if (plan.shape[c] != Shape::round) continue;
     const RoundChart round = lay_out_round(laid.mesh, round_triangles[c], laid.sampled[c]);
     for (size_t i = 0; i < round.vertex.size(); ++i) laid.uv[round.vertex[i]] = {round.uv[i][0], -round.uv[i][1]};
   }
@@ -190,104 +190,14 @@ Laid lay_out(const Plan& plan, Places places = {}) {
   return laid;
 }
 
-/// Twice the area inside a closed chain, positive when it runs counter-clockwise seen with v up.
-int64_t chain_area(const std::vector<Pixel>& chain) {
-  int64_t sum = 0;
-  for (size_t i = 0; i < chain.size(); ++i) {
-    const Pixel &a = chain[i], &b = chain[(i + 1) % chain.size()];
-    sum += int64_t{b[0]} * a[1] - int64_t{a[0]} * b[1];
-  }
-  return sum;
-}
-
-/// The outline pixels of one chart, and what was asked for.
-struct ChartChain {
-  std::vector<Point2> target;
-  std::vector<ApartSamples> apart;
-  PixelChain chain;
-
-  void place(std::vector<Pixel> start) {
-    chain = place_chain(target, apart, std::move(start));
-    if (chain.result == PixelChain::Result::found && chain_area(chain.pixel) <= 0) {
-      chain.result = PixelChain::Result::crowded;
-    }
-  }
-};
-
-/// Samples that are neighbours on the lattice but lie far apart in the plane: a spring between them would be long.
-std::vector<ApartSamples> overstretched(const ChartChain& chart) {
-  constexpr double kLongest = 1.8;  // [pixels]
-  std::vector<std::pair<Pixel, uint32_t>> place;
-  const auto count = static_cast<uint32_t>(chart.chain.pixel.size());
-  for (uint32_t i = 0; i < count; ++i) place.emplace_back(chart.chain.pixel[i], i);
-  std::sort(place.begin(), place.end());
-  std::vector<ApartSamples> pairs;
-  for (const auto& [p, i] : place) {
-    for (const Pixel& q : {Pixel{p[0] + 1, p[1]}, Pixel{p[0], p[1] + 1}}) {
-      const auto other = std::lower_bound(place.begin(), place.end(), std::pair<Pixel, uint32_t>(q, 0));
-      if (other == place.end() || other->first != q) continue;
-      const uint32_t low = std::min(i, other->second), high = std::max(i, other->second);
-      if (high - low == 1 || high - low == count - 1) continue;
-      if (planar_distance(chart.target[low], chart.target[high]) > kLongest) pairs.push_back({low, high, 2});
-    }
-  }
-  return pairs;
-}
-
-/// Moves such samples apart where that is possible.
-void part_overstretched(ChartChain& chart) {
-  constexpr int kTries = 3;
-  std::vector<ApartSamples> pairs = overstretched(chart);
-  for (int attempt = 0; attempt < kTries && !pairs.empty(); ++attempt) {
-    ChartChain trial = chart;
-    trial.apart.insert(trial.apart.end(), pairs.begin(), pairs.end());
-    trial.place(chart.chain.pixel);
-    std::vector<ApartSamples> left = overstretched(trial);
-    if (trial.chain.result != PixelChain::Result::found || left.size() >= pairs.size()) return;
-    chart = std::move(trial);
-    pairs = std::move(left);
-  }
-}
-
 /// Finds the pixels of all charts; those whose targets are as before keep what they had.
-void place_chains(const Laid& laid, std::vector<ChartChain>& charts) {
+void place_chains(const Plan& plan, const Laid& laid, std::vector<ChartChain>& charts) {
   charts.resize(laid.sampled.size());
   for (size_t c = 0; c < charts.size(); ++c) {
-    std::vector<Point2> target = chain_targets(sample_places(laid, c));
-    if (target == charts[c].target) continue;
-    charts[c] = {std::move(target), {}, {}};
-    charts[c].place({});
-    if (charts[c].chain.result == PixelChain::Result::found) part_overstretched(charts[c]);
+    std::vector<Point2> target =
+        chain_targets(sample_places(laid, c), plan.shape[c] == Shape::widened ? kWide : kNarrow);
+    if (target != charts[c].target) charts[c] = place_chart(std::move(target));
   }
-}
-
-/// Moves outline pixels apart that would pinch the welded surface between them.
-/// @returns the charts in which that did not succeed
-std::vector<size_t> part_pinches(const Laid& laid, std::vector<ChartChain>& charts) {
-  std::vector<PointChain> chains(charts.size());
-  for (size_t c = 0; c < charts.size(); ++c) {
-    for (const uint32_t v : sample_vertices(laid.sampled[c])) chains[c].point.push_back(laid.mesh.point[v]);
-  }
-  std::vector<size_t> pinched;
-  for (int nudge = 0; nudge < kNudges; ++nudge) {
-    for (size_t c = 0; c < charts.size(); ++c) chains[c].pixel = charts[c].chain.pixel;
-    pinched.clear();
-    for (const ChainConflict& conflict : chain_conflicts(chains)) {
-      charts[conflict.chart].apart.push_back(conflict.samples);
-      if (pinched.empty() || pinched.back() != conflict.chart) pinched.push_back(conflict.chart);
-    }
-    if (pinched.empty()) return {};
-    std::vector<size_t> failed;
-    for (const size_t c : pinched) {
-      std::vector<ApartSamples>& apart = charts[c].apart;
-      std::sort(apart.begin(), apart.end());
-      apart.erase(std::unique(apart.begin(), apart.end()), apart.end());
-      charts[c].place(charts[c].chain.pixel);
-      if (charts[c].chain.result != PixelChain::Result::found) failed.push_back(c);
-    }
-    if (!failed.empty()) return failed;
-  }
-  return pinched;
 }
 
 /// One more step for every seam of a chart.
@@ -306,10 +216,16 @@ size_t give_room(Plan& plan, const Laid& laid, std::vector<ChartChain>& charts) 
     if (charts[c].chain.result == PixelChain::Result::crowded) crowded.push_back(c);
     if (charts[c].chain.result == PixelChain::Result::too_short) too_short.push_back(c);
   }
-  if (crowded.empty() && too_short.empty()) crowded = part_pinches(laid, charts);
+  if (crowded.empty() && too_short.empty()) {
+    std::vector<std::vector<uint32_t>> points(charts.size());
+    for (size_t c = 0; c < charts.size(); ++c) {
+      for (const uint32_t v : sample_vertices(laid.sampled[c])) points[c].push_back(laid.mesh.point[v]);
+    }
+    crowded = part_pinches(points, charts);
+  }
   for (const size_t c : crowded) {
-    if (plan.round[c] != 0) too_short.push_back(c);
-    plan.round[c] = 1;
+    if (plan.shape[c] == Shape::round) too_short.push_back(c);
+    plan.shape[c] = plan.shape[c] == Shape::own ? Shape::widened : Shape::round;
     charts[c].target.clear();
   }
   for (const size_t c : too_short) lengthen(plan, c);
@@ -398,7 +314,7 @@ FlatSurface lay_out_developed(DevelopedSurface developed, const FlattenOptions& 
   for (int round = 0;; ++round) {
     if (progress) progress("flatten", 1);
     laid = lay_out(plan);
-    place_chains(laid, charts);
+    place_chains(plan, laid, charts);
     const size_t stuck = give_room(plan, laid, charts);
     if (stuck == 0) break;
     if (round == kRounds) {
