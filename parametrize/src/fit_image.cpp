@@ -17,6 +17,7 @@
 
 #include "chart_sampling.h"
 #include "geocloth/asset/grid_mesh.h"
+#include "limit_springs.h"
 #include "pixel_areas.h"
 #include "point_math.h"
 
@@ -336,6 +337,7 @@ void fit_image(const FlatSurface& flat, const Raster& raster, ClothAsset& asset)
     fitter.move_pixels();
   }
   fitter.finish();
+  limit_springs(asset);
   share_area(asset);
   for (SeamBend& bend : asset.seam_bends) {
     bend.rest_length = length(asset.rest_position[bend.b] - asset.rest_position[bend.a]);

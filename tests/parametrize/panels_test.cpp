@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -11,10 +12,14 @@
 #include "chain_conflicts.h"
 #include "develop.h"
 #include "geocloth/asset/grid_mesh.h"
+#include "geocloth/parametrize/quality.h"
 #include "geocloth/parametrize/seams.h"
+#include "limit_springs.h"
 #include "parametrize/clean_surfaces.h"
 #include "parametrize/same_topology.h"
 #include "pixel_chain.h"
+#include "point_math.h"
+#include "seam_measure.h"
 #include "symmetric_dirichlet.h"
 
 namespace geocloth {
@@ -90,6 +95,59 @@ TEST_P(Panels, IsDeterministic) {
 
 INSTANTIATE_TEST_SUITE_P(Surfaces, Panels, ::testing::ValuesIn(test::surfaces_of_every_topology()),
                          [](const auto& test) { return test.param.name; });
+
+Quality image_quality(const CleanSurface& surface, const FlatSurface& flat) {
+  const Raster raster = rasterize(flat);
+  ClothAsset asset = build_image(flat, raster, Layout::panels);
+  asset.source.position = {asset.rest_position[0]};
+  return measure_quality(surface, flat, raster, asset);
+}
+
+/// An upright rectangle turned in its plane.
+CleanSurface slanted_sheet(double degrees) {
+  CleanSurface sheet = test::disk(21, 21);
+  const double c = std::cos(degrees * std::numbers::pi / 180), s = std::sin(degrees * std::numbers::pi / 180);
+  for (Point3& p : sheet.position) {
+    const double x = p[0], y = p[1] + p[2];
+    p = {x * c - y * s, x * s + y * c, 0};
+  }
+  return sheet;
+}
+
+// Cloth is stiff along its threads and soft askew to them: beside an outline that runs at any angle to the pixels the
+// two must still meet at right angles, at an even distance.
+TEST(PanelGrid, ThreadsStayStraightBesideASlantedOutline) {
+  for (const double degrees : {0.0, 3.0, 12.0, 26.0, 38.0, 45.0}) {
+    const CleanSurface sheet = slanted_sheet(degrees);
+    const Quality q = image_quality(sheet, flatten_panels(sheet, 48));
+    EXPECT_LT(q.shear_deg_p95, 6) << degrees;
+    EXPECT_GT(q.spring_min, 0.5) << degrees;
+    EXPECT_LT(q.spring_max, 1.6) << degrees;
+    EXPECT_LT(q.spring_p99_over_p1, 1.55) << degrees;
+  }
+}
+
+// The same along seams whose sides lie at different angles.
+TEST(PanelGrid, ThreadsStayStraightBesideTheSeamsOfAShirt) {
+  const CleanSurface shirt = test::shirt(8);
+  const Quality q = image_quality(shirt, flatten_panels(shirt, 96));
+  EXPECT_LT(q.shear_deg_p95, 6);
+  EXPECT_GT(q.spring_min, 0.3);
+  EXPECT_LT(q.spring_max, 2);
+}
+
+// A hem ends where the cloth ends: its corners are not cut off, at any angle to the pixels.
+TEST(PanelGrid, CornersOfAFreeBorderAreSamples) {
+  for (const double degrees : {0.0, 10.0, 31.0}) {
+    const CleanSurface sheet = slanted_sheet(degrees);
+    const FlatSurface flat = flatten_panels(sheet, 32);
+    const auto sampled = [&](const Point3& corner) {
+      return std::any_of(flat.charts[0].outline.begin(), flat.charts[0].outline.end(),
+                         [&](const OutlineSample& s) { return distance(flat.position[s.vertex], corner) < 1e-9; });
+    };
+    for (const uint32_t corner : {0U, 20U, 420U, 440U}) EXPECT_TRUE(sampled(sheet.position[corner])) << degrees;
+  }
+}
 
 // A sleeve is developable: as a panel it must have no distortion at all, in one piece.
 TEST(Develop, ACylinderBecomesARectangle) {
@@ -206,6 +264,47 @@ TEST(PixelChainTest, KeepsSamplesApart) {
   ASSERT_EQ(chain.result, PixelChain::Result::found);
   expect_closed_and_simple(chain.pixel);
   EXPECT_GE(std::abs(chain.pixel[10][0] - chain.pixel[50][0]) + std::abs(chain.pixel[10][1] - chain.pixel[50][1]), 2);
+}
+
+// Both ends of a seam and its corners are samples, and no step is lost or gained for that.
+TEST(SeamMeasureTest, StepsEndOnTheMarks) {
+  const SeamMeasure seam{{0, 3.3, 10}, {3.3}};
+  for (const uint32_t steps : {2U, 7U, 10U, 13U}) {
+    const std::vector<double> at = spread_steps(seam, steps);
+    ASSERT_EQ(at.size(), steps + 1);
+    EXPECT_EQ(at.front(), 0);
+    EXPECT_EQ(at.back(), 10);
+    EXPECT_TRUE(std::is_sorted(at.begin(), at.end()));
+    EXPECT_NE(std::find(at.begin(), at.end(), 3.3), at.end()) << steps;
+  }
+  EXPECT_EQ(spread_steps(seam, 1), (std::vector<double>{0, 10}));
+}
+
+TEST(SeamMeasureTest, ASquareTurnsAtItsCornersAndARoundNeckNowhere) {
+  EXPECT_EQ(sharp_turns(std::vector<Point2>{{0, 0}, {4, 0}, {8, 0}, {8, 8}, {4, 8}}), (std::vector<uint32_t>{2, 3}));
+  std::vector<Point2> round;
+  for (int i = 0; i <= 60; ++i) round.push_back({10 * std::cos(i * 0.05), 10 * std::sin(i * 0.05)});
+  EXPECT_TRUE(sharp_turns(round).empty());
+}
+
+// Cut nodes closer together than a pixel leave springs of no length: they are given some, copies stay one point.
+TEST(LimitSprings, SpringsKeepALengthAndCopiesStayTogether) {
+  ClothAsset asset;
+  asset.width = 4;
+  asset.height = 2;
+  asset.spacing = 1;
+  asset.chart_count = 1;
+  asset.chart.assign(8, 0);
+  asset.rest_position = {{0, 0, 0}, {1, 0, 0}, {1.01F, 0, 0}, {2, 0, 0},
+                         {0, 1, 0}, {1, 1, 0}, {1.01F, 0, 0}, {2, 1, 0}};
+  asset.spring_mask.assign(8, 0);
+  for (const uint32_t i : {0U, 1U, 2U}) asset.spring_mask[i] = kSpringRight;
+  asset.splits.offset = {0, 2};
+  asset.splits.pixel = {2, 6};
+  limit_springs(asset);
+  EXPECT_GT(asset.rest_position[2].x - asset.rest_position[1].x, 0.3F);
+  EXPECT_EQ(asset.rest_position[2], asset.rest_position[6]);
+  EXPECT_EQ(asset.rest_position[4], (Vec3{0, 1, 0}));
 }
 
 // A strip one cell wide whose sides are two sides of one seam: its rungs would join copies of one point.
