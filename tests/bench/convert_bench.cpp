@@ -128,10 +128,16 @@ double exponent(const std::vector<Sample>& samples, const Cost& cost) {
   return (n * xy - x * y) / (n * xx - x * x);
 }
 
+/// Over all sizes, and over the last two, where the pixels, which are as many for any mesh, count least.
 std::string growth_in_words(const std::vector<Sample>& samples) {
   if (samples.size() < 2) return {};
-  return "Time grows as n^" + number(exponent(samples, [](double n) { return n; }), 3) + ", which is (n log n)^" +
-         number(exponent(samples, [](double n) { return n * std::log(n); }), 3) + ".\n\n";
+  const auto exponents = [](const std::vector<Sample>& some) {
+    return "n^" + number(exponent(some, [](double n) { return n; }), 3) + ", which is (n log n)^" +
+           number(exponent(some, [](double n) { return n * std::log(n); }), 3);
+  };
+  return "CPU time grows as " + exponents(samples) + "; from " + number(samples[samples.size() - 2].triangles, 6) +
+         " to " + number(samples.back().triangles, 6) + " triangles as " +
+         exponents({samples.end() - 2, samples.end()}) + ".\n\n";
 }
 
 /// The table of a layout, and below it how time grows.
