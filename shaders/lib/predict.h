@@ -73,6 +73,18 @@ inline Predicted predict_along(ClothParams params, float substep, vec3 position,
   return advance(params, framed.start, framed.way, acceleration);
 }
 
+// A point whose last displacement is `ratio` times as long, for a step of another length: its velocity stays.
+inline Predicted rescaled(vec3 position, vec3 previous, vec3 carry, float ratio) {
+  precise vec3 way = ((position - previous) + carry) * ratio;
+  precise vec3 before = position - way;
+  precise vec3 lost = way - (position - before);
+  Predicted r;
+  r.position = position;
+  r.previous = before;
+  r.carry = lost;
+  return r;
+}
+
 #ifdef __cplusplus
 }  // namespace geocloth::shader
 #endif

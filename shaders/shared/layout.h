@@ -89,7 +89,7 @@ struct ClothParams {
   uint height;
   uint collider_count;
   uint air;           // 1: wind and drag act
-  vec4 gravity_step;  // xyz: dt^2 g [m]
+  vec4 gravity_step;  // xyz: dt^2 g [m]; w: dt over that of the frame before
   vec4 wind;          // xyz: mean velocity of the air [m/s]
   float dt;           // of a substep [s]
   float inverse_dt;   // [1/s]

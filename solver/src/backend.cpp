@@ -8,7 +8,9 @@ namespace geocloth {
 ScheduleOptions schedule_options(const SimulationData& data, uint32_t cloth, const FrameInput& frame) {
   const ClothData& c = data.cloths[cloth];
   const ClothFrame& f = frame.cloths[cloth];
-  return {.relaxation_steps = data.relaxation_steps,
+  return {.substeps = static_cast<uint32_t>(frame.substeps.size()),
+          .relaxation_steps = data.relaxation_steps,
+          .rescale = f.params.gravity_step.w != 1,
           .air = f.params.air != 0,
           .pins = !f.pins.empty(),
           .splits = c.split_rows() > 0,
@@ -16,6 +18,7 @@ ScheduleOptions schedule_options(const SimulationData& data, uint32_t cloth, con
           .fine = data.fine,
           .attachments = c.attachments && !f.pins.empty(),
           .collide = !frame.shapes.empty() || f.params.max_step > 0,
+          .collide_cells = f.collide_cells && !frame.shapes.empty(),
           .check = data.check,
           .seam_colors = c.seam_colors()};
 }

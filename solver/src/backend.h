@@ -39,7 +39,7 @@ struct ClothData {
 struct SimulationData {
   std::vector<ClothData> cloths;
   Vec3 origin;  ///< [m] world position of the solver's coordinate origin; whole multiples of 4 m, zero near the world's
-  uint32_t substeps = 1, relaxation_steps = 1;
+  uint32_t relaxation_steps = 1;
   bool fine = false;     ///< ClothParams::fine is not kFineOff, in every frame
   bool check = false;    ///< measure after every substep
   bool timings = false;  ///< measure every pass
@@ -50,6 +50,8 @@ struct SimulationData {
 struct ClothFrame {
   shader::ClothParams params;
   std::vector<shader::PinTarget> pins;  ///< ascending by pixel, all copies listed
+
+  bool collide_cells = false;  ///< a collider may slip through between pixels
 
   /// The set of pinned pixels differs from the last frame's: inverse_mass (and attachments, when ClothData has them)
   /// replace what the backend holds, before the first substep. Positions stay.

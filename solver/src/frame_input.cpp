@@ -184,24 +184,24 @@ shader::FrameField frame_field(const Vec3& turn, const Vec3& shift, const Vec3& 
 
 constexpr float kAnyWay = 1e30F;  ///< [m] no bound
 
-/// Radius about the local origin of the shape with the thickest cloth on it (1 m).
+/// About the local origin.
 double radius_of(const shader::ColliderShape& shape) {
   switch (shape.kind) {
     case shader::kShapeSphere:
-      return 1.0 + shape.a.x;
+      return double{shape.a.x};
     case shader::kShapeCapsule:
-      return 1.0 + shape.a.x + std::max(shape.a.y, shape.a.z);
+      return double{shape.a.x} + std::max(shape.a.y, shape.a.z);
     case shader::kShapeBox:
     case shader::kShapeEllipsoid:
-      return 1.0 + std::hypot(shape.a.x, shape.a.y, shape.a.z);
+      return std::hypot(shape.a.x, shape.a.y, shape.a.z);
     case shader::kShapeConvex:
-      return shape.a.x > 0 ? 1.0 + shape.a.x : std::numeric_limits<double>::infinity();
+      return shape.a.x > 0 ? double{shape.a.x} : std::numeric_limits<double>::infinity();
     case shader::kShapeMesh: {
       const auto farthest = [&](float low, uint32_t nodes) {
         return std::max(std::abs(low), std::abs(low + shape.a.w * static_cast<float>(nodes - 1)));
       };
-      return 1.0 + std::hypot(farthest(shape.a.x, shape.data.y), farthest(shape.a.y, shape.data.z),
-                              farthest(shape.a.z, shape.data.w));
+      return std::hypot(farthest(shape.a.x, shape.data.y), farthest(shape.a.y, shape.data.z),
+                        farthest(shape.a.z, shape.data.w));
     }
     default:
       return std::numeric_limits<double>::infinity();
@@ -280,14 +280,19 @@ std::vector<shader::ColliderPose> collider_poses(std::span<const Collider> from,
 }
 
 void measure_ways(std::span<shader::ColliderShape> shapes, std::span<const shader::ColliderPose> poses,
-                  uint32_t substeps) {
+                  uint32_t substeps, double margin) {
   for (size_t i = 0; i < shapes.size(); ++i) {
     shapes[i].way = 0;
     for (uint32_t s = 0; s < substeps; ++s) {
-      shapes[i].way = std::max(shapes[i].way, way_between(poses[s * shapes.size() + i],
-                                                          poses[(s + 1) * shapes.size() + i], radius_of(shapes[i])));
+      shapes[i].way = std::max(
+          shapes[i].way,
+          way_between(poses[s * shapes.size() + i], poses[(s + 1) * shapes.size() + i], margin + radius_of(shapes[i])));
     }
   }
+}
+
+bool may_slip_through(std::span<const shader::ColliderShape> shapes, float spacing) {
+  return std::any_of(shapes.begin(), shapes.end(), [&](const shader::ColliderShape& s) { return s.core < spacing; });
 }
 
 std::vector<shader::Substep> substep_inputs(const FrameClock& clock, const std::optional<Wind>& wind,
@@ -329,7 +334,8 @@ shader::PinTarget pin_target(uint32_t pixel, const Vec3& from, const Vec3& to, f
 }
 
 float largest_stretch(const Material& m, const Vec3& gravity, float reach) {
-  constexpr float kSolverStrain = 0.005F, kSwing = 3;
+  // A sheet that has swung down from level is longer by 1.5 times its weight over its stiffness.
+  constexpr float kSolverStrain = 0.001F, kSwing = 1.5F;
   constexpr float kLongestGarment = 2;  // [m] a larger one is most often a file whose unit was not told
   if (m.max_stretch >= 0) return m.max_stretch;
   if (m.stiffness >= 0) return 0;  // the seeds' cloth is as elastic as its step

@@ -29,9 +29,14 @@ struct FrameClock {
                                                                std::span<const Collider> to, uint32_t substeps,
                                                                const Vec3& origin);
 
-/// Sets ColliderShape::way from the poses of the frame.
+constexpr double kThickestCloth = 1;  ///< [m]
+/// Sets ColliderShape::way from the poses of the frame: no point within `margin` [m] of the shape goes further with it.
 void measure_ways(std::span<shader::ColliderShape> shapes, std::span<const shader::ColliderPose> poses,
-                  uint32_t substeps);
+                  uint32_t substeps, double margin);
+
+/// Whether a collider is thin enough to slip through between pixels.
+/// @param spacing  [m] of the pixels
+[[nodiscard]] bool may_slip_through(std::span<const shader::ColliderShape> shapes, float spacing);
 
 /// Pin fractions and gusts of every substep.
 [[nodiscard]] std::vector<shader::Substep> substep_inputs(const FrameClock& clock, const std::optional<Wind>& wind,

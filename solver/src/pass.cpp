@@ -5,6 +5,7 @@
 #include "pass.h"
 
 #include "lib/bend_groups.h"
+#include "lib/cell_groups.h"
 #include "shared/layout.h"
 
 namespace geocloth {
@@ -46,12 +47,17 @@ void add_relaxation(std::vector<PassStep>& steps, const ScheduleOptions& options
 
 std::vector<PassStep> substep_schedule(const ScheduleOptions& options) {
   std::vector<PassStep> steps;
+  if (options.rescale) steps.push_back({Pass::rescale});
   if (options.air) add_normals(steps, options);
   steps.push_back({Pass::predict});
   if (options.pins) steps.push_back({Pass::pins});
   for (uint32_t r = 0; r < options.relaxation_steps; ++r) add_relaxation(steps, options, r);
   if (options.fine) steps.push_back({Pass::settle});
   if (options.attachments) steps.push_back({Pass::limit});
+  if (options.collide_cells) {
+    for (uint32_t g = 0; g < shader::kCellGroups; ++g) steps.push_back({Pass::collide_cells, g});
+    if (options.splits) steps.push_back({Pass::stitch});
+  }
   if (options.collide) steps.push_back({Pass::collide});
   if (options.check && options.splits) steps.push_back({Pass::check_copies});
   if (options.check && options.collide) steps.push_back({Pass::check_colliders});

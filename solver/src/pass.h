@@ -13,6 +13,7 @@ namespace geocloth {
 enum class Pass : uint8_t {
   normals,         ///< per pixel: area-weighted normal of its own cells, made a unit, length in w
   normals_stitch,  ///< per split row: sum over the copies, made a unit, written to every copy
+  rescale,         ///< per pixel, in the first substep: the last displacement becomes one of the new step's length
   predict,         ///< per pixel: Verlet with damping, gravity and air; previous = position
   pins,            ///< per pin: one step towards the target
   structural,      ///< per spring, groups 0..3
@@ -24,6 +25,7 @@ enum class Pass : uint8_t {
   stitch,          ///< per split row: mass-weighted mean of the copies, written to every copy
   settle,          ///< per pixel: base and offset become the position, only with ClothParams::fine
   limit,           ///< per pixel: long-range attachment; copies are equal before it and so they are after it
+  collide_cells,   ///< per cell, groups 0..3: triangles that a collider may slip through, then a stitch
   collide,         ///< per pixel: largest speed, then colliders with friction; writes position and previous
   check_copies,    ///< per split row: largest distance between copies
   check_colliders  ///< per pixel: largest depth in a collider
@@ -34,9 +36,10 @@ struct PassInfo {
   std::string_view name;
   std::string_view shader;  ///< file in shaders/cloth/
 };
-inline constexpr std::array<PassInfo, 16> kPasses{{
+inline constexpr std::array<PassInfo, 18> kPasses{{
     {Pass::normals, "normals", "normals.comp"},
     {Pass::normals_stitch, "normals_stitch", "normals_stitch.comp"},
+    {Pass::rescale, "rescale", "rescale.comp"},
     {Pass::predict, "predict", "predict.comp"},
     {Pass::pins, "pins", "pins.comp"},
     {Pass::structural, "structural", "springs.comp"},
@@ -48,6 +51,7 @@ inline constexpr std::array<PassInfo, 16> kPasses{{
     {Pass::stitch, "stitch", "stitch.comp"},
     {Pass::settle, "settle", "settle.comp"},
     {Pass::limit, "limit", "limit.comp"},
+    {Pass::collide_cells, "collide_cells", "collide_cells.comp"},
     {Pass::collide, "collide", "collide.comp"},
     {Pass::check_copies, "check_copies", "check_copies.comp"},
     {Pass::check_colliders, "check_colliders", "check_colliders.comp"},
@@ -72,23 +76,26 @@ enum class Bending : uint8_t {
 
 /// What a schedule depends on besides the pass list. Passes that would do nothing are left out.
 struct ScheduleOptions {
+  uint32_t substeps = 1;  ///< of the frame
   uint32_t relaxation_steps = 1;
-  bool air = false;     ///< wind or drag acts: normals are needed in every substep
-  bool pins = false;    ///< the cloth has pins in this frame
-  bool splits = false;  ///< the split-vertex table has rows
+  bool rescale = false;  ///< the step's length differs from the last frame's
+  bool air = false;      ///< wind or drag acts: normals are needed in every substep
+  bool pins = false;     ///< the cloth has pins in this frame
+  bool splits = false;   ///< the split-vertex table has rows
   Bending bending = Bending::none;
-  bool fine = false;         ///< constraints act on offsets
-  bool attachments = false;  ///< max_stretch > 0 and pins
-  bool collide = false;      ///< colliders, or max_speed > 0
-  bool check = false;        ///< measure copies and colliders after every substep
+  bool fine = false;           ///< constraints act on offsets
+  bool attachments = false;    ///< max_stretch > 0 and pins
+  bool collide = false;        ///< colliders, or max_speed > 0
+  bool collide_cells = false;  ///< a collider is so thin or so fast that it may slip through between pixels
+  bool check = false;          ///< measure copies and colliders after every substep
   uint32_t seam_colors = 0;
 
   bool operator==(const ScheduleOptions&) const = default;
 };
 
 /// The passes of one substep in their order:
-///   [normals] predict pins { structural, stitch, shear, bending or curvature, over seams too, stitch } x relaxation
-///   [settle] limit collide [check]
+///   [rescale] [normals] predict pins { structural, stitch, shear, bending or curvature, over seams too, stitch } x
+///   relaxation [settle] limit [collide_cells stitch] collide [check]
 [[nodiscard]] std::vector<PassStep> substep_schedule(const ScheduleOptions& options);
 
 /// The passes after the last substep of a frame: normals.

@@ -366,7 +366,8 @@ Scene parse_scene(std::string_view text, const std::filesystem::path& path) {
   const nlohmann::json document = JsonReader::parse(text, path.string());
   const JsonReader json(document, path.string());
   json.expect_object(
-      {"version", "frame_rate", "frames", "substeps", "relaxation_steps", "gravity", "cloths", "colliders", "wind"});
+      {"version", "frame_rate", "frames", "substeps", "relaxation_steps", "keep_momentum", "gravity", "cloths",
+       "colliders", "wind"});
   if (const double version = json.at("version").number(); version != 1) {
     json.at("version").fail("only version 1 is known", ErrorCode::unsupported);
   }
@@ -376,6 +377,7 @@ Scene parse_scene(std::string_view text, const std::filesystem::path& path) {
   if (json.has("frames")) scene.frames = json.at("frames").count(1, 10'000'000);
   if (json.has("substeps")) scene.substeps = json.at("substeps").count(1, 256);
   if (json.has("relaxation_steps")) scene.relaxation_steps = json.at("relaxation_steps").count(1, 256);
+  if (json.has("keep_momentum")) scene.keep_momentum = json.at("keep_momentum").boolean();
   json.read("gravity", scene.gravity);
   checked([&] { check_gravity(scene.gravity, json.where()); });
   for (const JsonReader& cloth : json.at("cloths").elements()) {

@@ -81,6 +81,7 @@ Simulation::Simulation(Scene scene, SolverSettings settings, const ReadSurface& 
   settings.frame_time = 1 / scene_.frame_rate;
   settings.substeps = scene_.substeps;
   settings.relaxation_steps = scene_.relaxation_steps;
+  settings.keep_momentum = scene_.keep_momentum;
   settings.gravity = scene_.gravity;
 
   std::map<std::filesystem::path, std::shared_ptr<const ClothAsset>> assets;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -78,14 +79,16 @@ std::unique_ptr<SolverBackend> make_backend(SimulationData data, const SolverSet
 }  // namespace
 
 Solver::Impl::Impl(std::span<const ClothDesc> cloths, const SolverSettings& settings, const BackendFactory& factory)
-    : settings_(settings), fine_(fineness(settings)) {
+    : settings_(settings),
+      fine_(fineness(settings)),
+      substeps_(settings.substeps),
+      displaced_in_(settings.frame_time / settings.substeps) {
   check(settings);
   check_cloths(cloths);
   origin_ = choose_origin(cloths);
 
   SimulationData data;
   data.origin = origin_;
-  data.substeps = settings.substeps;
   data.relaxation_steps = settings.relaxation_steps;
   data.fine = fine_ != shader::kFineOff;
   data.check = settings.check_copies;
@@ -136,6 +139,14 @@ void Solver::Impl::set_wind(const Wind& wind) {
 void Solver::Impl::set_gravity(const Vec3& gravity) {
   SolverSettings changed = settings_;
   changed.gravity = gravity;
+  check(changed);
+  settings_ = changed;
+}
+
+void Solver::Impl::set_time_step(double frame_time, uint32_t substeps) {
+  SolverSettings changed = settings_;
+  changed.frame_time = frame_time;
+  changed.substeps = substeps;
   check(changed);
   settings_ = changed;
 }
@@ -203,8 +214,7 @@ void Solver::Impl::carry_over(uint32_t cloth) {
 }
 
 FrameClock Solver::Impl::clock() const {
-  return {static_cast<double>(frame_) * settings_.frame_time, settings_.frame_time / settings_.substeps,
-          settings_.substeps};
+  return {time_, settings_.frame_time / substeps_, substeps_};
 }
 
 float Solver::Impl::stretch_limit(const Cloth& cloth) const {
@@ -215,14 +225,15 @@ float Solver::Impl::stretch_limit(const Cloth& cloth) const {
 ClothFrame Solver::Impl::cloth_frame(Cloth& cloth) const {
   ClothFrame frame;
   frame.params = cloth_params(cloth.material, clock(), settings_.gravity, wind_);
+  frame.params.gravity_step.w = static_cast<float>(clock().dt / displaced_in_);
   frame.params.fine = fine_;
   frame.params.stretch_limit = stretch_limit(cloth);
+  frame.collide_cells = cloth.collide_cells;
   frame.params.width = cloth.asset->width;
   frame.params.height = cloth.asset->height;
   frame.params.collider_count = static_cast<uint32_t>(colliders_to_.size());
   if (cloth.parent_to) {
-    set_frame_motion(frame.params, *cloth.parent_from, *cloth.parent_to, cloth.inertia_scale, settings_.substeps,
-                     origin_);
+    set_frame_motion(frame.params, *cloth.parent_from, *cloth.parent_to, cloth.inertia_scale, substeps_, origin_);
   }
   for (auto& [pixel, pin] : cloth.pins) {
     frame.pins.push_back(pin_target(pixel, pin.from - origin_, pin.target - origin_, pin.frequency, clock().dt));
@@ -248,20 +259,44 @@ ClothFrame Solver::Impl::cloth_frame(Cloth& cloth) const {
   return frame;
 }
 
+/// 2 to 4 where a collider goes so far in a substep that the cloth in its way could not follow.
+uint32_t Solver::Impl::substeps_factor() const {
+  constexpr float kFar = 0.2F;  // in spacings
+  constexpr uint32_t kMost = 4, kLargest = 256;
+  std::vector<shader::ColliderShape> shapes = shapes_;
+  measure_ways(shapes, collider_poses(colliders_from_, colliders_to_, settings_.substeps, origin_), settings_.substeps,
+               0);
+  float way = 0, spacing = std::numeric_limits<float>::max();
+  for (const shader::ColliderShape& s : shapes) {
+    if (s.kind != shader::kShapePlane) way = std::max(way, s.way);
+  }
+  for (const Cloth& cloth : cloths_) spacing = std::min(spacing, cloth.asset->spacing * cloth.scale);
+  uint32_t factor = 1;
+  while (factor < kMost && way > kFar * spacing * static_cast<float>(factor)) ++factor;
+  return std::max(1U, std::min(factor, kLargest / settings_.substeps));
+}
+
 void Solver::Impl::step() {
   for (uint32_t c = 0; c < cloths_.size(); ++c)
     if (cloths_[c].teleport) carry_over(c);
   FrameInput frame;
   frame.shapes = shapes_;
   frame.collider_numbers = collider_numbers_;
-  frame.poses = collider_poses(colliders_from_, colliders_to_, settings_.substeps, origin_);
-  measure_ways(frame.shapes, frame.poses, settings_.substeps);
+  const uint32_t factor = substeps_factor();
+  substeps_ = settings_.substeps * factor;
+  frame.poses = collider_poses(colliders_from_, colliders_to_, substeps_, origin_);
+  measure_ways(frame.shapes, frame.poses, substeps_, kThickestCloth);
   frame.substeps = substep_inputs(clock(), wind_, origin_);
-  for (Cloth& cloth : cloths_) frame.cloths.push_back(cloth_frame(cloth));
+  for (Cloth& cloth : cloths_) {
+    cloth.collide_cells =
+        cloth.collide_cells || factor > 1 || may_slip_through(frame.shapes, cloth.asset->spacing * cloth.scale);
+    frame.cloths.push_back(cloth_frame(cloth));
+  }
   backend_->run_frame(frame);
   colliders_from_ = colliders_to_;
   for (Cloth& cloth : cloths_) cloth.parent_from = cloth.parent_to;
-  ++frame_;
+  displaced_in_ = clock().dt;
+  time_ += settings_.frame_time;
 }
 
 void Solver::Impl::read_positions(uint32_t cloth, std::vector<Vec3>& out) {
@@ -287,7 +322,7 @@ void Solver::Impl::read_velocities(uint32_t cloth, std::vector<Vec3>& out) {
   backend_->read_positions(cloth, now);
   backend_->read_previous(cloth, before);
   backend_->read_carry(cloth, carry);
-  const auto inverse_dt = static_cast<float>(settings_.substeps / settings_.frame_time);
+  const auto inverse_dt = static_cast<float>(1 / displaced_in_);
   out.resize(now.size());
   for (size_t p = 0; p < now.size(); ++p)
     out[p] = inverse_dt * (vec3_of(now[p]) - vec3_of(before[p]) + vec3_of(carry[p]));
@@ -301,7 +336,7 @@ void Solver::Impl::write_state(uint32_t cloth, std::span<const Vec3> positions, 
                                                  ": write_state needs one position and one velocity for each of its " +
                                                  std::to_string(asset.pixel_count()) + " pixels");
   }
-  const auto dt = static_cast<float>(settings_.frame_time / settings_.substeps);
+  const auto dt = static_cast<float>(displaced_in_);
   std::vector<vec4> position(asset.pixel_count(), {0, 0, 0, 0}), previous(asset.pixel_count(), {0, 0, 0, 0});
   for (uint32_t p = 0; p < asset.pixel_count(); ++p) {
     if (!asset.valid(p)) continue;
@@ -362,6 +397,9 @@ void Solver::set_wind(const Wind& wind) {
 }
 void Solver::set_gravity(const Vec3& gravity) {
   impl_->set_gravity(gravity);
+}
+void Solver::set_time_step(double frame_time, uint32_t substeps) {
+  impl_->set_time_step(frame_time, substeps);
 }
 void Solver::set_pins(uint32_t cloth, std::span<const Pin> pins) {
   impl_->set_pins(cloth, pins);

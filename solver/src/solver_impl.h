@@ -22,6 +22,7 @@ class Solver::Impl {
   void set_colliders(std::span<const Collider> colliders, bool teleport);
   void set_wind(const Wind& wind);
   void set_gravity(const Vec3& gravity);
+  void set_time_step(double frame_time, uint32_t substeps);
   void set_pins(uint32_t cloth, std::span<const Pin> pins);
   void set_parent(uint32_t cloth, const Transform& pose, const Vec3& inertia_scale, bool teleport);
   void step();
@@ -56,8 +57,9 @@ class Solver::Impl {
     bool pins_changed = false;                        ///< since the last step
     std::optional<Transform> parent_from, parent_to;  ///< at the start and the end of the next frame
     Vec3 inertia_scale{1, 1, 1};
-    bool teleport = false;  ///< the parent jumps before the next frame
-    float reach = 0;        ///< [m] of the longest attachment
+    bool collide_cells = false;  ///< a collider was met that may slip through between pixels
+    bool teleport = false;       ///< the parent jumps before the next frame
+    float reach = 0;             ///< [m] of the longest attachment
     uint64_t particles = 0, springs_per_sweep = 0;
   };
 
@@ -66,6 +68,7 @@ class Solver::Impl {
   void carry_over(uint32_t cloth);
   [[nodiscard]] float stretch_limit(const Cloth& cloth) const;
   [[nodiscard]] FrameClock clock() const;
+  [[nodiscard]] uint32_t substeps_factor() const;
 
   SolverSettings settings_;
   uint32_t fine_;  ///< ClothParams::fine
@@ -75,7 +78,9 @@ class Solver::Impl {
   std::vector<shader::ColliderShape> shapes_;                   ///< of colliders_to_
   std::shared_ptr<const std::vector<float>> collider_numbers_;  ///< of their hulls and meshes
   std::optional<Wind> wind_;
-  uint64_t frame_ = 0;
+  double time_ = 0;      ///< [s] at the start of the next frame
+  uint32_t substeps_;    ///< of the next frame
+  double displaced_in_;  ///< [s] step length of the displacements that the backend holds
   std::unique_ptr<SolverBackend> backend_;
 };
 

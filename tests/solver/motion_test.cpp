@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "geocloth/asset/error.h"
 #include "solver_fixture.h"
 
 namespace geocloth {
@@ -194,6 +195,40 @@ TEST(Pins, PulledApartByForceStretchTheClothAndNothingElse) {
     for (const Pin& pin : pins) EXPECT_NEAR(length(x[pin.pixel] - pin.target), 0, 1e-5);
     EXPECT_EQ(solver.statistics().copy_gap, 0.0);
   }
+}
+
+TEST(TimeStep, ThatChangesFromFrameToFrameLeavesVelocitiesAsTheyAre) {
+  const ClothAsset asset = make_sheet(kSheet);
+  SolverSettings settings = test::cpu_settings();
+  settings.gravity = {};
+  Solver solver(std::vector{test::describe(asset, test::undamped())}, settings);
+  const std::vector<Vec3> start = test::positions_of(solver);
+  solver.write_state(0, start, std::vector<Vec3>(start.size(), Vec3{1, 0.5F, 0}));
+  double time = 0;
+  for (int f = 0; f < 60; ++f) {  // a game whose frames take from 5 to 40 ms
+    const double frame_time = 0.005 * (1 + f * 5 % 8);
+    solver.set_time_step(frame_time, f % 3 == 0 ? 8 : 16);
+    solver.step();
+    time += frame_time;
+    EXPECT_NEAR(length(test::velocities_of(solver)[0] - Vec3{1, 0.5F, 0}), 0, 1e-3) << f;
+  }
+  EXPECT_NEAR(test::positions_of(solver)[0].x - start[0].x, time, 1e-3 * time);
+}
+
+TEST(TimeStep, ThatChangesIsNoJerkForAClothAtRest) {
+  const ClothAsset asset = make_sheet(kSheet);
+  Material material;
+  material.damping = 4;
+  Solver solver(std::vector{test::describe(asset, material)}, test::cpu_settings());
+  solver.set_pins(0, test::pins_at_rest(asset, "top"));
+  test::run(solver, 120);
+  for (int f = 0; f < 40; ++f) {
+    solver.set_time_step(f % 2 == 0 ? 1.0 / 50 : 1.0 / 70, 16);
+    solver.step();
+    for (const Vec3& v : test::velocities_of(solver)) EXPECT_LT(length(v), 0.05) << f;
+  }
+  EXPECT_THROW(solver.set_time_step(0, 16), Error);
+  EXPECT_THROW(solver.set_time_step(1.0 / 60, 0), Error);
 }
 
 TEST(MaxSpeed, HoldsForEveryPoint) {

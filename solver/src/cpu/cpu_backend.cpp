@@ -123,7 +123,7 @@ class CpuBackend final : public SolverBackend {
     if (by_sweeps() && cloth.sweep.run(frame, input, options, threads, cloth.state, measuring, run_one)) return;
     const std::vector<PassStep> substep = substep_schedule(options);
     cpu::PassContext context{frame, input, threads, 0, data_.relaxation_steps};
-    for (uint32_t s = 0; s < data_.substeps; ++s) {
+    for (uint32_t s = 0; s < options.substeps; ++s) {
       context.substep = s;
       for (const PassStep& step : substep) run(step, context, cloth);
     }

@@ -10,6 +10,8 @@
 #include "cpu/collider_set.h"
 #include "cpu/curvature.h"
 #include "cpu/springs.h"
+#include "lib/cell_groups.h"
+#include "lib/collide_cell.h"
 #include "lib/fine.h"
 #include "lib/limit.h"
 #include "lib/normal.h"
@@ -106,6 +108,16 @@ void predict(const PassContext& context, ClothState& state) {
   });
 }
 
+void rescale(const PassContext& context, ClothState& state) {
+  if (context.substep > 0) return;
+  const float ratio = context.cloth.params.gravity_step.w;
+  for_pixels(context.threads, state, [&](uint32_t i) {
+    const shader::Predicted r = shader::rescaled(state.position.at(i), state.previous.at(i), state.carry.at(i), ratio);
+    state.previous.set(i, r.previous);
+    state.carry.set(i, r.carry);
+  });
+}
+
 void pins(const PassContext& context, ClothState& state) {
   context.threads.for_range(static_cast<uint32_t>(context.cloth.pins.size()), kRowGrain,
                             [&](uint32_t first, uint32_t last) { move_pins(context, state, first, last); });
@@ -141,6 +153,36 @@ void limit(const PassContext& context, ClothState& state) {
     if (attachment.anchor == shader::kNoAnchor || state.inverse_mass[i] == 0) return;
     const vec3 anchor = state.position.at(attachment.anchor);
     state.position.set(i, shader::attach(state.position.at(i), anchor, attachment.reach * stretch));
+  });
+}
+
+void collide_cells(const PassContext& context, ClothState& state, uint32_t group) {
+  const shader::ColliderSet set = colliders_of(context.frame);
+  const uint32_t width = state.data.width, height = state.data.height;
+  const auto triangle = [&](uint32_t a, uint32_t b, uint32_t c) {
+    const shader::Corners now{state.position.at(a), state.position.at(b), state.position.at(c)};
+    const shader::Corners start{state.previous.at(a), state.previous.at(b), state.previous.at(c)};
+    const vec3 w(state.inverse_mass[a], state.inverse_mass[b], state.inverse_mass[c]);
+    const shader::Corners moved = shader::collide_triangle(set, context.cloth.params, context.substep, now, start, w);
+    state.position.set(a, moved.a);
+    state.position.set(b, moved.b);
+    state.position.set(c, moved.c);
+  };
+  const auto cell = [&](uint32_t x, uint32_t y) {
+    const uint32_t p0 = y * width + x, p1 = p0 + 1, p2 = p0 + width, p3 = p2 + 1;
+    const uint32_t bits = state.data.cell[p0];
+    const bool left = (bits & shader::kCellDiagonalLeftBit) != 0;
+    if ((bits & shader::kCellFirstBit) != 0) triangle(p0, p2, left ? p1 : p3);
+    if ((bits & shader::kCellSecondBit) != 0) triangle(left ? p1 : p0, left ? p2 : p3, left ? p3 : p1);
+  };
+  const shader::uvec2 count = shader::cell_extent(width, height);
+  context.threads.for_range(count.y, std::max(1U, kPixelGrain / width), [&](uint32_t first, uint32_t last) {
+    for (uint32_t j = first; j < last; ++j) {
+      for (uint32_t i = 0; i < count.x; ++i) {
+        const shader::uvec2 p = shader::cell_corner(group, i, j);
+        if (p.x + 1 < width && p.y + 1 < height) cell(p.x, p.y);
+      }
+    }
   });
 }
 
@@ -248,6 +290,8 @@ void run_pass(const PassStep& step, const PassContext& context, ClothState& stat
       return normals(context, state);
     case Pass::normals_stitch:
       return normals_stitch(context, state);
+    case Pass::rescale:
+      return rescale(context, state);
     case Pass::predict:
       return predict(context, state);
     case Pass::pins:
@@ -268,6 +312,8 @@ void run_pass(const PassStep& step, const PassContext& context, ClothState& stat
       return settle(context, state);
     case Pass::limit:
       return limit(context, state);
+    case Pass::collide_cells:
+      return collide_cells(context, state, step.group);
     case Pass::collide:
       return collide(context, state);
     case Pass::check_copies:

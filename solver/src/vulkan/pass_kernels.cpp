@@ -5,16 +5,19 @@
 
 #include "check_colliders_comp.h"
 #include "check_copies_comp.h"
+#include "collide_cells_comp.h"
 #include "collide_comp.h"
 #include "curvature_comp.h"
 #include "inverse_mass_comp.h"
 #include "lib/bend_groups.h"
+#include "lib/cell_groups.h"
 #include "lib/spring_groups.h"
 #include "limit_comp.h"
 #include "normals_comp.h"
 #include "normals_stitch_comp.h"
 #include "pins_comp.h"
 #include "predict_comp.h"
+#include "rescale_comp.h"
 #include "seam_bends_comp.h"
 #include "seam_curvature_comp.h"
 #include "settle_comp.h"
@@ -31,6 +34,8 @@ std::span<const uint32_t> spirv(Pass pass) {
       return normals_comp;
     case Pass::normals_stitch:
       return normals_stitch_comp;
+    case Pass::rescale:
+      return rescale_comp;
     case Pass::predict:
       return predict_comp;
     case Pass::pins:
@@ -51,6 +56,8 @@ std::span<const uint32_t> spirv(Pass pass) {
       return settle_comp;
     case Pass::limit:
       return limit_comp;
+    case Pass::collide_cells:
+      return collide_cells_comp;
     case Pass::collide:
       return collide_comp;
     case Pass::check_copies:
@@ -64,15 +71,6 @@ std::span<const uint32_t> spirv(Pass pass) {
 /// springs.comp's specialization constant: which family's image it reads.
 uint32_t family(Pass pass) {
   return pass == Pass::shear ? 1 : pass == Pass::bending ? 2 : 0;
-}
-
-std::vector<Kernel> make_kernels(const std::shared_ptr<const Context>& context, vk::PipelineLayout layout) {
-  std::vector<Kernel> kernels;
-  for (const PassInfo& pass : kPasses) {
-    const std::array<uint32_t, 1> specialization{family(pass.pass)};
-    kernels.emplace_back(context, spirv(pass.pass), layout, specialization);
-  }
-  return kernels;
 }
 
 vk::raii::DescriptorSetLayout make_set_layout(const Context& context) {
@@ -113,8 +111,16 @@ PassKernels::PassKernels(std::shared_ptr<const Context> context)
     : context_(std::move(context)),
       set_layout_(make_set_layout(*context_)),
       pipeline_layout_(make_pipeline_layout(*context_, *set_layout_)),
-      kernels_(make_kernels(context_, *pipeline_layout_)),
       inverse_mass_(context_, inverse_mass_comp, *pipeline_layout_) {}
+
+const Kernel& PassKernels::kernel(Pass pass) const {
+  std::optional<Kernel>& kernel = kernels_[static_cast<size_t>(pass)];
+  if (!kernel) {
+    const std::array<uint32_t, 1> specialization{family(pass)};
+    kernel.emplace(context_, spirv(pass), *pipeline_layout_, specialization);
+  }
+  return *kernel;
+}
 
 void PassKernels::bind(const vk::raii::CommandBuffer& commands, vk::DescriptorSet set) const {
   commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *pipeline_layout_, 0, set, {});
@@ -129,7 +135,7 @@ void PassKernels::run(const vk::raii::CommandBuffer& commands, const Kernel& ker
 
 void PassKernels::dispatch(const vk::raii::CommandBuffer& commands, const ClothResources& cloth, const PassStep& step,
                            uint32_t substep, uint32_t relaxation_steps, uint32_t pins) const {
-  const Kernel& kernel = kernels_[static_cast<size_t>(step.pass)];
+  const Kernel& kernel = this->kernel(step.pass);
   shader::PassConstants constants{.substep = substep,
                                   .group = step.group,
                                   .first = 0,
@@ -144,9 +150,12 @@ void PassKernels::dispatch(const vk::raii::CommandBuffer& commands, const ClothR
     case Pass::shear:
     case Pass::bending:
       return over_pixels(shader::group_extent(step.group, cloth.width, cloth.height));
+    case Pass::collide_cells:
+      return over_pixels(shader::cell_extent(cloth.width, cloth.height));
     case Pass::curvature:
       return over_pixels(shader::bend_extent(step.group, cloth.width, cloth.height));
     case Pass::normals:
+    case Pass::rescale:
     case Pass::predict:
     case Pass::settle:
     case Pass::limit:

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "pass.h"
@@ -12,8 +13,8 @@
 
 namespace geocloth::vulkan {
 
-/// Pipelines of all passes. They share one descriptor set layout (the bindings of shared/layout.h) and one block of
-/// push constants, so that a pass is a pipeline, constants and a size.
+/// Pipelines of the passes, each made when it is first recorded. They share one descriptor set layout (the bindings of
+/// shared/layout.h) and one block of push constants, so that a pass is a pipeline, constants and a size.
 class PassKernels {
  public:
   explicit PassKernels(std::shared_ptr<const Context> context);
@@ -37,7 +38,8 @@ class PassKernels {
   std::shared_ptr<const Context> context_;
   vk::raii::DescriptorSetLayout set_layout_;
   vk::raii::PipelineLayout pipeline_layout_;
-  std::vector<Kernel> kernels_;  ///< by Pass
+  [[nodiscard]] const Kernel& kernel(Pass pass) const;
+  mutable std::array<std::optional<Kernel>, kPasses.size()> kernels_;  ///< by Pass, as far as they have been needed
   Kernel inverse_mass_;
 };
 

@@ -134,7 +134,7 @@ void VulkanBackend::record(Slot& slot) {
   const vk::raii::CommandBuffer& commands = slot.frame.commands().begin();  // waits, so the steps can be written
   std::vector<FramePlan> plans;
   for (size_t c = 0; c < cloths_.size(); ++c) {
-    plans.push_back(plan_frame(cloths_[c].path, slot.recipe.schedules[c], data_.substeps,
+    plans.push_back(plan_frame(cloths_[c].path, slot.recipe.schedules[c], slot.recipe.schedules[c].substeps,
                                {cloths_[c].split_rows, cloths_[c].seam_color_offset}));
     if (slot.tiles[c]) slot.tiles[c]->write_steps(plans[c].steps, cloths_[c]);
   }

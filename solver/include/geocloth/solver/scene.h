@@ -78,6 +78,7 @@ struct Scene {
   double frame_rate = 60;  ///< [1/s]
   uint32_t frames = 120;
   uint32_t substeps = 16, relaxation_steps = 1;
+  bool keep_momentum = false;  ///< see SolverSettings
   Vec3 gravity{0, -9.81F, 0};
   std::vector<SceneCloth> cloths;
   std::vector<SceneCollider> colliders;
@@ -102,8 +103,8 @@ struct Scene {
 /// A scene being played: assets loaded, pins chosen, keyframes evaluated frame by frame.
 class Simulation {
  public:
-  /// Reads the assets and meshes that the scene names. Settings' substeps, relaxation_steps, frame_time and gravity
-  /// come from the scene.
+  /// Reads the assets and meshes that the scene names. Settings' substeps, relaxation_steps, keep_momentum,
+  /// frame_time and gravity come from the scene.
   Simulation(Scene scene, SolverSettings settings, const ReadSurface& read_surface = read_asset_surface);
 
   /// Advances one frame.

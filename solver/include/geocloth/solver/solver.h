@@ -50,10 +50,10 @@ struct SolverSettings {
   /// Springs pull along where they were when the substep began, on positions of twice the digits: free cloth keeps its
   /// angular momentum, which it loses else by the share w^2 dt a second of a spin w [1/s]. About three times as slow.
   bool keep_momentum = false;
-  Vec3 gravity{0, -9.81F, 0};     ///< [m/s^2]
-  bool timings = false;           ///< measure every pass (slower)
+  Vec3 gravity{0, -9.81F, 0};  ///< [m/s^2]
+  bool timings = false;        ///< measure every pass (slower)
   SolverPath path = SolverPath::automatic;
-  bool check_copies = false;      ///< measure the copy gap and the penetration after every substep (slower)
+  bool check_copies = false;  ///< measure the copy gap and the penetration after every substep (slower)
 };
 
 /// A pinned point: it follows `target`, which is reached at the end of the next frame. Copies are pinned with it.
@@ -103,6 +103,9 @@ class Solver {
   /// without a jerk, as they are (waits for the device).
   void set_parent(uint32_t cloth, const Transform& pose, const Vec3& inertia_scale = {1, 1, 1}, bool teleport = false);
 
+  /// Frames from now on are so long, of so many substeps; velocities stay. Where colliders are so fast that they would
+  /// stretch the cloth open in a substep, a frame has up to four times as many. @throws Error(invalid_argument)
+  void set_time_step(double frame_time, uint32_t substeps);
   /// Advances by one frame: on Vulkan it only submits.
   void step();
 

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// Per cell of one group: its triangles against all colliders. Cells of a group share no pixel.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "over_pixels.glsl"
+#include "colliders.glsl"
+#include "../lib/cell_groups.h"
+#include "../lib/collide_cell.h"
+#include "../lib/normal.h"
+
+void collide_triangle_at(uvec2 pa, uvec2 pb, uvec2 pc) {
+  vec4 a = load_position(pa);
+  vec4 b = load_position(pb);
+  vec4 c = load_position(pc);
+  Corners start = Corners(load_previous(pa).xyz, load_previous(pb).xyz, load_previous(pc).xyz);
+  Corners moved = collide_triangle(ColliderSet(0u), params, constants.substep, Corners(a.xyz, b.xyz, c.xyz), start,
+                                   vec3(a.w, b.w, c.w));
+  store_position(pa, vec4(moved.a, a.w));
+  store_position(pb, vec4(moved.b, b.w));
+  store_position(pc, vec4(moved.c, c.w));
+}
+
+void main() {
+  uvec2 p0 = cell_corner(constants.group, gl_GlobalInvocationID.x, gl_GlobalInvocationID.y);
+  if (p0.x + 1u >= params.width || p0.y + 1u >= params.height) return;
+  uint bits = imageLoad(cell_image, texel(p0)).x;
+  uvec2 p1 = p0 + uvec2(1u, 0u);
+  uvec2 p2 = p0 + uvec2(0u, 1u);
+  uvec2 p3 = p0 + uvec2(1u, 1u);
+  bool left = (bits & kCellDiagonalLeftBit) != 0u;
+  if ((bits & kCellFirstBit) != 0u) collide_triangle_at(p0, p2, left ? p1 : p3);
+  if ((bits & kCellSecondBit) != 0u) collide_triangle_at(left ? p1 : p0, left ? p2 : p3, left ? p3 : p1);
+}

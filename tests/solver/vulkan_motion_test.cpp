@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a scene may hold besides springs and simple colliders, on both backends: soft pins, moving parents, hulls and
+// bodies, triangles that hold what is thinner than a pixel, steps that change and steps that are tiny.
+#include <cmath>
+#include <numbers>
+
+#include "geocloth/solver/solid.h"
+#include "support/vulkan_play.h"
+
+namespace geocloth {
+namespace {
+
+using test::cloth_of;
+using test::hanging;
+using test::kCut;
+using test::largest_distance;
+using test::Outcome;
+using test::pins_of_top;
+using test::Play;
+using test::settings_of;
+using test::SheetOptions;
+using VulkanMotionTest = test::VulkanBackendTest;
+
+TEST_F(VulkanMotionTest, SoftPinsThatMoveAgree) {
+  Play scene = hanging(kCut);
+  scene.before_frame = [asset = scene.cloths[0].asset](Solver& solver, uint32_t frame) {
+    std::vector<Pin> pins = pins_of_top(kCut, *asset, {0, 0, 0.02F * static_cast<float>(frame)});
+    for (size_t k = 0; k < pins.size(); ++k) pins[k].frequency = k % 3 == 0 ? 0.F : 4.F;
+    solver.set_pins(0, pins);
+  };
+  expect_same_as_cpu(scene);
+}
+
+TEST_F(VulkanMotionTest, AParentThatTurnsWithInertiaAndWindAgrees) {
+  Play scene = hanging(kCut);
+  scene.frames = 8;
+  scene.before_frame = [asset = scene.cloths[0].asset](Solver& solver, uint32_t frame) {
+    const float t = static_cast<float>(frame);
+    const Transform pose{{0.02F * t, 0.1F, -0.01F * t}, quat_from_euler_deg({t, 6 * t, 0}), 1};
+    solver.set_parent(0, pose, {0.3F, 0.6F, 1}, frame == 5);
+    std::vector<Pin> pins = pins_of_top(kCut, *asset);
+    for (Pin& pin : pins) pin.target = apply(pose, pin.target);
+    solver.set_pins(0, pins);
+    solver.set_wind({.velocity = {2, 0, 1}, .turbulence = 0.5F, .frequency = 2, .drag = 1, .lift = 0.3F});
+  };
+  expect_same_as_cpu(scene);
+}
+
+/// A ball of triangles.
+TriangleSurface ball_surface(float radius) {
+  constexpr uint32_t kAround = 16, kAlong = 9;
+  TriangleSurface surface;
+  for (uint32_t j = 0; j < kAlong; ++j) {
+    for (uint32_t i = 0; i < kAround; ++i) {
+      const double u = 2 * std::numbers::pi * i / kAround, v = std::numbers::pi * j / (kAlong - 1);
+      surface.position.push_back({radius * static_cast<float>(std::sin(v) * std::cos(u)),
+                                  radius * static_cast<float>(std::cos(v)),
+                                  radius * static_cast<float>(std::sin(v) * std::sin(u))});
+    }
+  }
+  for (uint32_t j = 0; j + 1 < kAlong; ++j) {
+    for (uint32_t i = 0; i < kAround; ++i) {
+      const uint32_t a = j * kAround + i, b = j * kAround + (i + 1) % kAround;
+      surface.triangle.push_back({a, b, a + kAround});
+      surface.triangle.push_back({b, b + kAround, a + kAround});
+    }
+  }
+  return surface;
+}
+
+/// A sheet falls on a collider that comes up and turns.
+Play falls_on(const ColliderShape& shape, float lift) {
+  SheetOptions options = kCut;
+  options.horizontal = true;
+  options.center = {0, 0.25F, 0};
+  Play scene{.cloths = {cloth_of(options)}, .settings = settings_of(6), .frames = 16};
+  scene.settings.check_copies = true;
+  scene.before_frame = [shape, lift](Solver& solver, uint32_t frame) {
+    const float t = static_cast<float>(frame) / 60.F;
+    solver.set_colliders(std::vector<Collider>{
+        {.name = "it",
+         .shape = shape,
+         .friction = 0.4F,
+         .pose = {.translate = {0.1F * t, lift * t, 0}, .rotate = quat_from_euler_deg({10 * t, 60 * t, 0})}}});
+  };
+  return scene;
+}
+
+TEST_F(VulkanMotionTest, AHullAndABodyAgreeAndNothingSinksIn) {
+  const Convex hull = convex_hull(
+      std::vector<Vec3>{{-0.2F, 0, -0.2F}, {0.2F, 0, -0.2F}, {0.2F, 0, 0.2F}, {-0.2F, 0, 0.2F}, {0, 0.2F, 0.05F}});
+  const MeshSolid body{std::make_shared<const DistanceField>(make_distance_field(ball_surface(0.2F), 8'000))};
+  for (const ColliderShape& shape : {ColliderShape{hull}, ColliderShape{body}}) {
+    const Outcome outcome = expect_same_as_cpu(falls_on(shape, 0.5F));
+    EXPECT_LE(outcome.statistics.penetration, double{Material{}.thickness});
+  }
+}
+
+TEST_F(VulkanMotionTest, ARodThinnerThanAPixelIsHeldByTheTrianglesAlike) {
+  const Outcome outcome = expect_same_as_cpu(falls_on(Capsule{{-1, 0, 0.03F}, {1, 0, 0.03F}, 0.01F, 0.01F}, 3));
+  EXPECT_EQ(outcome.statistics.copy_gap, 0.0);
+}
+
+TEST_F(VulkanMotionTest, StepsThatChangeAgree) {
+  Play scene = hanging(kCut);
+  scene.frames = 8;
+  scene.before_frame = [asset = scene.cloths[0].asset](Solver& solver, uint32_t frame) {
+    if (frame == 0) solver.set_pins(0, pins_of_top(kCut, *asset));
+    solver.set_time_step(frame % 2 == 0 ? 1.0 / 60 : 1.0 / 40, 3 + frame % 3);
+  };
+  expect_same_as_cpu(scene);
+}
+
+TEST_F(VulkanMotionTest, TinyStepsAgree) {
+  for (const bool momentum : {false, true}) {
+    Material stiff;
+    stiff.bend_warp = stiff.bend_weft = 1e-3F;
+    Play scene = hanging(kCut, stiff);
+    scene.settings.substeps = 4;
+    scene.settings.frame_time = 4.0 / 14400;
+    scene.settings.keep_momentum = momentum;
+    scene.settings.check_copies = true;
+    scene.before_frame = [asset = scene.cloths[0].asset](Solver& solver, uint32_t frame) {
+      std::vector<Pin> pins = pins_of_top(kCut, *asset, {0, 0, 1e-3F * static_cast<float>(frame)});
+      pins.back().frequency = 10;
+      solver.set_pins(0, pins);
+      solver.set_colliders(std::vector<Collider>{{.name = "ball", .shape = Sphere{{0, 0, 0.1F}, 0.0999F}, .pose = {}}});
+    };
+    const Outcome outcome = expect_same_as_cpu(scene);
+    EXPECT_EQ(outcome.statistics.copy_gap, 0.0);
+  }
+}
+
+}  // namespace
+}  // namespace geocloth
