@@ -2,6 +2,7 @@
 #include "chart.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <queue>
 
@@ -61,13 +62,22 @@ std::vector<uint32_t> outline_loop(const Chart& c) {
   return loop;
 }
 
-std::vector<std::vector<ChartNeighbour>> neighbours(const Chart& c) {
+std::vector<std::vector<ChartNeighbour>> neighbours(const Chart& c, double crease_discount) {
+  const auto normal = [&](uint32_t t) {
+    const Triangle& k = c.triangle[t];
+    return cross(c.position[k[1]] - c.position[k[0]], c.position[k[2]] - c.position[k[0]]);
+  };
+  const auto fold = [&](uint32_t h) {  // [rad]
+    const Point3 m = normal(h / 3), n = normal(c.opposite[h] / 3);
+    return std::atan2(length(cross(m, n)), dot(m, n));
+  };
   std::vector<std::vector<ChartNeighbour>> result(c.position.size());
   for (uint32_t h = 0; h < c.opposite.size(); ++h) {
     const bool outline = c.opposite[h] == kNone;
     if (!outline && c.opposite[h] < h) continue;
     const uint32_t a = tail(c.triangle, h), b = head(c.triangle, h);
-    const double l = distance(c.position[a], c.position[b]);
+    double l = distance(c.position[a], c.position[b]);
+    if (crease_discount > 0 && !outline) l *= 1 - crease_discount * std::min(1.0, fold(h));
     result[a].push_back({b, l, outline});
     result[b].push_back({a, l, outline});
   }
@@ -80,8 +90,9 @@ std::vector<uint32_t> Distances::path_from(uint32_t vertex) const {
   return path;
 }
 
-Distances distances(const Chart& c, const std::vector<uint32_t>& sources, const std::vector<uint8_t>& closed) {
-  const auto around = neighbours(c);
+Distances distances(const Chart& c, const std::vector<uint32_t>& sources, const std::vector<uint8_t>& closed,
+                    double crease_discount) {
+  const auto around = neighbours(c, crease_discount);
   Distances d{std::vector<double>(c.position.size(), kInfinity), std::vector<uint32_t>(c.position.size(), kNone)};
   using Entry = std::pair<double, uint32_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;

@@ -78,7 +78,7 @@ std::vector<uint32_t> parting_path(const Chart& c, const std::vector<uint32_t>& 
   for (const size_t share : {size_t{3}, size_t{6}, n + 1}) {
     const std::vector<uint32_t> from = middle(crossing[0], first, share);
     const std::vector<uint32_t> to = middle(crossing[1], n - first, share);
-    const Distances d = distances(c, from, closed);
+    const Distances d = distances(c, from, closed, kCreaseDiscount);
     uint32_t best = kNone;
     for (const uint32_t v : to) {
       if (std::isfinite(d.value[v]) && d.from[v] != kNone && (best == kNone || d.value[v] < d.value[best])) best = v;

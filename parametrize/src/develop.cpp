@@ -80,9 +80,11 @@ struct Taste {
     most_for_its_length,  ///< the greatest fall by length
     most_of_what_lacks,   ///< the same, but what falls below the target does not count
   } likes = Likes::most_gain;
-  size_t places = 6;  ///< places tried at once, at most
+  size_t places = 6;           ///< places tried at once, at most
+  double crease_discount = 0;  ///< for cuts along creases (chart.h)
 };
-constexpr std::array kTastes{Taste{Taste::Likes::most_gain, 6}, Taste{Taste::Likes::most_of_what_lacks, 6},
+constexpr std::array kTastes{Taste{Taste::Likes::most_gain, 6, kCreaseDiscount},
+                             Taste{Taste::Likes::most_of_what_lacks, 6, kCreaseDiscount},
                              Taste{Taste::Likes::most_for_its_length, 6}, Taste{Taste::Likes::most_gain, 12}};
 
 /// The area that is stretched more one way than the other than kMostStrain tells.
@@ -148,7 +150,7 @@ class Developer {
   /// Of several places, the cut that brings most for its length; nothing when none pays.
   [[nodiscard]] std::optional<Trial> best_cut(const Chart& chart, double energy) const {
     const size_t count = std::clamp<size_t>(kTrialWork / chart.triangle.size(), kLeastTrials, taste_.places);
-    const Distances way_out = distances(chart, outline_loop(chart), on_outline(chart));
+    const Distances way_out = distances(chart, outline_loop(chart), on_outline(chart), taste_.crease_discount);
     const std::vector<double> per_triangle =
         SymmetricDirichlet(chart.position, chart.triangle, {}).energy_per_triangle(chart.uv);
     const std::vector<uint32_t> worst = worst_vertices(chart, per_triangle, way_out, options_.least_cut, count);

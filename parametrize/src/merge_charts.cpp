@@ -22,7 +22,7 @@
 namespace geocloth {
 namespace {
 
-constexpr double kSameGrain = 0.9;       // least cosine between two charts' grain lines
+constexpr double kSameGrain = 0.82;      // least cosine between two charts' grain lines
 constexpr double kLevel = 0.3;           // strength below which a chart's grain says nothing
 constexpr size_t kMostWork = 1'000'000;  // triangles relaxed in attempts
 constexpr size_t kFreshStart = 5;        // what a start from Tutte's embedding costs, in attempts

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "develop.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <numeric>
 
 #include <gtest/gtest.h>
 
@@ -72,6 +74,40 @@ TEST(Develop, ThreadsMeetAtRightAnglesWhereTheClothIsCurved) {
   EXPECT_TRUE(flip_free(chart));
   EXPECT_FALSE(crossing_edges(chart, outline_loop(chart)));
   EXPECT_GT(grain_of(chart).axis[1], 0.999);
+}
+
+// A cut is least seen where the cloth is folded anyway: it may go a little
+// further along a crease.
+TEST(Develop, CutsPreferCreases) {
+  CleanSurface sheet = test::disk(21, 21);
+  for (Point3 &p : sheet.position)
+    p = {p[0], p[1], std::abs(p[0] - 0.7)}; // folded at right angles
+  const Chart chart = extract_chart(cut_to_disks(sheet), [&] {
+    std::vector<uint32_t> all(sheet.triangle.size());
+    std::iota(all.begin(), all.end(), 0U);
+    return all;
+  }());
+  const auto at = [&](double x, double y) {
+    uint32_t best = 0;
+    const auto off = [&](uint32_t v) {
+      return std::hypot(chart.position[v][0] - x, chart.position[v][1] - y);
+    };
+    for (uint32_t v = 0; v < chart.position.size(); ++v)
+      best = off(v) < off(best) ? v : best;
+    return best;
+  };
+  // From beside the crease to its foot.
+  const auto share_on_crease = [&](double discount) {
+    const Distances way =
+        distances(chart, {at(0.7, 0)}, on_outline(chart), discount);
+    const std::vector<uint32_t> path = way.path_from(at(0.6, 0.8));
+    const auto on_it = std::count_if(path.begin(), path.end(), [&](uint32_t v) {
+      return chart.position[v][2] < 1e-9;
+    });
+    return static_cast<double>(on_it) / static_cast<double>(path.size());
+  };
+  EXPECT_GT(share_on_crease(kCreaseDiscount), 0.8);
+  EXPECT_LE(share_on_crease(0), share_on_crease(kCreaseDiscount));
 }
 
 void expect_simple_charts(const DevelopedSurface &developed) {
