@@ -18,11 +18,11 @@ enum class RowKernel : uint8_t {
   normals,            ///< runs
   predict,            ///< runs
   pins,               ///< pins of the row
-  springs_across,     ///< blocks: rest, inverse
-  springs_along,      ///< blocks over every second column and its neighbour: rest, inverse
-  springs_along_two,  ///< blocks over two of four columns and the next two: rest, inverse
-  bends_across,       ///< blocks: rest, inverse, chord
-  bends_along,        ///< blocks over every third column and the next two: rest, inverse, chord
+  springs_across,     ///< blocks: rest, inverse, compliance
+  springs_along,      ///< blocks over every second column and its neighbour: rest, inverse, compliance
+  springs_along_two,  ///< blocks over two of four columns and the next two: rest, inverse, compliance
+  bends_across,       ///< blocks: rest, inverse, chord, compliance
+  bends_along,        ///< blocks over every third column and the next two: rest, inverse, chord, compliance
   limit,              ///< blocks: longest; anchors
   collide,            ///< runs
   check_colliders     ///< runs
@@ -35,10 +35,12 @@ struct Run {
 
 /// What a kernel works through, row by row. A block is as many constraints as a vector has lanes, from a pixel on; its
 /// constants lie in the order of the lanes, so that nothing is gathered. Lanes without a constraint have the inverse 0.
+/// Compliances are only there with several relaxation steps.
 struct RowStream {
   std::vector<uint32_t> row_first;  ///< height + 1 entries: the row's blocks, runs or pins
   std::vector<uint32_t> pixel;      ///< first pixel of a block
   std::vector<float> constants;
+  std::vector<float> multipliers;     ///< of constraints with several relaxation steps, for each lane
   std::vector<int32_t> anchors;       ///< limit: index into the pins for each lane
   std::vector<int32_t> first_anchor;  ///< limit: of a block whose lanes' anchors follow each other, else -1
   std::vector<Run> runs;
@@ -53,6 +55,8 @@ struct SweepOp {
   uint32_t offset = 0;  ///< pixels from one end of a constraint to the next
   float share = 1;
   const RowStream* stream = nullptr;
+  float* multipliers = nullptr;  ///< the stream's; nullptr: of one relaxation step
+  bool read_multipliers = false, write_multipliers = false;
 };
 
 /// Passes that run through the rows together.
@@ -83,7 +87,7 @@ struct SweepFrame {
   const float* anchors = nullptr;  ///< for each substep x, y, z of every pin, each `anchor_count` long
   uint32_t anchor_count = 0;
   const ColliderGuard* guards = nullptr;  ///< for each substep one for each collider
-  bool collide_all = false;               ///< no point is certainly untouched
+  bool collide_all = false;               ///< no point is certainly untouched, or points change without being touched
   bool simple_colliders = false;          ///< see is_simple()
   float* penetration = nullptr;           ///< [m] of each substep, raised by check_colliders
   double* seconds = nullptr;              ///< of a sample of the rows, for each substep one for each pass

@@ -39,6 +39,7 @@ HWY_INLINE void run_row(D d, const SweepFrame& frame, const SweepOp& op, uint32_
   ClothState& state = *frame.state;
   const RowStream& stream = *op.stream;
   const uint32_t first = stream.row_first[y], last = stream.row_first[y + 1];
+  const bool several = op.multipliers != nullptr;  // relaxation steps
   switch (op.kernel) {
     case RowKernel::normals:
       for (uint32_t k = first; k < last; ++k) normals(d, state, stream.runs[k]);
@@ -50,19 +51,19 @@ HWY_INLINE void run_row(D d, const SweepFrame& frame, const SweepOp& op, uint32_
       if (first < last) move_pins(frame.contexts[substep], state, first, last);
       break;
     case RowKernel::springs_across:
-      springs_across(d, op, state, first, last);
+      several ? springs_across<true>(d, op, state, first, last) : springs_across<false>(d, op, state, first, last);
       break;
     case RowKernel::springs_along:
-      springs_along<1>(d, op, state, first, last);
+      several ? springs_along<1, true>(d, op, state, first, last) : springs_along<1, false>(d, op, state, first, last);
       break;
     case RowKernel::springs_along_two:
-      springs_along<2>(d, op, state, first, last);
+      several ? springs_along<2, true>(d, op, state, first, last) : springs_along<2, false>(d, op, state, first, last);
       break;
     case RowKernel::bends_across:
-      bends_across(d, op, state, first, last);
+      several ? bends_across<true>(d, op, state, first, last) : bends_across<false>(d, op, state, first, last);
       break;
     case RowKernel::bends_along:
-      bends_along(d, op, state, first, last);
+      several ? bends_along<true>(d, op, state, first, last) : bends_along<false>(d, op, state, first, last);
       break;
     case RowKernel::limit:
       limit(d, op, state, frame.anchors + size_t{3} * frame.anchor_count * substep, frame.anchor_count, first, last);

@@ -10,7 +10,9 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <map>
 #include <optional>
+#include <utility>
 
 #include "cpu/springs.h"
 #include "lib/bend.h"
@@ -138,17 +140,33 @@ class SweepPlanner {
       case Pass::structural:
       case Pass::shear:
       case Pass::bending:
-        if (relaxation_steps_ > 1) return {};
-        return springs(step.group);
+        return relaxed(step, &SweepPlanner::springs);
       case Pass::curvature:
-        if (relaxation_steps_ > 1) return {};
-        return bends(step.group);
+        return relaxed(step, &SweepPlanner::bends);
       case Pass::limit:
         return limit();
       default:
         return {};
     }
   }
+
+  /// With several relaxation steps the constraints of a group are laid out once, and their multipliers are kept there.
+  SweepOp relaxed(const PassStep& step, SweepOp (SweepPlanner::*lay_out)(uint32_t)) {
+    const auto known = first_relaxation_.find({step.pass, step.group});
+    SweepOp op = known != first_relaxation_.end() ? known->second : (this->*lay_out)(step.group);
+    if (relaxation_steps_ == 1) return op;
+    if (known == first_relaxation_.end()) {
+      RowStream& stream = *plan_->streams_.back();
+      stream.multipliers.resize(stream.pixel.size() * lanes_ + 1);  // somewhere, even for no blocks
+      op.multipliers = stream.multipliers.data();
+      first_relaxation_.emplace(std::pair{step.pass, step.group}, op);
+    }
+    op.read_multipliers = step.relaxation > 0;
+    op.write_multipliers = step.relaxation + 1 < relaxation_steps_;
+    return op;
+  }
+
+  [[nodiscard]] bool several() const { return relaxation_steps_ > 1; }
 
   RowStream& new_stream() { return *plan_->streams_.emplace_back(std::make_unique<RowStream>()); }
 
@@ -221,11 +239,13 @@ class SweepPlanner {
         return in_column(x) ? spring_inverse(component, y * width_ + x, offset) : 0.F;
       };
       cover_row(
-          shape, y, [&](uint32_t x) { return inverse_of(x) > 0; }, [&](uint32_t first) { add_block(stream, first, 2); },
+          shape, y, [&](uint32_t x) { return inverse_of(x) > 0; },
+          [&](uint32_t first) { add_block(stream, first, several() ? 3 : 2); },
           [&](uint32_t lane, uint32_t x) {
-            float* block = &stream.constants[stream.constants.size() - size_t{2} * lanes_];
+            float* block = &stream.constants[stream.constants.size() - size_t{several() ? 3U : 2U} * lanes_];
             block[lane] = state_.rest[component][y * width_ + x];
             block[lanes_ + lane] = inverse_of(x);
+            if (several()) block[2 * lanes_ + lane] = scaled_compliance(component, y * width_ + x);
           });
     }
     stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
@@ -247,7 +267,11 @@ class SweepPlanner {
     if (!(state_.rest[component][a] > 0)) return 0;
     const float w = state_.inverse_mass[a] + state_.inverse_mass[a + offset];
     if (!(w > 0)) return 0;
-    return 1.F / (w + state_.compliance[component][a] * cloth_.params.inverse_dt2);
+    return 1.F / (w + scaled_compliance(component, a));
+  }
+
+  [[nodiscard]] float scaled_compliance(uint32_t component, size_t a) const {
+    return state_.compliance[component][a] * cloth_.params.inverse_dt2;
   }
 
   SweepOp bends(uint32_t group) {
@@ -267,13 +291,14 @@ class SweepPlanner {
       };
       cover_row(
           shape, y, [&](uint32_t x) { return constants_of(x).inverse > 0; },
-          [&](uint32_t first) { add_block(stream, first, 3); },
+          [&](uint32_t first) { add_block(stream, first, several() ? 4 : 3); },
           [&](uint32_t lane, uint32_t x) {
             const BendConstants c = constants_of(x);
-            float* block = &stream.constants[stream.constants.size() - size_t{3} * lanes_];
+            float* block = &stream.constants[stream.constants.size() - size_t{several() ? 4U : 3U} * lanes_];
             block[lane] = c.rest;
             block[lanes_ + lane] = c.inverse;
             block[2 * lanes_ + lane] = c.chord;
+            if (several()) block[3 * lanes_ + lane] = scaled_compliance(component, y * width_ + x);
           });
     }
     stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
@@ -285,7 +310,7 @@ class SweepPlanner {
   };
   /// The weights as bend.h has them, for a middle point that carries all of its mass.
   [[nodiscard]] BendConstants bend_constants(uint32_t component, size_t a, uint32_t offset) const {
-    const float compliance = state_.compliance[component][a] * cloth_.params.inverse_dt2;
+    const float compliance = scaled_compliance(component, a);
     if (!(compliance > 0)) return {};
     const std::vector<float>& along = state_.rest[component - 4];
     const float chord = shader::chord_share(along[a], along[a + offset]), back = 1.F - chord;
@@ -344,7 +369,8 @@ class SweepPlanner {
   uint32_t relaxation_steps_, lanes_, width_, height_;
   std::unique_ptr<SweepPlan> plan_ = std::make_unique<SweepPlan>();
   RowStream* run_stream_ = nullptr;
-  std::vector<Reach> reaches_;  ///< of the sweep that is being made
+  std::map<std::pair<Pass, uint32_t>, SweepOp> first_relaxation_;  ///< of several, by pass and group
+  std::vector<Reach> reaches_;                                     ///< of the sweep that is being made
 };
 
 std::unique_ptr<SweepPlan> SweepPlan::make(const ClothState& state, const std::vector<PassStep>& substep,
@@ -361,8 +387,8 @@ size_t SweepPlan::memory_bytes() const {
   const auto bytes = [](const auto& values) { return values.capacity() * sizeof(values.front()); };
   size_t sum = 0;
   for (const auto& s : streams_) {
-    sum += bytes(s->row_first) + bytes(s->pixel) + bytes(s->constants) + bytes(s->anchors) + bytes(s->first_anchor) +
-           bytes(s->runs);
+    sum += bytes(s->row_first) + bytes(s->pixel) + bytes(s->constants) + bytes(s->multipliers) + bytes(s->anchors) +
+           bytes(s->first_anchor) + bytes(s->runs);
   }
   return sum;
 }

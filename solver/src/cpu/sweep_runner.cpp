@@ -159,7 +159,7 @@ bool SweepRunner::run(const FrameInput& frame, const ClothFrame& cloth, const Sc
                    anchors_.data(),
                    static_cast<uint32_t>(cloth.pins.size()),
                    guards_.data(),
-                   cloth.params.max_step > 0,
+                   cloth.params.max_step > 0 || cloth.params.moving != 0,
                    std::all_of(frame.shapes.begin(), frame.shapes.end(), is_simple)};
 
   penetration_.assign(substeps, 0.F);
