@@ -337,7 +337,7 @@ void fit_image(const FlatSurface& flat, const Raster& raster, ClothAsset& asset)
     fitter.move_pixels();
   }
   fitter.finish();
-  limit_springs(asset);
+  if (asset.layout != Layout::square) limit_springs(asset);  // a square stretches by more than a spring may be long
   share_area(asset);
   for (SeamBend& bend : asset.seam_bends) {
     bend.rest_length = length(asset.rest_position[bend.b] - asset.rest_position[bend.a]);
