@@ -154,8 +154,9 @@ bool fits_into(const CleanSurface& surface, const std::vector<uint32_t>& loop, d
   return true;
 }
 
-/// Fills a hole with a fan around its middle. @returns its area, or 0 and nothing done where triangles would be needles
-double close_hole(CleanSurface& surface, const std::vector<uint32_t>& loop) {
+/// Fills a hole with a fan around its middle. @returns its area, or 0 and nothing done where that is larger than
+/// `most_area` or triangles would be needles
+double close_hole(CleanSurface& surface, const std::vector<uint32_t>& loop, double most_area) {
   constexpr double kNeedle = 1e-4;
   const double share = 1 / static_cast<double>(loop.size()), around = length_around(surface, loop);
   Point3 middle{};
@@ -175,6 +176,7 @@ double close_hole(CleanSurface& surface, const std::vector<uint32_t>& loop) {
     if (!(a > kNeedle * around * around)) return 0;
     area += a;
   }
+  if (area > most_area) return 0;
   const auto centre = static_cast<uint32_t>(surface.position.size());
   surface.position.push_back(middle);
   surface.point.push_back(surface.point_count++);
@@ -193,7 +195,11 @@ void close_small_holes(const TriangleMesh& mesh, double spacing, CarriedSurface&
   CleanSurface& surface = result.represented;
   double total = 0;
   for (const Triangle& t : surface.triangle) total += area_of(surface, t);
-  const std::vector<std::vector<uint32_t>> loops = border_loops(surface);
+  double left = kMostCarried * total;
+  for (const CarriedPart& piece : result.carried) left -= piece.area_share * total;
+  std::vector<std::vector<uint32_t>> loops = border_loops(surface);
+  std::stable_sort(loops.begin(), loops.end(),
+                   [&](const auto& a, const auto& b) { return length_around(surface, a) < length_around(surface, b); });
   std::vector<uint32_t> loops_left(surface.component_count, 0);
   for (const auto& loop : loops) ++loops_left[surface.component[loop[0] / 3]];
   for (const std::vector<uint32_t>& loop : loops) {
@@ -202,8 +208,9 @@ void close_small_holes(const TriangleMesh& mesh, double spacing, CarriedSurface&
     // The only opening of a piece is more than a hole: without it the piece is a closed bag.
     if (around >= kLongestHole * spacing || loops_left[component] < 2) continue;
     if (!fits_into(surface, loop, spacing)) continue;  // a slit
-    const double area = close_hole(surface, loop);
+    const double area = close_hole(surface, loop, left);
     if (area <= 0) continue;
+    left -= area;
     --loops_left[component];
     const uint32_t source = surface.source_triangle[triangle];
     const uint32_t part = source == kNone ? 0 : part_of(mesh, source);
