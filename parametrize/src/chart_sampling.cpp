@@ -109,8 +109,16 @@ std::vector<Point2> sampling_places(const FlatSurface& flat, const FlatChart& ch
     place.push_back(flat.uv[s.vertex]);
     displaced = displaced || place.back()[0] != s.x || place.back()[1] != s.y;
   }
+  if (!displaced) {
+    std::vector<Point2> lattice;
+    lattice.reserve(size_t{chart.width} * chart.height);
+    for (uint32_t y = 0; y < chart.height; ++y) {
+      for (uint32_t x = 0; x < chart.width; ++x) lattice.push_back({static_cast<double>(x), static_cast<double>(y)});
+    }
+    return lattice;
+  }
   GridRelaxation grid(chain, place);
-  for (int k = 0; displaced && k < kSweeps; ++k) grid.sweep();
+  for (int k = 0; k < kSweeps; ++k) grid.sweep();
   return grid.places();
 }
 

@@ -73,8 +73,17 @@ void GridRelaxation::add_corners(std::span<const Pixel> chain) {
     corner_.push_back(
         {index(at), index({at[0] + dx, at[1]}), index({at[0], at[1] + dy}), static_cast<double>(dx * dy)});
   };
+  // Only those beside the pixels that move: the others take no part.
+  std::vector<uint8_t> near(place_.size(), 0);
+  for (const Pixel& p : chain) {
+    const int32_t right = std::min(p[0] + kBand, high_[0] - 1), bottom = std::min(p[1] + kBand, high_[1] - 1);
+    for (int32_t y = std::max(p[1] - kBand - 1, low_[1]); y <= bottom; ++y) {
+      for (int32_t x = std::max(p[0] - kBand - 1, low_[0]); x <= right; ++x) near[index({x, y})] = 1;
+    }
+  }
   for (int32_t y = low_[1]; y < high_[1]; ++y) {
     for (int32_t x = low_[0]; x < high_[0]; ++x) {
+      if (near[index({x, y})] == 0) continue;
       const CellHalves::Cell cell = cells.get({x, y});
       // Of the half below a diagonal that falls, only the lower left corner is a right angle, and so on.
       using Diagonal = CellHalves::Diagonal;
