@@ -181,6 +181,40 @@ TEST(SmallPieces, AHoleUnderAPixelIsClosed) {
   EXPECT_EQ(fine.welded.boundary_loops, 2U);
 }
 
+/// Every cell of the sheet with a square hole in its middle.
+TriangleMesh net(double hole) {
+  TriangleMesh mesh = sheet();
+  mesh.triangle.clear();
+  for (uint32_t cell = 0; cell < kCells * kCells; ++cell) {
+    const uint32_t a = cell / kCells * (kCells + 1) + cell % kCells;
+    const std::array<uint32_t, 4> outer{a, a + kCells + 1, a + kCells + 2, a + 1};
+    const Point3 low = mesh.position[outer[0]], high = mesh.position[outer[2]];
+    const Point3 middle{(low[0] + high[0]) / 2, 0, (low[2] + high[2]) / 2};
+    const auto first = static_cast<uint32_t>(mesh.position.size());
+    for (const uint32_t v : outer) {
+      const Point3 p = mesh.position[v];
+      mesh.position.push_back({middle[0] + hole * (p[0] - middle[0]), 0, middle[2] + hole * (p[2] - middle[2])});
+    }
+    for (uint32_t k = 0; k < 4; ++k) {
+      const uint32_t next = (k + 1) % 4;
+      mesh.triangle.push_back({outer[k], outer[next], first + next});
+      mesh.triangle.push_back({outer[k], first + next, first + k});
+    }
+  }
+  close_mesh(mesh);
+  return mesh;
+}
+
+// Holes that are closed are carried too: a hundredth of the area, however fine a net is.
+TEST(SmallPieces, OfANetAHundredthIsClosed) {
+  for (const uint32_t resolution : {8U, 30U}) {
+    const ConvertReport report = convert_at(net(0.2), resolution).report;
+    EXPECT_GT(report.carried.size(), 0U);
+    EXPECT_LE(total_share(report), 0.01);
+    EXPECT_EQ(report.welded.boundary_loops + report.carried.size(), report.cleaned.boundary_loops);
+  }
+}
+
 // A heap of scraps that all are smaller than a pixel is the garment itself: 1 % of it at most may be left out.
 TEST(SmallPieces, AtMostAHundredthOfTheAreaIsCarried) {
   TriangleMesh mesh;
