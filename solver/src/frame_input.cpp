@@ -262,9 +262,9 @@ shader::ColliderShape collider_shape_of(const Collider& collider, std::vector<fl
   return shape;
 }
 
-std::vector<shader::ColliderPose> collider_poses(std::span<const Collider> from, std::span<const Collider> to,
-                                                 uint32_t substeps, const Vec3& origin) {
-  std::vector<shader::ColliderPose> poses;
+void collider_poses(std::span<const Collider> from, std::span<const Collider> to, uint32_t substeps, const Vec3& origin,
+                    std::vector<shader::ColliderPose>& poses) {
+  poses.clear();
   poses.reserve(from.size() * (substeps + 1));
   for (uint32_t s = 0; s <= substeps; ++s) {
     const float t = static_cast<float>(s) / static_cast<float>(substeps);
@@ -276,7 +276,6 @@ std::vector<shader::ColliderPose> collider_poses(std::span<const Collider> from,
           make_pose({translate, a.rotate == b.rotate ? b.rotate : slerp(a.rotate, b.rotate, t), 1}, origin));
     }
   }
-  return poses;
 }
 
 void measure_ways(std::span<shader::ColliderShape> shapes, std::span<const shader::ColliderPose> poses,
@@ -295,16 +294,15 @@ bool may_slip_through(std::span<const shader::ColliderShape> shapes, float spaci
   return std::any_of(shapes.begin(), shapes.end(), [&](const shader::ColliderShape& s) { return s.core < spacing; });
 }
 
-std::vector<shader::Substep> substep_inputs(const FrameClock& clock, const std::optional<Wind>& wind,
-                                            const Vec3& origin) {
-  std::vector<shader::Substep> inputs(clock.substeps, shader::Substep{});
+void substep_inputs(const FrameClock& clock, const std::optional<Wind>& wind, const Vec3& origin,
+                    std::vector<shader::Substep>& inputs) {
+  inputs.assign(clock.substeps, shader::Substep{});
   for (uint32_t s = 0; s < clock.substeps; ++s) {
     inputs[s].pin_fraction = 1.F / static_cast<float>(clock.substeps - s);
     inputs[s].frame_fraction = static_cast<float>(s + 1) / static_cast<float>(clock.substeps);
     inputs[s].substep_share = 1.F / static_cast<float>(clock.substeps);
     if (wind) add_gusts(inputs[s], *wind, clock.start + s * clock.dt, origin);
   }
-  return inputs;
 }
 
 void set_frame_motion(shader::ClothParams& params, const Transform& from, const Transform& to,

@@ -25,9 +25,9 @@ struct FrameClock {
 
 /// Poses of all colliders before the first substep and after each: (substeps + 1) * colliders, relative to the origin.
 /// From and to have as many entries; translations go straight, rotations along the shortest arc.
-[[nodiscard]] std::vector<shader::ColliderPose> collider_poses(std::span<const Collider> from,
-                                                               std::span<const Collider> to, uint32_t substeps,
-                                                               const Vec3& origin);
+/// @param poses  replaced; its memory is used again
+void collider_poses(std::span<const Collider> from, std::span<const Collider> to, uint32_t substeps, const Vec3& origin,
+                    std::vector<shader::ColliderPose>& poses);
 
 constexpr double kThickestCloth = 1;  ///< [m]
 /// Sets ColliderShape::way from the poses of the frame: no point within `margin` [m] of the shape goes further with it.
@@ -39,8 +39,9 @@ void measure_ways(std::span<shader::ColliderShape> shapes, std::span<const shade
 [[nodiscard]] bool may_slip_through(std::span<const shader::ColliderShape> shapes, float spacing);
 
 /// Pin fractions and gusts of every substep.
-[[nodiscard]] std::vector<shader::Substep> substep_inputs(const FrameClock& clock, const std::optional<Wind>& wind,
-                                                          const Vec3& origin);
+/// @param inputs  replaced; its memory is used again
+void substep_inputs(const FrameClock& clock, const std::optional<Wind>& wind, const Vec3& origin,
+                    std::vector<shader::Substep>& inputs);
 
 /// @param from, to   where the target is at the start and at the end of the frame, relative to the origin
 /// @param frequency  [1/s] of a soft pin, 0: held

@@ -222,8 +222,7 @@ float Solver::Impl::stretch_limit(const Cloth& cloth) const {
   return stretch > 0 ? 1 + stretch : 0;
 }
 
-ClothFrame Solver::Impl::cloth_frame(Cloth& cloth) const {
-  ClothFrame frame;
+void Solver::Impl::fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const {
   frame.params = cloth_params(cloth.material, clock(), settings_.gravity, wind_);
   frame.params.gravity_step.w = static_cast<float>(clock().dt / displaced_in_);
   frame.params.fine = fine_;
@@ -235,14 +234,15 @@ ClothFrame Solver::Impl::cloth_frame(Cloth& cloth) const {
   if (cloth.parent_to) {
     set_frame_motion(frame.params, *cloth.parent_from, *cloth.parent_to, cloth.inertia_scale, substeps_, origin_);
   }
+  frame.pins.clear();
   for (auto& [pixel, pin] : cloth.pins) {
     frame.pins.push_back(pin_target(pixel, pin.from - origin_, pin.target - origin_, pin.frequency, clock().dt));
     pin.from = pin.target;
   }
-  if (!cloth.pins_changed) return frame;
+  frame.pins_changed = cloth.pins_changed;
+  if (!cloth.pins_changed) return;
 
   cloth.pins_changed = false;
-  frame.pins_changed = true;
   frame.inverse_mass = cloth.free_inverse_mass;
   std::vector<uint32_t> pinned;
   for (const auto& [pixel, pin] : cloth.pins) {
@@ -256,18 +256,16 @@ ClothFrame Solver::Impl::cloth_frame(Cloth& cloth) const {
     for (const shader::Attachment& a : frame.attachments) cloth.reach = std::max(cloth.reach, a.reach);
     frame.params.stretch_limit = stretch_limit(cloth);
   }
-  return frame;
 }
 
 /// 2 to 4 where a collider goes so far in a substep that the cloth in its way could not follow.
-uint32_t Solver::Impl::substeps_factor() const {
+uint32_t Solver::Impl::substeps_factor() {
   constexpr float kFar = 0.2F;  // in spacings
   constexpr uint32_t kMost = 4, kLargest = 256;
-  std::vector<shader::ColliderShape> shapes = shapes_;
-  measure_ways(shapes, collider_poses(colliders_from_, colliders_to_, settings_.substeps, origin_), settings_.substeps,
-               0);
+  collider_poses(colliders_from_, colliders_to_, settings_.substeps, origin_, frame_.poses);
+  measure_ways(frame_.shapes, frame_.poses, settings_.substeps, 0);
   float way = 0, spacing = std::numeric_limits<float>::max();
-  for (const shader::ColliderShape& s : shapes) {
+  for (const shader::ColliderShape& s : frame_.shapes) {
     if (s.kind != shader::kShapePlane) way = std::max(way, s.way);
   }
   for (const Cloth& cloth : cloths_) spacing = std::min(spacing, cloth.asset->spacing * cloth.scale);
@@ -279,20 +277,21 @@ uint32_t Solver::Impl::substeps_factor() const {
 void Solver::Impl::step() {
   for (uint32_t c = 0; c < cloths_.size(); ++c)
     if (cloths_[c].teleport) carry_over(c);
-  FrameInput frame;
-  frame.shapes = shapes_;
-  frame.collider_numbers = collider_numbers_;
+  frame_.shapes = shapes_;
+  frame_.collider_numbers = collider_numbers_;
   const uint32_t factor = substeps_factor();
   substeps_ = settings_.substeps * factor;
-  frame.poses = collider_poses(colliders_from_, colliders_to_, substeps_, origin_);
-  measure_ways(frame.shapes, frame.poses, substeps_, kThickestCloth);
-  frame.substeps = substep_inputs(clock(), wind_, origin_);
-  for (Cloth& cloth : cloths_) {
+  collider_poses(colliders_from_, colliders_to_, substeps_, origin_, frame_.poses);
+  measure_ways(frame_.shapes, frame_.poses, substeps_, kThickestCloth);
+  substep_inputs(clock(), wind_, origin_, frame_.substeps);
+  frame_.cloths.resize(cloths_.size());
+  for (size_t c = 0; c < cloths_.size(); ++c) {
+    Cloth& cloth = cloths_[c];
     cloth.collide_cells =
-        cloth.collide_cells || factor > 1 || may_slip_through(frame.shapes, cloth.asset->spacing * cloth.scale);
-    frame.cloths.push_back(cloth_frame(cloth));
+        cloth.collide_cells || factor > 1 || may_slip_through(frame_.shapes, cloth.asset->spacing * cloth.scale);
+    fill_cloth_frame(cloth, frame_.cloths[c]);
   }
-  backend_->run_frame(frame);
+  backend_->run_frame(frame_);
   colliders_from_ = colliders_to_;
   for (Cloth& cloth : cloths_) cloth.parent_from = cloth.parent_to;
   displaced_in_ = clock().dt;

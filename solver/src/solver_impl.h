@@ -64,11 +64,11 @@ class Solver::Impl {
   };
 
   [[nodiscard]] const Cloth& cloth_at(uint32_t cloth) const;
-  [[nodiscard]] ClothFrame cloth_frame(Cloth& cloth) const;
+  void fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const;
   void carry_over(uint32_t cloth);
   [[nodiscard]] float stretch_limit(const Cloth& cloth) const;
   [[nodiscard]] FrameClock clock() const;
-  [[nodiscard]] uint32_t substeps_factor() const;
+  [[nodiscard]] uint32_t substeps_factor();
 
   SolverSettings settings_;
   uint32_t fine_;  ///< ClothParams::fine
@@ -81,6 +81,7 @@ class Solver::Impl {
   double time_ = 0;      ///< [s] at the start of the next frame
   uint32_t substeps_;    ///< of the next frame
   double displaced_in_;  ///< [s] step length of the displacements that the backend holds
+  FrameInput frame_;     ///< of the last step, whose memory the next one uses again
   std::unique_ptr<SolverBackend> backend_;
 };
 
