@@ -16,6 +16,7 @@
 
 #include "geocloth/asset/error.h"
 #include "geocloth/solver/solid.h"
+#include "surface_bounds.h"
 
 namespace geocloth {
 namespace {
@@ -218,14 +219,8 @@ void check_surface(const TriangleSurface& surface) {
 
 /// An empty grid around the body.
 DistanceField grid_around(TriangleSurface surface, uint32_t nodes) {
-  Vec3 low = surface.position[surface.triangle[0][0]], high = low;
-  for (const auto& t : surface.triangle)
-    for (const uint32_t i : t) {
-      const Vec3& p = surface.position[i];
-      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-    }
-  const Vec3 side = high - low;
+  const SurfaceBounds bounds = bounds_of(surface);
+  const Vec3 low = bounds.low, side = bounds.high - bounds.low;
   const double largest = std::max({side.x, side.y, side.z});
   if (!(largest > 0)) throw Error(ErrorCode::invalid_argument, "the mesh of a collider is a single point");
   // The room around takes nodes too: with the wanted number known, halve the interval of spacings a few times.
@@ -269,6 +264,18 @@ void fill_row(DistanceField& field, const TriangleTree& tree, uint32_t y, uint32
 }
 
 }  // namespace
+
+SurfaceBounds bounds_of(const TriangleSurface& surface) {
+  SurfaceBounds bounds{surface.position[surface.triangle[0][0]], surface.position[surface.triangle[0][0]]};
+  for (const auto& t : surface.triangle) {
+    for (const uint32_t i : t) {
+      const Vec3& p = surface.position[i];
+      bounds.low = {std::min(bounds.low.x, p.x), std::min(bounds.low.y, p.y), std::min(bounds.low.z, p.z)};
+      bounds.high = {std::max(bounds.high.x, p.x), std::max(bounds.high.y, p.y), std::max(bounds.high.z, p.z)};
+    }
+  }
+  return bounds;
+}
 
 DistanceField make_distance_field(TriangleSurface surface, uint32_t nodes) {
   check_surface(surface);

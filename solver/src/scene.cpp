@@ -12,6 +12,7 @@
 
 #include "check_input.h"
 #include "json_reader.h"
+#include "surface_bounds.h"
 
 namespace geocloth {
 namespace {
@@ -337,14 +338,8 @@ void check_names(const Scene& scene, const JsonReader& json) {
 }
 
 Vec3 middle_of_bounds(const TriangleSurface& surface) {
-  Vec3 low = surface.position[surface.triangle[0][0]], high = low;
-  for (const auto& t : surface.triangle)
-    for (const uint32_t i : t) {
-      const Vec3& p = surface.position[i];
-      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-    }
-  return 0.5F * (low + high);
+  const SurfaceBounds bounds = bounds_of(surface);
+  return 0.5F * (bounds.low + bounds.high);
 }
 
 /// Centre about which a collider's motion turns it.

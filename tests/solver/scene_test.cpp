@@ -13,6 +13,7 @@
 #include "geocloth/asset/asset_file.h"
 #include "geocloth/asset/error.h"
 #include "solver_fixture.h"
+#include "support/temporary_folder.h"
 
 namespace geocloth {
 namespace {
@@ -156,12 +157,7 @@ TEST(Scene, FilesThatAreNone) {
 /// Writes a sheet as an asset and gives a scene that plays it.
 class Playing : public ::testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = std::filesystem::path(::testing::TempDir()) / ("geocloth_scene_test_" + std::to_string(getpid()));
-    std::filesystem::create_directories(folder_);
-    write_asset(test::make_sheet(sheet_), folder_ / "sheet.glb");
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
+  void SetUp() override { write_asset(test::make_sheet(sheet_), folder_ / "sheet.glb"); }
 
   Simulation play(const std::string& cloth, const std::string& rest = "") {
     const std::string text = R"({"version":1,"substeps":8,"cloths":[{"asset":"sheet.glb")" + cloth + "}]" + rest + "}";
@@ -172,7 +168,7 @@ class Playing : public ::testing::Test {
   }
 
   test::SheetOptions sheet_{.nx = 9, .ny = 9, .charts_x = 2};
-  std::filesystem::path folder_;
+  test::TemporaryFolder folder_;
 };
 
 TEST_F(Playing, EverySelectorTakesItsPointsWithAllCopies) {
