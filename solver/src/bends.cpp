@@ -2,8 +2,9 @@
 // Bending of a sheet: the curvature at a pixel, once along the row and once along the column, weighted with the pixel's
 // own share of the area (shaders/lib/bend.h): B (curvature along warp)^2 / 2 and the same along weft, per area. A plate
 // of these two rigidities alone bends on the bias as Cooper's yarns without torsion do ("The stiffness of woven
-// textiles", 1960): B cos^4 + B' sin^4. At rest only what bends out of the surface counts: a grid line that curves
-// within a flat sheet leaves it flat.
+// textiles", 1960): B cos^4 + B' sin^4. With a bend_bias the two diagonals' curvatures are added, as a list, and the
+// four share the rigidity (bend_directions.cpp). At rest only what bends out of the surface counts: a grid line that
+// curves within a flat sheet leaves it flat.
 
 #include "bends.h"
 
@@ -14,16 +15,25 @@
 #include <map>
 #include <vector>
 
+#include "bend_directions.h"
 #include "geocloth/asset/grid_mesh.h"
 
 namespace geocloth {
 namespace {
 
 /// Strain that straightening a grid line may cause. Where a line has a kink, at a ragged outline, a cloth that is soft
-/// beside its rigidity would be pulled out of shape: there the kink is part of the rest curvature.
-constexpr double kLargestPull = 0.002;
+/// beside its rigidity would be pulled out of shape: there the turn is part of the rest curvature.
+constexpr double kLargestPull = 0.005;
+
+/// Diagonals with less than this share of the material's rigidity are left out.
+constexpr double kLeastShare = 0.01;
+
+/// Grid directions within this of each other have no cross of warp and weft between them.
+constexpr double kLargestCosine = 0.99;
 
 constexpr uint32_t kRowBend = 4, kColumnBend = 5;  ///< components of the bending family
+
+constexpr uint32_t kWeft = 0, kWarp = 1;  ///< of the directions of bend_directions.h
 
 class BendBuilder {
  public:
@@ -34,14 +44,20 @@ class BendBuilder {
 
   void build() {
     const bool springs = material_.bend_stiffness >= 0;
-    if (springs ? material_.bend_stiffness == 0 : !(std::max(material_.bend_warp, material_.bend_weft) > 0)) return;
+    if (springs ? material_.bend_stiffness == 0 : !(stiffest() > 0)) return;
     for (uint32_t p = 0; p < asset_.pixel_count(); ++p) {
       for (const uint32_t component : {kRowBend, kColumnBend}) {
         if ((asset_.spring_mask[p] & (1U << component)) != 0)
           springs ? add_spring(p, component) : add_bend(p, component);
       }
     }
-    springs ? add_seam_springs() : add_seam_bends();
+    if (springs) {
+      add_seam_springs();
+    } else {
+      std::vector<shader::SeamSpring> listed = diagonal_bends();
+      add_seam_bends(listed);
+      color(listed);
+    }
     if (data_.springs_per_sweep > before_) data_.bending = springs ? Bending::springs : Bending::curvature;
   }
 
@@ -63,23 +79,94 @@ class BendBuilder {
     const auto along = static_cast<uint8_t>(component == kRowBend ? kSpringRight : kSpringDown);
     if ((asset_.spring_mask[a] & asset_.spring_mask[middle] & along) == 0) return;
     if (!(structural_rest(a, component) > 0 && structural_rest(middle, component) > 0)) return;  // they give the chord
-    const shader::SeamSpring bend = make_bend(a, middle, b, rest_.pixel_area(middle), rigidity(component));
+    const double rigidity = rigidities_at(middle)[component == kRowBend ? kWeft : kWarp];
+    const shader::SeamSpring bend =
+        make_bend(a, middle, b, rest_.pixel_area(middle), rigidity, kink(a, component - kRowBend));
     if (bend.compliance > 0) store(a, component, bend.rest, bend.compliance);
   }
 
-  [[nodiscard]] uint32_t step_of(uint32_t component) const { return component == kRowBend ? 1 : asset_.width; }
-  [[nodiscard]] double rigidity(uint32_t component) const {
-    return component == kRowBend ? material_.bend_weft : material_.bend_warp;
+  [[nodiscard]] std::vector<shader::SeamSpring> diagonal_bends() const {
+    std::vector<shader::SeamSpring> bends;
+    if (material_.bend_bias < 0) return bends;
+    for (uint32_t p = 0; p < asset_.pixel_count(); ++p) {
+      const Rigidities rigidity = rigidities_at(p);
+      for (const uint32_t direction : {kWarp + 1, kWarp + 2}) {
+        if (!(rigidity[direction] > kLeastShare * static_cast<double>(stiffest()))) continue;
+        const uint32_t a = p - way(direction), b = p + way(direction);
+        const shader::SeamSpring bend =
+            make_bend(a, p, b, rest_.pixel_area(p), rigidity[direction], kink(a, direction));
+        if (bend.compliance > 0) bends.push_back(bend);
+      }
+    }
+    return bends;
   }
+
+  using Rigidities = std::array<double, kBendDirections>;
+  /// [N m] at a pixel that is the middle of a bend. Where one of the four is missing, at an outline, warp and weft have
+  /// their own.
+  [[nodiscard]] Rigidities rigidities_at(uint32_t p) const {
+    const Rigidities own{material_.bend_weft, material_.bend_warp, 0, 0};
+    if (material_.bend_bias < 0) return own;
+    for (uint32_t direction = 0; direction < kBendDirections; ++direction)
+      if (!runs_through(p, direction)) return own;
+    const Vec3 right = asset_.rest_position[p + 1] - asset_.rest_position[p - 1];
+    const Vec3 down = asset_.rest_position[p + asset_.width] - asset_.rest_position[p - asset_.width];
+    const double a = length(right), b = length(down);
+    if (!(a > 0 && b > 0)) return own;
+    const double cosine = static_cast<double>(dot(right, down)) / (a * b);
+    return spread_rigidity(material_, {a, b, std::acos(std::clamp(cosine, -kLargestCosine, kLargestCosine))});
+  }
+  /// Pixels from one to the next.
+  [[nodiscard]] uint32_t way(uint32_t direction) const {
+    return static_cast<uint32_t>(kSpringOffset[direction][0] +
+                                 static_cast<int32_t>(asset_.width) * kSpringOffset[direction][1]);
+  }
+  [[nodiscard]] bool runs_through(uint32_t p, uint32_t direction) const {
+    const auto bit = static_cast<uint8_t>(1U << direction);
+    return p >= way(direction) && (asset_.spring_mask[p] & asset_.spring_mask[p - way(direction)] & bit) != 0;
+  }
+  [[nodiscard]] float stiffest() const {
+    return std::max({material_.bend_warp, material_.bend_weft, material_.bend_bias});
+  }
+
+  [[nodiscard]] uint32_t step_of(uint32_t component) const { return component == kRowBend ? 1 : asset_.width; }
 
   [[nodiscard]] float structural_rest(uint32_t p, uint32_t component) const {
     const shader::vec4& entry = data_.springs[0][p];
     return component == kRowBend ? entry.x : entry.z;
   }
 
-  /// @param area  [m^2] whose curvature it is. Compliance 0 when there is nothing to bend.
-  [[nodiscard]] shader::SeamSpring make_bend(uint32_t a, uint32_t middle, uint32_t b, double area,
-                                             double rigidity) const {
+  /// At rest, without the cloth's scale: from the middle to the chord.
+  [[nodiscard]] Vec3 to_chord(uint32_t a, uint32_t middle, uint32_t b) const {
+    const auto& p = asset_.rest_position;
+    const Vec3 to_a = p[a] - p[middle], to_b = p[b] - p[middle];
+    const float h1 = length(to_a), h2 = length(to_b);
+    const float chord = h1 / (h1 + h2);
+    return (1 - chord) * to_a + chord * to_b;
+  }
+  [[nodiscard]] Vec3 within_sheet(uint32_t a, uint32_t middle, uint32_t b) const {
+    const Vec3 e = to_chord(a, middle, b);
+    return e - dot(e, normal_[middle]) * normal_[middle];
+  }
+  /// How far [m, without scale] a grid line's turn within the sheet is from its turns at the neighbours. Where a line
+  /// turns evenly, straightening it pulls evenly to both sides, and the sheet stays as it is.
+  [[nodiscard]] double kink(uint32_t a, uint32_t direction) const {
+    const uint32_t step = way(direction), middle = a + step, b = middle + step;
+    const Vec3 own = within_sheet(a, middle, b);
+    Vec3 beside{};
+    float count = 0;
+    for (const uint32_t p : {a, b}) {
+      if (!runs_through(p, direction)) continue;
+      beside = beside + within_sheet(p - step, p, p + step);
+      ++count;
+    }
+    return static_cast<double>(count > 0 ? length(own - (1 / count) * beside) : length(own));
+  }
+
+  /// @param area  [m^2] whose curvature it is
+  /// @param kink  see kink(). Compliance 0 when there is nothing to bend.
+  [[nodiscard]] shader::SeamSpring make_bend(uint32_t a, uint32_t middle, uint32_t b, double area, double rigidity,
+                                             double kink) const {
     shader::SeamSpring bend{};
     bend.a = a;
     bend.middle = middle;
@@ -87,14 +174,13 @@ class BendBuilder {
     const double h1 = rest_.rest_length(a, middle), h2 = rest_.rest_length(middle, b);
     if (!(h1 > 0 && h2 > 0 && area > 0 && rigidity > 0)) return bend;
     const double chord = h1 / (h1 + h2);
-    const auto& p = asset_.rest_position;
-    const Vec3 to_a = p[a] - p[middle], to_b = p[b] - p[middle];
-    const Vec3 e = static_cast<float>(1 - chord) * to_a + static_cast<float>(chord) * to_b;
-    const double scale = h1 / static_cast<double>(length(to_a));
+    const double scale = h1 / static_cast<double>(length(asset_.rest_position[a] - asset_.rest_position[middle]));
+    const Vec3 e = to_chord(a, middle, b);
     const double whole = scale * static_cast<double>(length(e));
     const double out_of_plane = scale * std::abs(static_cast<double>(dot(e, normal_[middle])));
     const double within = std::sqrt(std::max(0.0, whole * whole - out_of_plane * out_of_plane));
-    const double pull = 2 * rigidity * (2 * within / (h1 * h2)) / (0.5 * (h1 + h2));  // [N/m] if rest were out_of_plane
+    // [N/m] if rest were out_of_plane
+    const double pull = 2 * rigidity * (2 * scale * kink / (h1 * h2)) / (0.5 * (h1 + h2));
     const double softest = std::min(material_.stretch_warp, material_.stretch_weft);
     const bool straighten = within > out_of_plane && pull <= kLargestPull * softest;
     const double compliance = h1 * h2 * h1 * h2 / (4 * rigidity * area);
@@ -117,7 +203,7 @@ class BendBuilder {
 
   /// The area of a bend over a seam is that of a pixel in a row with it. Where the row itself runs along another seam,
   /// there may be a bend for each of that seam's sides: they share it.
-  void add_seam_bends() {
+  void add_seam_bends(std::vector<shader::SeamSpring>& bends) const {
     const std::vector<uint32_t> point = first_copies(asset_);
     std::vector<double> point_area(asset_.pixel_count(), 0);
     for (uint32_t p = 0; p < asset_.pixel_count(); ++p) point_area[point[p]] += rest_.pixel_area(p);
@@ -128,15 +214,14 @@ class BendBuilder {
     std::map<std::array<uint32_t, 3>, uint32_t> siblings;
     for (const SeamBend& bend : asset_.seam_bends) ++siblings[ends(bend)];
 
-    std::vector<shader::SeamSpring> bends;
     for (const SeamBend& seam : asset_.seam_bends) {
       const double area = 0.5 * (point_area[point[seam.a]] + point_area[point[seam.b]]) / siblings[ends(seam)];
-      shader::SeamSpring bend = make_bend(seam.a, seam.middle, seam.b, area, seam_rigidity(seam));
+      shader::SeamSpring bend = make_bend(seam.a, seam.middle, seam.b, area, seam_rigidity(seam),
+                                          length(within_sheet(seam.a, seam.middle, seam.b)));
       if (!(bend.compliance > 0)) continue;
       bend.middle_share = static_cast<float>(std::min(1.0, rest_.pixel_area(seam.middle) / area));
       bends.push_back(bend);
     }
-    color(bends);
   }
 
   /// Mean of both sides'; each bends along a row or a column of its chart, or, beside a ragged outline, along neither.

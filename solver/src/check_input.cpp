@@ -127,6 +127,7 @@ void check(const Material& m, const std::string& where) {
   check_at_least(m.shear, 0, where, "shear", 1e12);
   check_at_least(m.bend_warp, 0, where, "bend_warp", 1e6);
   check_at_least(m.bend_weft, 0, where, "bend_weft", 1e6);
+  if (!(m.bend_bias < 0 && std::isfinite(m.bend_bias))) check_at_least(m.bend_bias, 0, where, "bend_bias", 1e6);
   check_at_least(m.damping, 0, where, "damping");
   check_at_least(m.thickness, 0, where, "thickness", 1);
   check_at_least(m.friction, 0, where, "friction", 1e3);

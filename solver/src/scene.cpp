@@ -68,6 +68,7 @@ constexpr MaterialField kMaterialFields[] = {{"areal_density", &Material::areal_
                                              {"shear", &Material::shear},
                                              {"bend_warp", &Material::bend_warp},
                                              {"bend_weft", &Material::bend_weft},
+                                             {"bend_bias", &Material::bend_bias},
                                              {"damping", &Material::damping},
                                              {"thickness", &Material::thickness},
                                              {"friction", &Material::friction},

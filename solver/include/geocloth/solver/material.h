@@ -14,6 +14,8 @@ struct Material {
   float shear = 100.F;          ///< [N/m]
   float bend_warp = 1e-5F;      ///< [N m] bending rigidity of a line along +v; >= 0
   float bend_weft = 1e-5F;      ///< [N m]
+  float bend_bias = -1.F;       ///< [N m] the same at 45 degrees to both: a sheet without grain has the same in all
+                                ///< directions; below 0: a weave without twisting rigidity, (warp + weft) / 4
   float damping = 1.0F;         ///< [1/s] share of the velocity lost per second; >= 0
   float thickness = 0.002F;     ///< [m] the cloth's middle surface keeps this distance from colliders; >= 0
   float friction = 0.3F;        ///< Coulomb coefficient, combined with the collider's by the geometric mean; >= 0

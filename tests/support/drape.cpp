@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "support/drape.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "geocloth/asset/grid_mesh.h"
+#include "geocloth/parametrize/convert.h"
+
+namespace geocloth::test {
+namespace {
+
+constexpr double kDisc = 0.15, kSupport = 0.09;  ///< [m] radii
+
+/// A disc in the xz plane: rings of triangles.
+TriangleMesh make_disc() {
+  constexpr uint32_t kRings = 16, kAround = 96;
+  TriangleMesh mesh;
+  mesh.name = "disc";
+  mesh.position.push_back({0, 0, 0});
+  const auto vertex = [](uint32_t ring, uint32_t k) { return ring == 0 ? 0 : 1 + (ring - 1) * kAround + k % kAround; };
+  for (uint32_t ring = 1; ring <= kRings; ++ring) {
+    for (uint32_t k = 0; k < kAround; ++k) {
+      const double angle = 2 * std::numbers::pi * k / kAround, radius = kDisc * ring / kRings;
+      mesh.position.push_back({radius * std::cos(angle), 0, radius * std::sin(angle)});
+      mesh.triangle.push_back({vertex(ring - 1, k), vertex(ring, k + 1), vertex(ring, k)});
+      if (ring > 1) mesh.triangle.push_back({vertex(ring - 1, k), vertex(ring - 1, k + 1), vertex(ring, k + 1)});
+    }
+  }
+  for (uint32_t t = 0; t < mesh.triangle.size(); ++t) mesh.polygon.push_back(t);
+  mesh.part.push_back({"disc", 0, 0, static_cast<uint32_t>(mesh.triangle.size())});
+  mesh.material.emplace_back();
+  return mesh;
+}
+
+/// What is dark under the draped cloth, in cells of half a millimetre.
+struct Shadow {
+  static constexpr int kCells = 640;
+  static constexpr double kCell = 0.0005;  ///< [m]
+  std::vector<bool> dark = std::vector<bool>(size_t{kCells} * kCells);
+  [[nodiscard]] static size_t cell(int i, int j) { return static_cast<size_t>(j) * kCells + static_cast<size_t>(i); }
+};
+
+void darken(Shadow& shadow, const std::array<Vec3, 3>& corner) {
+  constexpr int kCells = Shadow::kCells;
+  std::array<double, 3> px{}, pz{};
+  for (size_t k = 0; k < 3; ++k) {
+    px[k] = static_cast<double>(corner[k].x) / Shadow::kCell + kCells / 2;
+    pz[k] = static_cast<double>(corner[k].z) / Shadow::kCell + kCells / 2;
+  }
+  const double d = (px[1] - px[0]) * (pz[2] - pz[0]) - (px[2] - px[0]) * (pz[1] - pz[0]);
+  if (d == 0) return;
+  const auto low = [](const auto& p) { return std::max(0, static_cast<int>(*std::ranges::min_element(p))); };
+  const auto high = [](const auto& p) { return std::min(kCells - 1, static_cast<int>(*std::ranges::max_element(p))); };
+  for (int j = low(pz); j <= high(pz); ++j)
+    for (int i = low(px); i <= high(px); ++i) {
+      const double u = ((px[1] - i) * (pz[2] - j) - (px[2] - i) * (pz[1] - j)) / d;
+      const double v = ((px[2] - i) * (pz[0] - j) - (px[0] - i) * (pz[2] - j)) / d;
+      if (u >= 0 && v >= 0 && u + v <= 1) shadow.dark[Shadow::cell(i, j)] = true;
+    }
+}
+
+Drape measure(const ClothAsset& asset, const std::vector<Vec3>& x) {
+  Shadow shadow;
+  for (const Triangle& t : pixel_triangles(asset)) darken(shadow, {x[t[0]], x[t[1]], x[t[2]]});
+  Drape result;
+  double count = 0;
+  for (int j = 0; j < Shadow::kCells; ++j)
+    for (int i = 0; i < Shadow::kCells; ++i) {
+      if (!shadow.dark[Shadow::cell(i, j)]) continue;
+      const std::array at{(i - Shadow::kCells / 2) * Shadow::kCell, (j - Shadow::kCells / 2) * Shadow::kCell};
+      for (size_t k = 0; k < 2; ++k) {
+        result.center[k] += at[k];
+        result.extent[k] += at[k] * at[k];
+      }
+      ++count;
+    }
+  for (size_t k = 0; k < 2; ++k) {
+    result.center[k] /= count;
+    result.extent[k] /= count;
+  }
+  const auto circle = [](double radius) { return std::numbers::pi * radius * radius; };
+  result.coefficient =
+      100 * (count * Shadow::kCell * Shadow::kCell - circle(kSupport)) / (circle(kDisc) - circle(kSupport));
+  return result;
+}
+
+/// Height [m] of the small waves that the ring starts with.
+double wave(double x, double z, double turn) {
+  constexpr double kHeight = 0.0002;
+  const double angle = std::atan2(z, x) - turn, out = std::max(0.0, (std::hypot(x, z) - kSupport) / (kDisc - kSupport));
+  double sum = 0;
+  for (int k = 2; k <= 8; ++k) sum += std::cos(k * angle + 1.7 * k * k);
+  return kHeight * out * sum;
+}
+
+}  // namespace
+
+std::shared_ptr<const ClothAsset> make_specimen(uint32_t resolution, Layout layout) {
+  ConvertOptions options;
+  options.flatten.resolution = resolution;
+  options.flatten.layout = layout;
+  return std::make_shared<const ClothAsset>(convert(make_disc(), options).asset);
+}
+
+Drape drape(const std::shared_ptr<const ClothAsset>& specimen, const Material& material, const DrapeEffort& effort,
+            double turn) {
+  SolverSettings settings;
+  settings.backend = Backend::cpu;
+  settings.substeps = effort.substeps;
+  settings.relaxation_steps = effort.relaxation_steps;
+  const ClothDesc cloth{specimen, material, {}};
+  Solver solver({&cloth, 1}, settings);
+
+  // The last pinned pixel is on average half a spacing inside the radius below which pixels are pinned, and the bend at
+  // it stands for half a spacing more: the cloth is held within one spacing less than that radius.
+  const double held = kSupport + static_cast<double>(specimen->spacing);
+  std::vector<Vec3> start = specimen->rest_position;
+  std::vector<Pin> pins;
+  for (uint32_t p = 0; p < specimen->pixel_count(); ++p) {
+    if (!specimen->valid(p)) continue;
+    const auto x = static_cast<double>(start[p].x), z = static_cast<double>(start[p].z);
+    if (std::hypot(x, z) <= held) {
+      pins.push_back({p, start[p]});
+    } else {
+      start[p].y += static_cast<float>(wave(x, z, turn));
+    }
+  }
+  solver.write_state(0, start, std::vector<Vec3>(start.size()));
+  solver.set_pins(0, pins);
+  for (uint32_t frame = 0; frame < effort.frames; ++frame) solver.step();
+  std::vector<Vec3> x;
+  solver.read_positions(0, x);
+  return measure(*specimen, x);
+}
+
+}  // namespace geocloth::test

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Cusick's drape test (BS 5058, ISO 9073-9): a disc of 30 cm hangs over a disc of 18 cm; the drape coefficient is the
+// share of the ring's area that its shadow covers. For the tests and for the table of errors.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+
+#include "geocloth/solver/solver.h"
+
+namespace geocloth::test {
+
+/// The specimen, from a mesh of rings.
+[[nodiscard]] std::shared_ptr<const ClothAsset> make_specimen(uint32_t resolution, Layout layout);
+
+struct DrapeEffort {
+  uint32_t substeps = 32, relaxation_steps = 4;
+  uint32_t frames = 120;
+};
+
+struct Drape {
+  double coefficient = 0;          ///< [%]
+  std::array<double, 2> center{};  ///< [m] x, z of the shadow
+  std::array<double, 2> extent{};  ///< [m^2] its mean squares along x and z
+};
+
+/// Lets the specimen hang from level. Small waves, the same however it is laid out, choose among the folds that it may
+/// come to rest in. On the support it is held as under Cusick's upper disc.
+/// @param turn  [rad] of the waves about the middle
+[[nodiscard]] Drape drape(const std::shared_ptr<const ClothAsset>& specimen, const Material& material,
+                          const DrapeEffort& effort, double turn = 0);
+
+}  // namespace geocloth::test
