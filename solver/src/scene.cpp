@@ -62,21 +62,15 @@ struct MaterialField {
   std::string_view key;
   float Material::*field;
 };
-constexpr MaterialField kMaterialFields[] = {{"areal_density", &Material::areal_density},
-                                             {"stretch_warp", &Material::stretch_warp},
-                                             {"stretch_weft", &Material::stretch_weft},
-                                             {"shear", &Material::shear},
-                                             {"bend_warp", &Material::bend_warp},
-                                             {"bend_weft", &Material::bend_weft},
-                                             {"bend_bias", &Material::bend_bias},
-                                             {"damping", &Material::damping},
-                                             {"thickness", &Material::thickness},
-                                             {"friction", &Material::friction},
-                                             {"max_speed", &Material::max_speed},
-                                             {"max_stretch", &Material::max_stretch},
-                                             {"stiffness", &Material::stiffness},
-                                             {"bend_stiffness", &Material::bend_stiffness},
-                                             {"verlet_damping", &Material::verlet_damping}};
+constexpr MaterialField kMaterialFields[] = {
+    {"areal_density", &Material::areal_density},  {"stretch_warp", &Material::stretch_warp},
+    {"stretch_weft", &Material::stretch_weft},    {"shear", &Material::shear},
+    {"bend_warp", &Material::bend_warp},          {"bend_weft", &Material::bend_weft},
+    {"bend_bias", &Material::bend_bias},          {"damping", &Material::damping},
+    {"thickness", &Material::thickness},          {"friction", &Material::friction},
+    {"max_speed", &Material::max_speed},          {"max_stretch", &Material::max_stretch},
+    {"stiffness", &Material::stiffness},          {"bend_stiffness", &Material::bend_stiffness},
+    {"verlet_damping", &Material::verlet_damping}};
 
 Material preset_named(const JsonReader& json) {
   const std::string name = json.text();
@@ -361,9 +355,8 @@ struct ShapeCenter {
 Scene parse_scene(std::string_view text, const std::filesystem::path& path) {
   const nlohmann::json document = JsonReader::parse(text, path.string());
   const JsonReader json(document, path.string());
-  json.expect_object(
-      {"version", "frame_rate", "frames", "substeps", "relaxation_steps", "keep_momentum", "gravity", "cloths",
-       "colliders", "wind"});
+  json.expect_object({"version", "frame_rate", "frames", "substeps", "relaxation_steps", "keep_momentum", "gravity",
+                      "cloths", "colliders", "wind"});
   if (const double version = json.at("version").number(); version != 1) {
     json.at("version").fail("only version 1 is known", ErrorCode::unsupported);
   }
