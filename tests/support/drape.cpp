@@ -39,6 +39,7 @@ TriangleMesh make_disc() {
 struct Shadow {
   static constexpr int kCells = 640;
   static constexpr double kCell = 0.0005;  ///< [m]
+  static constexpr double kMiddle = 0.5 * kCells;
   std::vector<bool> dark = std::vector<bool>(size_t{kCells} * kCells);
   [[nodiscard]] static size_t cell(int i, int j) { return static_cast<size_t>(j) * kCells + static_cast<size_t>(i); }
 };
@@ -47,8 +48,8 @@ void darken(Shadow& shadow, const std::array<Vec3, 3>& corner) {
   constexpr int kCells = Shadow::kCells;
   std::array<double, 3> px{}, pz{};
   for (size_t k = 0; k < 3; ++k) {
-    px[k] = static_cast<double>(corner[k].x) / Shadow::kCell + kCells / 2;
-    pz[k] = static_cast<double>(corner[k].z) / Shadow::kCell + kCells / 2;
+    px[k] = static_cast<double>(corner[k].x) / Shadow::kCell + Shadow::kMiddle;
+    pz[k] = static_cast<double>(corner[k].z) / Shadow::kCell + Shadow::kMiddle;
   }
   const double d = (px[1] - px[0]) * (pz[2] - pz[0]) - (px[2] - px[0]) * (pz[1] - pz[0]);
   if (d == 0) return;
@@ -70,7 +71,7 @@ Drape measure(const ClothAsset& asset, const std::vector<Vec3>& x) {
   for (int j = 0; j < Shadow::kCells; ++j)
     for (int i = 0; i < Shadow::kCells; ++i) {
       if (!shadow.dark[Shadow::cell(i, j)]) continue;
-      const std::array at{(i - Shadow::kCells / 2) * Shadow::kCell, (j - Shadow::kCells / 2) * Shadow::kCell};
+      const std::array at{(i - Shadow::kMiddle) * Shadow::kCell, (j - Shadow::kMiddle) * Shadow::kCell};
       for (size_t k = 0; k < 2; ++k) {
         result.center[k] += at[k];
         result.extent[k] += at[k] * at[k];
