@@ -2,7 +2,7 @@
 // Cusick's drape. Fabrics fold into several equilibria, so what must hold is the coefficient, its trend, and the
 // direction of the folds; not the shape. A soft sheet without grain (shear = stretch / 2, one rigidity in all
 // directions): the square layout turns warp and weft as it likes, so only such a sheet is the same cloth in both
-// layouts. Finer grids need more effort: tests/bench/results/convergence.md.
+// layouts.
 #include "support/drape.h"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Cusick's drape test (BS 5058, ISO 9073-9): a disc of 30 cm hangs over a disc of 18 cm; the drape coefficient is the
-// share of the ring's area that its shadow covers. For the tests and for the table of errors.
+// share of the ring's area that its shadow covers.
 #pragma once
 
 #include <array>
