@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Steps so small that single precision cannot show them. In a substep of 1/14400 s gravity moves a point by 5e-8 m, less
-// than positions of a metre are rounded by, and each rounding by a constraint is a kick of 4e-4 m/s. So a position is
-// the sum of two floats, base + offset. Within a substep the base stays where the point was and the offset, small and
-// precise, is what the constraints see and move; differences of bases are exact. `settle` makes the next base.
+// Steps so small that single precision cannot show them. In a substep of 1/14400 s gravity moves a point by 5e-8 m,
+// less than positions of a metre are rounded by, and each rounding by a constraint is a kick of 4e-4 m/s. So a position
+// is the sum of two floats, base + offset. Within a substep the base stays where the point was and the offset, small
+// and precise, is what the constraints see and move; differences of bases are exact. `settle` makes the next base.
 //
 //   predict   base = previous, offset = low + the predicted way, and `carry` keeps low, the offset at the start
 //   settle    position = base + offset, offset = low = what that rounds off, previous and carry as without offsets

@@ -38,9 +38,9 @@ inline SpringMove spring_move(vec3 d, float wa, float wb, float rest, float comp
 
 const float kSmallestCosine = 0.3f;  // of the turn of a spring in a substep; one that turns further is relaxed in part
 
-// The same along the direction that the spring had when the substep began (Ryckaert, Ciccotti, Berendsen 1977, "SHAKE"):
-// impulses that are central where the points were keep the angular momentum, those where they are lose the share w^2 dt
-// of a spin w in a second.
+// The same along the direction that the spring had when the substep began (Ryckaert, Ciccotti, Berendsen 1977,
+// "SHAKE"): impulses that are central where the points were keep the angular momentum, those where they are lose the
+// share w^2 dt of a spin w in a second.
 // @param start  [m] from a to b when the substep began
 inline SpringMove spring_move_along(vec3 d, vec3 start, float wa, float wb, float rest, float compliance, float share,
                                     float multiplier) {

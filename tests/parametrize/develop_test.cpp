@@ -24,31 +24,28 @@ namespace {
 /// A sheet bent into a cap that leans: its curvature has to go somewhere.
 Chart laid_out_cap() {
   CleanSurface sheet = test::disk(24, 24);
-  for (Point3 &p : sheet.position) {
+  for (Point3& p : sheet.position) {
     const double x = p[0] - 0.5, y = p[1] - 0.5;
     p = {x, y, 0.8 * (x * x + y * y) + 0.3 * x * y + 0.2 * y};
   }
   const CutSurface cut = cut_to_disks(sheet);
   Chart chart = extract_chart(cut, triangles_of_components(cut)[0]);
   embed(chart);
-  SymmetricDirichlet(chart.position, chart.triangle, {})
-      .minimise(chart.uv, 60, 1e-9);
+  SymmetricDirichlet(chart.position, chart.triangle, {}).minimise(chart.uv, 60, 1e-9);
   turn_upright(chart);
   return chart;
 }
 
 /// Root mean square of the angle by which the plane's x and y miss a right one
 /// on the surface [rad].
-double mean_shear(const Chart &c) {
+double mean_shear(const Chart& c) {
   double sum = 0, area = 0;
-  for (const Triangle &t : c.triangle) {
+  for (const Triangle& t : c.triangle) {
     const Point2 &a = c.uv[t[0]], &b = c.uv[t[1]], &d = c.uv[t[2]];
-    const double e = b[0] - a[0], f = b[1] - a[1], g = d[0] - a[0],
-                 h = d[1] - a[1], twice = e * h - f * g;
+    const double e = b[0] - a[0], f = b[1] - a[1], g = d[0] - a[0], h = d[1] - a[1], twice = e * h - f * g;
     double xy = 0, xx = 0, yy = 0;
     for (size_t k = 0; k < 3; ++k) {
-      const double p = c.position[t[1]][k] - c.position[t[0]][k],
-                   q = c.position[t[2]][k] - c.position[t[0]][k];
+      const double p = c.position[t[1]][k] - c.position[t[0]][k], q = c.position[t[2]][k] - c.position[t[0]][k];
       const double along_x = p * h - q * f, along_y = q * e - p * g;
       xx += along_x * along_x;
       yy += along_y * along_y;
@@ -80,8 +77,7 @@ TEST(Develop, ThreadsMeetAtRightAnglesWhereTheClothIsCurved) {
 // further along a crease.
 TEST(Develop, CutsPreferCreases) {
   CleanSurface sheet = test::disk(21, 21);
-  for (Point3 &p : sheet.position)
-    p = {p[0], p[1], std::abs(p[0] - 0.7)}; // folded at right angles
+  for (Point3& p : sheet.position) p = {p[0], p[1], std::abs(p[0] - 0.7)};  // folded at right angles
   const Chart chart = extract_chart(cut_to_disks(sheet), [&] {
     std::vector<uint32_t> all(sheet.triangle.size());
     std::iota(all.begin(), all.end(), 0U);
@@ -89,33 +85,25 @@ TEST(Develop, CutsPreferCreases) {
   }());
   const auto at = [&](double x, double y) {
     uint32_t best = 0;
-    const auto off = [&](uint32_t v) {
-      return std::hypot(chart.position[v][0] - x, chart.position[v][1] - y);
-    };
-    for (uint32_t v = 0; v < chart.position.size(); ++v)
-      best = off(v) < off(best) ? v : best;
+    const auto off = [&](uint32_t v) { return std::hypot(chart.position[v][0] - x, chart.position[v][1] - y); };
+    for (uint32_t v = 0; v < chart.position.size(); ++v) best = off(v) < off(best) ? v : best;
     return best;
   };
   // From beside the crease to its foot.
   const auto share_on_crease = [&](double discount) {
-    const Distances way =
-        distances(chart, {at(0.7, 0)}, on_outline(chart), discount);
+    const Distances way = distances(chart, {at(0.7, 0)}, on_outline(chart), discount);
     const std::vector<uint32_t> path = way.path_from(at(0.6, 0.8));
-    const auto on_it = std::count_if(path.begin(), path.end(), [&](uint32_t v) {
-      return chart.position[v][2] < 1e-9;
-    });
+    const auto on_it = std::count_if(path.begin(), path.end(), [&](uint32_t v) { return chart.position[v][2] < 1e-9; });
     return static_cast<double>(on_it) / static_cast<double>(path.size());
   };
   EXPECT_GT(share_on_crease(kCreaseDiscount), 0.8);
   EXPECT_LE(share_on_crease(0), share_on_crease(kCreaseDiscount));
 }
 
-void expect_simple_charts(const DevelopedSurface &developed) {
-  for (std::vector<uint32_t> &triangles :
-       triangles_of_components(developed.cut)) {
+void expect_simple_charts(const DevelopedSurface& developed) {
+  for (std::vector<uint32_t>& triangles : triangles_of_components(developed.cut)) {
     Chart chart = extract_chart(developed.cut, std::move(triangles));
-    for (const uint32_t v : chart.cut_vertex)
-      chart.uv.push_back(developed.uv[v]);
+    for (const uint32_t v : chart.cut_vertex) chart.uv.push_back(developed.uv[v]);
     EXPECT_TRUE(flip_free(chart));
     EXPECT_FALSE(crossing_edges(chart, outline_loop(chart)));
   }
@@ -123,7 +111,7 @@ void expect_simple_charts(const DevelopedSurface &developed) {
 
 // A chart that lies over itself has two places of the garment on one pixel.
 TEST(Develop, NoChartLiesOverItself) {
-  for (const test::NamedSurface &named : test::surfaces_of_every_topology()) {
+  for (const test::NamedSurface& named : test::surfaces_of_every_topology()) {
     SCOPED_TRACE(named.name);
     expect_simple_charts(develop(cut_to_disks(named.surface)));
   }
@@ -132,14 +120,12 @@ TEST(Develop, NoChartLiesOverItself) {
 // Strips of hair, nearly flat, whose outlines all but touch themselves.
 TEST(Develop, NoStripOfHairLiesOverItself) {
   const std::filesystem::path file =
-      std::filesystem::path(GEOCLOTH_SOURCE_DIR) /
-      "../shared/meshes/irregular/mh_hair_bob.obj";
-  if (!std::filesystem::exists(file))
-    GTEST_SKIP() << "no shared meshes here";
+      std::filesystem::path(GEOCLOTH_SOURCE_DIR) / "../shared/meshes/irregular/mh_hair_bob.obj";
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << "no shared meshes here";
   CleanSurface surface = repair_mesh(import_mesh(file)).surface;
   put_in_canonical_order(surface);
   expect_simple_charts(develop(cut_to_disks(surface), {.least_cut = 0.1}));
 }
 
-} // namespace
-} // namespace geocloth
+}  // namespace
+}  // namespace geocloth

@@ -118,6 +118,12 @@ Material attached() {
   material.max_stretch = 0.02F;
   return material;
 }
+/// As stiff in bending at 45 degrees as along warp and weft.
+Material without_grain() {
+  Material material;
+  material.bend_warp = material.bend_weft = material.bend_bias = 2e-5F;
+  return material;
+}
 std::vector<Collider> all_shapes() {
   return {
       {"floor", Plane{{0, -0.45F, 0}, {0.6F, 0.8F, 0}}, 0.4F, {}},
@@ -142,6 +148,12 @@ std::vector<Case> cases() {
   const Wind breeze{{1, 0, 2}, 0.3F, 1, 1, 0.2F};
   std::vector<Case> list;
   list.push_back({"curvature", make_sheet({.nx = 61, .ny = 47, .jitter = 0.2F}), {}, few_substeps(), {}, {}});
+  list.push_back({"bending on the bias",
+                  make_sheet({.nx = 45, .ny = 37, .charts_x = 2}),
+                  without_grain(),
+                  few_substeps(),
+                  all_shapes(),
+                  {}});
   list.push_back({"springs over two pixels", make_sheet({.nx = 64, .ny = 33}), stiff(), few_substeps(), {}, {}});
   list.push_back({"ball",
                   make_sheet({.nx = 70, .ny = 50, .horizontal = true}),

@@ -51,6 +51,18 @@ TEST_F(VulkanBackendTest, BendingAcrossSeamsAgrees) {
   expect_same_as_cpu(hanging(flat, stiff));
 }
 
+TEST_F(VulkanBackendTest, BendingOnTheBiasAgreesOnEveryPath) {
+  Material sheet;
+  sheet.bend_warp = sheet.bend_weft = sheet.bend_bias = 1e-3F;
+  SheetOptions flat = kCut;
+  flat.horizontal = true;
+  for (const SolverPath path : {SolverPath::plain, SolverPath::tiled, SolverPath::tiny}) {
+    Play scene = hanging(flat, sheet);
+    scene.settings.path = path;
+    expect_same_as_cpu(scene);
+  }
+}
+
 TEST_F(VulkanBackendTest, SeveralRelaxationStepsAccumulateTheSameMultipliers) {
   Play scene = hanging(kCut);
   scene.settings.relaxation_steps = 3;

@@ -57,16 +57,21 @@ function play(glb) {
       server.close();
       server.closeAllConnections();
       browser.once('exit', () => {
-        rmSync(profile, { recursive: true, force: true, maxRetries: 10, retryDelay: 200 });
+        // Chromium's other processes may still be writing: what they leave behind says nothing about the file.
+        try {
+          rmSync(profile, { recursive: true, force: true, maxRetries: 10, retryDelay: 200 });
+        } catch (error) {
+          console.warn(`left behind: ${profile} (${error.code})`);
+        }
         then();
       });
-      browser.kill('SIGKILL');
+      process.kill(-browser.pid, 'SIGKILL');  // with its children, which are its process group
     }
     server.listen(0, '127.0.0.1', () => {
       browser = spawn(chromium, [
         '--headless=new', '--no-sandbox', '--disable-dev-shm-usage', '--no-first-run', '--hide-scrollbars',
         '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist',
-        `--user-data-dir=${profile}`, `http://127.0.0.1:${server.address().port}/`], { stdio: ['ignore', 'ignore', 'pipe'] });
+        `--user-data-dir=${profile}`, `http://127.0.0.1:${server.address().port}/`], { stdio: ['ignore', 'ignore', 'pipe'], detached: true });
       browser.stderr.on('data', (text) => { log = (log + text).slice(-4000); });
       timer = setTimeout(() => finish(() => reject(new Error(`no answer from Chromium\n${log}`))), kTimeout);
     });
