@@ -73,7 +73,7 @@ SolverSettings solver_settings(const Options& options) {
 }
 
 /// Reads every cloth back. @throws Error(verification) when a coordinate is not finite
-void read_frames(Simulation& simulation, std::vector<ClothFrame>& frames) {
+void read_frames(Simulation& simulation, std::vector<ClothSnapshot>& frames) {
   Solver& solver = simulation.solver();
   frames.resize(solver.cloth_count());
   for (uint32_t i = 0; i < solver.cloth_count(); ++i) {
@@ -92,7 +92,7 @@ void read_frames(Simulation& simulation, std::vector<ClothFrame>& frames) {
 }
 
 /// The welded grid meshes of all cloths in one.
-GridMesh last_state_mesh(const Simulation& simulation, const std::vector<ClothFrame>& frames) {
+GridMesh last_state_mesh(const Simulation& simulation, const std::vector<ClothSnapshot>& frames) {
   GridMesh all;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const GridMesh mesh = welded_grid_mesh(*simulation.cloths()[i].asset, frames[i].position);
@@ -134,10 +134,10 @@ void play(const Options& options, Simulation& simulation) {
 
   const bool read_every_frame =
       report_file != nullptr ||
-      std::any_of(writers.begin(), writers.end(), [](const auto& w) { return w->needs_cloth_frames(); });
+      std::any_of(writers.begin(), writers.end(), [](const auto& w) { return w->needs_cloth_snapshots(); });
   const uint32_t frames = simulation.scene().frames;
   std::optional<ProgressDisplay> progress(std::in_place, "simulate", options.quiet);
-  std::vector<ClothFrame> state;
+  std::vector<ClothSnapshot> state;
   SimulationRecorder recorder;
   for (uint32_t frame = 0;; ++frame) {
     if (read_every_frame || frame == frames) read_frames(simulation, state);

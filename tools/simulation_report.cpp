@@ -25,7 +25,7 @@ double percentile(std::vector<double> values, double share) {
 }
 
 /// Over all cloths: the worst of max and p99, the mean weighted by the number of springs.
-StretchStatistics stretch_of_all(const Simulation& simulation, std::span<const ClothFrame> frames) {
+StretchStatistics stretch_of_all(const Simulation& simulation, std::span<const ClothSnapshot> frames) {
   StretchStatistics all;
   double springs = 0;
   for (std::size_t i = 0; i < frames.size(); ++i) {
@@ -45,7 +45,7 @@ StretchStatistics stretch_of_all(const Simulation& simulation, std::span<const C
 }
 
 /// The hash of the state; for several cloths the FNV-1a of their hashes.
-std::string state_hash(const Simulation& simulation, std::span<const ClothFrame> frames) {
+std::string state_hash(const Simulation& simulation, std::span<const ClothSnapshot> frames) {
   uint64_t hash = hash_state(*simulation.cloths()[0].asset, frames[0].position);
   for (std::size_t i = 1; i < frames.size(); ++i) {
     constexpr uint64_t kPrime = 0x100000001b3U;
@@ -78,7 +78,7 @@ void SimulationRecorder::add_energy(Simulation& simulation) {
   energy_.push_back(sum);
 }
 
-std::string SimulationRecorder::report(Simulation& simulation, std::span<const ClothFrame> cloths) const {
+std::string SimulationRecorder::report(Simulation& simulation, std::span<const ClothSnapshot> cloths) const {
   const SolverStatistics statistics = simulation.solver().statistics();
   const Scene& scene = simulation.scene();
   const double frames = std::max<double>(1, static_cast<double>(frame_seconds_.size()));

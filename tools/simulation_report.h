@@ -23,7 +23,7 @@ class SimulationRecorder {
 
   /// The report as JSON text with the keys that users rely on.
   /// @param cloths  the state after the last frame
-  [[nodiscard]] std::string report(Simulation& simulation, std::span<const ClothFrame> cloths) const;
+  [[nodiscard]] std::string report(Simulation& simulation, std::span<const ClothSnapshot> cloths) const;
   /// One line for people.
   [[nodiscard]] std::string summary(Simulation& simulation) const;
 

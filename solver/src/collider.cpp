@@ -3,21 +3,8 @@
 
 #include "geocloth/solver/collider.h"
 
+#include "cpu/collider_set.h"
 #include "frame_input.h"
-
-namespace geocloth::shader {
-
-/// shapes.h reads the numbers of hulls and meshes through this.
-struct ColliderSet {
-  const float* numbers;
-};
-inline float collider_number(ColliderSet set, uint i) {
-  return set.numbers[i];
-}
-
-}  // namespace geocloth::shader
-
-#include "lib/shapes.h"
 
 namespace geocloth {
 
@@ -28,7 +15,7 @@ float signed_distance(const Collider& collider, const Vec3& point) {
   std::vector<float> numbers;
   const shader::ColliderShape shape = collider_shape_of(collider, numbers);
   if (shape.kind == shader::kShapeEllipsoid) return shader::nearest_ellipsoid(shader::xyz(shape.a), p).distance;
-  return shader::nearest_of_shape({numbers.data()}, shape, p).distance;
+  return shader::nearest_of_shape({&shape, nullptr, 1, numbers.data()}, shape, p).distance;
 }
 
 }  // namespace geocloth

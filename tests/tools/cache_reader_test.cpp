@@ -75,7 +75,7 @@ TEST_F(CacheReader, AnimatedGltfComesBackFrameByFrame) {
   EXPECT_TRUE(cache.cloths[1].image.empty());
 
   for (uint32_t frame = 0; frame < 4; ++frame) {
-    const ClothFrame expected = test::waving_frame(*description_.cloths[0], frame);
+    const ClothSnapshot expected = test::waving_frame(*description_.cloths[0], frame);
     for (std::size_t t = 0; t < source.triangle.size(); ++t) {
       for (std::size_t corner = 0; corner < 3; ++corner) {
         const Vec3& is = cache.frames[frame][0][mesh.triangle[t][corner]];
@@ -92,7 +92,7 @@ TEST_F(CacheReader, PointCachesComeBackBitForBit) {
     const ClothAsset& tube = *description_.cloths[1];
     ASSERT_EQ(cache.points, tube.source.source_vertex_count);
     ASSERT_EQ(cache.frames.size(), 4U);
-    const ClothFrame expected = test::waving_frame(tube, 3, {1.2F, 0, 0});
+    const ClothSnapshot expected = test::waving_frame(tube, 3, {1.2F, 0, 0});
     for (std::size_t i = 0; i < tube.source.position.size(); ++i) {
       EXPECT_EQ(cache.frames[3][tube.source.source_vertex[i]], expected.source_position[i]);
     }

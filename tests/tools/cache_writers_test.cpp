@@ -67,7 +67,7 @@ TEST_F(CacheWriters, NothingStandsBeforeCommitOrAfterAFailure) {
   for (const char* name : {"a.glb", "a.obj", "a.pc2", "a.mdd", "a.exr"}) {
     const CacheDescription description{{sample()}, 60, 2};
     const auto writer = make_cache_writer(folder_ / name, description);
-    const ClothFrame frame = waving_frame(*description.cloths[0], 0);
+    const ClothSnapshot frame = waving_frame(*description.cloths[0], 0);
     for (int i = 0; i < 3; ++i) writer->add(std::span(&frame, 1));
     writer->finish();
     for (const std::string& file : folder_.entries()) EXPECT_THAT(file, testing::StartsWith(".geocloth-")) << name;
@@ -89,7 +89,7 @@ TEST_F(CacheWriters, Pc2HoldsEveryFrameInFileOrder) {
   EXPECT_EQ(value_at<float>(data, 24), 1);
   EXPECT_EQ(value_at<int32_t>(data, 28), 4);
   for (uint32_t frame = 0; frame < 4; ++frame) {
-    const ClothFrame expected = waving_frame(asset, frame);
+    const ClothSnapshot expected = waving_frame(asset, frame);
     for (std::size_t i = 0; i < asset.source.position.size(); ++i) {
       const std::size_t point = asset.source.source_vertex[i];
       EXPECT_EQ(vec3_at(data, 32 + (frame * points + point) * 12), expected.source_position[i]);
@@ -108,7 +108,7 @@ TEST_F(CacheWriters, MddIsBigEndianWithTimes) {
   EXPECT_EQ(value_at<uint32_t>(data, 4, true), points);
   for (uint32_t frame = 0; frame < 4; ++frame) {
     EXPECT_EQ(value_at<float>(data, 8 + 4 * frame, true), static_cast<float>(frame / 25.0));
-    const ClothFrame expected = waving_frame(asset, frame);
+    const ClothSnapshot expected = waving_frame(asset, frame);
     const std::size_t point = asset.source.source_vertex[5];
     EXPECT_EQ(vec3_at(data, 24 + (frame * points + point) * 12, true), expected.source_position[5]);
   }
@@ -152,7 +152,7 @@ TEST_F(CacheWriters, ObjSeriesIsTheSourceMeshWelded) {
   ASSERT_EQ(points.size(), 2 * asset.source.source_vertex_count);
   EXPECT_LE(largest, points.size());
   EXPECT_GT(largest, points.size() / 2) << "the second object counts on";
-  const ClothFrame expected = waving_frame(asset, 2, {1.2F, 0, 0});
+  const ClothSnapshot expected = waving_frame(asset, 2, {1.2F, 0, 0});
   const std::size_t second = asset.source.source_vertex_count;
   EXPECT_EQ(points[second + asset.source.source_vertex[7]], expected.source_position[7]);
 }
@@ -186,7 +186,7 @@ TEST_F(CacheWriters, ExrHoldsTheGridBitForBit) {
   file.setFrameBuffer(buffer);
   ASSERT_EQ(file.header().dataWindow().max.x + 1, static_cast<int>(asset.width));
   file.readPixels(0, static_cast<int>(asset.height) - 1);
-  const ClothFrame expected = waving_frame(asset, 2);
+  const ClothSnapshot expected = waving_frame(asset, 2);
   for (uint32_t i = 0; i < asset.pixel_count(); ++i) {
     EXPECT_EQ((Vec3{pixels[i].r, pixels[i].g, pixels[i].b}), expected.position[i]);
     EXPECT_EQ(pixels[i].a, asset.valid(i) ? 1.0F : 0.0F);
@@ -228,7 +228,7 @@ TEST_F(CacheWriters, AnimatedGltfGivesBackEveryFrame) {
   used.erase(std::unique(used.begin(), used.end()), used.end());
   ASSERT_EQ(base.size(), used.size());
   for (uint32_t frame = 1; frame <= 4; ++frame) {
-    const ClothFrame expected = waving_frame(asset, frame, {1.2F, 0, 0});
+    const ClothSnapshot expected = waving_frame(asset, frame, {1.2F, 0, 0});
     const auto delta = vec3_accessor(file, primitive["targets"][frame - 1]["POSITION"]);
     const auto delta_normal = vec3_accessor(file, primitive["targets"][frame - 1]["NORMAL"]);
     for (std::size_t i = 0; i < used.size(); ++i) {

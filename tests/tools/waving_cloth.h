@@ -10,8 +10,8 @@
 namespace geocloth::test {
 
 /// A frame of a cloth in a made-up wave that moves it out of its plane, with everything that writers read.
-inline ClothFrame waving_frame(const ClothAsset& asset, uint32_t frame, const Vec3& shift = {}) {
-  ClothFrame state;
+inline ClothSnapshot waving_frame(const ClothAsset& asset, uint32_t frame, const Vec3& shift = {}) {
+  ClothSnapshot state;
   const float phase = 0.2F * static_cast<float>(frame);
   for (uint32_t i = 0; i < asset.pixel_count(); ++i) {
     const Vec3& p = asset.rest_position[i];
@@ -26,7 +26,7 @@ inline ClothFrame waving_frame(const ClothAsset& asset, uint32_t frame, const Ve
 /// Feeds frames 0..frame_count of waving cloths, side by side, to a writer and completes it.
 inline void write_waving(CacheWriter& writer, const CacheDescription& description) {
   for (uint32_t frame = 0; frame <= description.frame_count; ++frame) {
-    std::vector<ClothFrame> cloths;
+    std::vector<ClothSnapshot> cloths;
     for (std::size_t i = 0; i < description.cloths.size(); ++i) {
       cloths.push_back(waving_frame(*description.cloths[i], frame, {1.2F * static_cast<float>(i), 0, 0}));
     }

@@ -21,8 +21,8 @@ struct CacheDescription {
 class CacheWriter : public FrameWriter {
  public:
   /// The next frame, one entry per cloth; the first is frame 0, the state before the first step.
-  virtual void add(std::span<const ClothFrame> cloths) = 0;
-  void add_frame(Simulation&, std::span<const ClothFrame> cloths) final { add(cloths); }
+  virtual void add(std::span<const ClothSnapshot> cloths) = 0;
+  void add_frame(Simulation&, std::span<const ClothSnapshot> cloths) final { add(cloths); }
 };
 
 /// A writer by the ending of the path, or null for another ending. Several cloths are told apart as written below.

@@ -52,7 +52,7 @@ class ExrWriter final : public CacheWriter {
     check_series_path(path_);
   }
 
-  void add(std::span<const ClothFrame> cloths) override {
+  void add(std::span<const ClothSnapshot> cloths) override {
     const uint32_t frame = frame_++;
     if (!is_numbered_frame(frame, description_)) return;
     for (std::size_t i = 0; i < cloths.size(); ++i) {

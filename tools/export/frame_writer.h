@@ -12,7 +12,7 @@
 namespace geocloth {
 
 /// The state of one cloth at one frame, read back once for all writers that need it.
-struct ClothFrame {
+struct ClothSnapshot {
   std::vector<Vec3> position;         ///< [m] one per pixel
   std::vector<Vec3> normal;           ///< one per pixel
   std::vector<Vec3> source_position;  ///< [m] one per render vertex of the source mesh (evaluate_binding)
@@ -28,10 +28,10 @@ class FrameWriter {
   virtual ~FrameWriter() = default;
 
   /// True when add_frame wants the positions on the host; a writer that draws from the device says false.
-  [[nodiscard]] virtual bool needs_cloth_frames() const { return true; }
+  [[nodiscard]] virtual bool needs_cloth_snapshots() const { return true; }
   /// Called for frame 0 (the state before the first step) and after every step.
   /// @param cloths  one per cloth of the simulation; empty when no writer asked for them
-  virtual void add_frame(Simulation& simulation, std::span<const ClothFrame> cloths) = 0;
+  virtual void add_frame(Simulation& simulation, std::span<const ClothSnapshot> cloths) = 0;
   /// Completes the temporary files. @throws Error(io)
   virtual void finish() = 0;
   /// Gives them their final names; after finish().

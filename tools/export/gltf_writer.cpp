@@ -46,7 +46,7 @@ class ClothNode {
     if (with_normals_) bound_normals_ = bind_normals(asset);
   }
 
-  void add_first_frame(glb::Builder& builder, const ClothFrame& frame) {
+  void add_first_frame(glb::Builder& builder, const ClothSnapshot& frame) {
     first_position_ = pick(frame.source_position);
     const auto positions = add_runs(builder, first_position_);
     std::vector<uint32_t> normals, uvs;
@@ -67,7 +67,7 @@ class ClothNode {
     }
   }
 
-  void add_target(glb::Builder& builder, const ClothFrame& frame) {
+  void add_target(glb::Builder& builder, const ClothSnapshot& frame) {
     const auto positions = add_runs(builder, difference(pick(frame.source_position), first_position_));
     std::vector<uint32_t> normals;
     if (with_normals_) normals = add_runs(builder, difference(pick(normals_of(frame)), first_normal_));
@@ -111,7 +111,7 @@ class ClothNode {
     return a;
   }
 
-  [[nodiscard]] std::vector<Vec3> normals_of(const ClothFrame& frame) const {
+  [[nodiscard]] std::vector<Vec3> normals_of(const ClothSnapshot& frame) const {
     std::vector<Vec3> normals;
     evaluate_bound_normals(asset_, bound_normals_, frame.position, frame.normal, normals);
     return normals;
@@ -161,7 +161,7 @@ class GltfWriter final : public CacheWriter {
     for (const auto& cloth : description_.cloths) nodes_.emplace_back(*cloth, with_normals);
   }
 
-  void add(std::span<const ClothFrame> cloths) override {
+  void add(std::span<const ClothSnapshot> cloths) override {
     const uint32_t frame = frame_++;
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
       if (frame == 0) {

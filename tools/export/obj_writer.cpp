@@ -63,7 +63,7 @@ class ObjWriter final : public CacheWriter {
     }
   }
 
-  void add(std::span<const ClothFrame> cloths) override {
+  void add(std::span<const ClothSnapshot> cloths) override {
     const uint32_t frame = frame_++;
     if (!is_numbered_frame(frame, description_)) return;
     OutputFile& file = series_.open(numbered_path(path_, frame));

@@ -42,7 +42,7 @@ class Pc2Writer final : public CacheWriter {
     }
   }
 
-  void add(std::span<const ClothFrame> cloths) override {
+  void add(std::span<const ClothSnapshot> cloths) override {
     for (std::size_t i = 0; i < cloths_.size(); ++i) {
       const std::vector<Vec3> points = in_file_order(cloths_[i]->source, cloths[i].source_position);
       files_[i]->write(std::as_bytes(std::span(points)));
@@ -86,7 +86,7 @@ class MddWriter final : public CacheWriter {
     }
   }
 
-  void add(std::span<const ClothFrame> cloths) override {
+  void add(std::span<const ClothSnapshot> cloths) override {
     std::vector<Word> words;
     for (std::size_t i = 0; i < cloths_.size(); ++i) {
       words.clear();

@@ -37,13 +37,13 @@ class PictureWriter : public FrameWriter {
   PictureWriter(Simulation& simulation, const RenderOptions& options)
       : PictureWriter(simulation, stage_simulation(simulation), options) {}
 
-  [[nodiscard]] bool needs_cloth_frames() const final { return !renderer_.draws_from_solver(); }
+  [[nodiscard]] bool needs_cloth_snapshots() const final { return !renderer_.draws_from_solver(); }
 
  protected:
-  Picture draw(Simulation& simulation, std::span<const ClothFrame> cloths) {
+  Picture draw(Simulation& simulation, std::span<const ClothSnapshot> cloths) {
     std::vector<ClothState> states;
     states.reserve(cloths.size());
-    for (const ClothFrame& cloth : cloths) states.push_back({cloth.position, cloth.normal});
+    for (const ClothSnapshot& cloth : cloths) states.push_back({cloth.position, cloth.normal});
     if (follow_) renderer_.follow(middle(simulation) - start_);
     return renderer_.render(simulation.colliders(), states);
   }
@@ -64,7 +64,7 @@ class PictureSeriesWriter final : public PictureWriter {
   PictureSeriesWriter(std::filesystem::path path, Simulation& simulation, const RenderOptions& options)
       : PictureWriter(simulation, options), path_(std::move(path)) {}
 
-  void add_frame(Simulation& simulation, std::span<const ClothFrame> cloths) override {
+  void add_frame(Simulation& simulation, std::span<const ClothSnapshot> cloths) override {
     if (simulation.frame() == 0 && simulation.scene().frames > 0) return;
     OutputFile& file = files_.open(numbered_path(path_, simulation.frame()));
     file.write(std::span<const std::byte>(encode_png(draw(simulation, cloths))));
@@ -83,7 +83,7 @@ class SimulationVideoWriter final : public PictureWriter {
       : PictureWriter(simulation, options),
         video_(path, options.size.width, options.size.height, simulation.scene().frame_rate) {}
 
-  void add_frame(Simulation& simulation, std::span<const ClothFrame> cloths) override {
+  void add_frame(Simulation& simulation, std::span<const ClothSnapshot> cloths) override {
     video_.add(draw(simulation, cloths));
   }
   void finish() override { video_.finish(); }
