@@ -161,7 +161,8 @@ struct SeamSpring {
 //   ellipsoid  a.xyz radii
 //   convex     numbers from data.x on: unit normal and offset of each of data.y planes; inside all n . p <= offset
 //   mesh       numbers from data.x on: signed distances [m] at data.y x data.z x data.w nodes, x fastest; a.xyz first
-//              node, a.w spacing, b.x = 1 / spacing, b.y margin: no surface is nearer to the sides of the grid
+//              node, a.w spacing, b.x = 1 / spacing, b.y margin: no surface is nearer to the sides of the grid, b.z
+//              largest depth inside
 struct ColliderShape {
   vec4 a;
   vec4 b;

@@ -132,7 +132,8 @@ struct LocalShape {
     shader::ColliderShape r{};
     r.kind = shader::kShapeMesh;
     r.a = point4(field.low, field.spacing);
-    r.b = {1 / field.spacing, field.margin, 0, 0};
+    const float deepest = -std::min(0.F, *std::min_element(field.distance.begin(), field.distance.end()));
+    r.b = {1 / field.spacing, field.margin, deepest, 0};
     r.data = {static_cast<uint32_t>(numbers.size()), field.size[0], field.size[1], field.size[2]};
     r.core = field.spacing;  // thinner parts do not show in the grid
     numbers.insert(numbers.end(), field.distance.begin(), field.distance.end());
@@ -291,7 +292,9 @@ void measure_ways(std::span<shader::ColliderShape> shapes, std::span<const shade
 }
 
 bool may_slip_through(std::span<const shader::ColliderShape> shapes, float spacing) {
-  return std::any_of(shapes.begin(), shapes.end(), [&](const shader::ColliderShape& s) { return s.core < spacing; });
+  return std::any_of(shapes.begin(), shapes.end(), [&](const shader::ColliderShape& s) {
+    return (s.kind == shader::kShapeMesh ? s.b.z : s.core) < spacing;
+  });
 }
 
 void substep_inputs(const FrameClock& clock, const std::optional<Wind>& wind, const Vec3& origin,
