@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "cpu/line.h"
+#include "cpu/seam_list.h"
 #include "lib/bend.h"
 #include "lib/bend_groups.h"
 
@@ -93,20 +94,9 @@ void curvature(const PassContext& context, ClothState& state, const PassStep& st
 void seam_curvature(const PassContext& context, ClothState& state, const PassStep& step) {
   const float inverse_dt2 = context.cloth.params.inverse_dt2;
   const uint32_t fine = context.cloth.params.fine;
-  const bool accumulate = context.relaxation_steps > 1;
-  const uint32_t begin = state.data.seam_color_offset[step.group];
-  const uint32_t count = state.data.seam_color_offset[step.group + 1] - begin;
-  context.threads.for_range(count, kRowGrain, [&](uint32_t first, uint32_t last) {
-    for (uint32_t k = begin + first; k < begin + last; ++k) {
-      const shader::SeamSpring& s = state.data.seam_bends[k];
-      const float multiplier = accumulate && step.relaxation > 0 ? state.seam_multiplier[k] : 0.F;
-      with_fine(fine, [&](auto mode) {
-        const float next =
-            project_bend(PointLine(state, s.a, fine), PointLine(state, s.middle, fine), PointLine(state, s.b, fine), 0,
-                         s.middle_share, s.chord, s.rest, s.compliance * inverse_dt2, multiplier, mode);
-        if (accumulate) state.seam_multiplier[k] = next;
-      });
-    }
+  for_seam_list(context, state, step, [&](const shader::SeamSpring& s, float multiplier, auto mode) {
+    return project_bend(PointLine(state, s.a, fine), PointLine(state, s.middle, fine), PointLine(state, s.b, fine), 0,
+                        s.middle_share, s.chord, s.rest, s.compliance * inverse_dt2, multiplier, mode);
   });
 }
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "cpu/line.h"
+#include "cpu/seam_list.h"
 #include "lib/spring.h"
 #include "lib/spring_groups.h"
 
@@ -124,20 +125,9 @@ void springs(const PassContext& context, ClothState& state, const PassStep& step
 
 void seam_bends(const PassContext& context, ClothState& state, const PassStep& step) {
   const shader::ClothParams& params = context.cloth.params;
-  const bool accumulate = context.relaxation_steps > 1;
-  const uint32_t begin = state.data.seam_color_offset[step.group];
-  const uint32_t count = state.data.seam_color_offset[step.group + 1] - begin;
-  context.threads.for_range(count, kRowGrain, [&](uint32_t first, uint32_t last) {
-    for (uint32_t k = begin + first; k < begin + last; ++k) {
-      const shader::SeamSpring& s = state.data.seam_bends[k];
-      const float multiplier = accumulate && step.relaxation > 0 ? state.seam_multiplier[k] : 0.F;
-      with_fine(params.fine, [&](auto mode) {
-        const float next =
-            project_spring(PointLine(state, s.a, params.fine), PointLine(state, s.b, params.fine), 0, s.rest,
-                           s.compliance * params.inverse_dt2, params.share_bending, multiplier, mode);
-        if (accumulate) state.seam_multiplier[k] = next;
-      });
-    }
+  for_seam_list(context, state, step, [&](const shader::SeamSpring& s, float multiplier, auto mode) {
+    return project_spring(PointLine(state, s.a, params.fine), PointLine(state, s.b, params.fine), 0, s.rest,
+                          s.compliance * params.inverse_dt2, params.share_bending, multiplier, mode);
   });
 }
 
