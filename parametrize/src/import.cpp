@@ -463,16 +463,21 @@ double file_unit(const aiScene& scene, Format format) {
   return std::isfinite(centimetres) && centimetres > 0 ? centimetres * 0.01 : 1;
 }
 
+/// Some editors open every UTF-8 text with it.
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+
 /// What assimp gets to see of a file: the file first, then what goes with it. The name's ending decides the reader.
 /// @param obj           filled when the file is an OBJ
 /// @param applied_unit  metres per unit of the file that assimp applies by itself
 std::vector<MemoryFile> prepare(const std::filesystem::path& file, Format format, std::span<const std::byte> bytes,
                                 ObjText& obj, double& applied_unit) {
   std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (text.starts_with(kByteOrderMark)) text.erase(0, kByteOrderMark.size());
   switch (format) {
     case Format::gltf:
     case Format::glb:
-      return read_gltf(file, bytes, format == Format::glb);
+      // What it is shows in its first byte, whatever the ending says.
+      return read_gltf(file, bytes, format == Format::glb ? !text.starts_with('{') : text.starts_with("glTF"));
     case Format::obj:
       obj = read_obj(file, text);
       return {{"mesh.obj", std::move(obj.coded)}};
@@ -480,8 +485,7 @@ std::vector<MemoryFile> prepare(const std::filesystem::path& file, Format format
       check_ply(file, text);
       return {{"mesh.ply", std::move(text)}};
     case Format::stl:
-      check_stl(file, text);
-      return {{"mesh.stl", std::move(text)}};
+      return {{"mesh.stl", checked_stl(file, std::move(text))}};
     case Format::fbx:
       check_fbx(file, text);
       return {{"mesh.fbx", std::move(text)}};

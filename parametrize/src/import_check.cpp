@@ -3,6 +3,7 @@
 // what a list says; here the announced sizes are held against the bytes that are there, so that a file that is cut off
 // or lies about its sizes ends with a message.
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cstring>
 #include <map>
@@ -216,29 +217,41 @@ bool looks_like_text(std::string_view bytes) {
   return bytes.find('\0') == std::string_view::npos;
 }
 
+std::string in_small_letters(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
 }  // namespace
 
 void check_ply(const std::filesystem::path& file, std::string_view bytes) {
   PlyChecker(file, bytes).check();
 }
 
-void check_stl(const std::filesystem::path& file, std::string_view bytes) {
-  const bool has_count = bytes.size() >= 84;
-  const std::size_t announced = has_count ? 84 + 50 * std::size_t{read_le<uint32_t>(bytes, 80)} : 0;
-  const std::size_t start = std::min(bytes.find_first_not_of(" \t\r\n"), bytes.size());
-  const bool solid = bytes.substr(start).starts_with("solid");
+std::string checked_stl(const std::filesystem::path& file, std::string text) {
+  constexpr std::size_t kHeaderBytes = 84, kTriangleBytes = 50;
+  const bool has_count = text.size() >= kHeaderBytes;
+  const std::size_t announced =
+      has_count ? kHeaderBytes + kTriangleBytes * std::size_t{read_le<uint32_t>(text, kHeaderBytes - 4)} : 0;
   // Some programs open a binary file with "solid" too; then its size gives it away.
-  if (has_count && announced == bytes.size()) return;
-  if (solid && looks_like_text(bytes)) {
-    if (bytes.find("endsolid") == std::string_view::npos && bytes.find("ENDSOLID") == std::string_view::npos) {
-      bad(file, "the 'solid' does not end; is the file cut off?");
+  if (has_count && announced == text.size()) return text;
+  if (looks_like_text(text)) {
+    // Some programs write the words of the format in capitals, which assimp does not know.
+    if (text.find("SOLID") == std::min(text.find_first_not_of(" \t\r\n"), text.size())) text = in_small_letters(text);
+    if (text.find("solid") == std::min(text.find_first_not_of(" \t\r\n"), text.size())) {
+      if (text.find("endsolid") == std::string::npos && text.find("ENDSOLID") == std::string::npos) {
+        bad(file, "the 'solid' does not end; is the file cut off?");
+      }
+      return text;
     }
-    return;
   }
   if (!has_count) bad(file, "this is no STL file, or it is cut off in its header");
-  if (announced > bytes.size()) {
-    bad(file, "the file is cut off: " + std::to_string(bytes.size()) + " of " + std::to_string(announced) + " bytes");
-  }
+  const std::string sizes = std::to_string(text.size()) + " of " + std::to_string(announced) + " bytes";
+  if (announced > text.size()) bad(file, "the file is cut off: " + sizes);
+  // Padding is shorter than a triangle.
+  if (announced + kTriangleBytes <= text.size()) bad(file, "the file is longer than its header says: " + sizes);
+  text.resize(announced);
+  return text;
 }
 
 void check_hierarchy(const std::filesystem::path& file, std::vector<std::array<uint64_t, 2>> edges) {

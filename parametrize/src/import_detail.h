@@ -48,9 +48,10 @@ struct MemoryFile {
 [[nodiscard]] std::vector<MemoryFile> read_gltf(const std::filesystem::path& file, std::span<const std::byte> bytes,
                                                 bool binary);
 
-/// Checks that the sizes a PLY or STL file announces are the sizes it has.
+/// Checks that the sizes a PLY file announces are the sizes it has.
 void check_ply(const std::filesystem::path& file, std::string_view bytes);
-void check_stl(const std::filesystem::path& file, std::string_view bytes);
+/// The same for STL. @returns it as assimp reads it: without padding at the end, words in small letters
+[[nodiscard]] std::string checked_stl(const std::filesystem::path& file, std::string text);
 /// Walks the records of a binary FBX file, or looks for the opening of a textual one, and at its connections.
 void check_fbx(const std::filesystem::path& file, std::string_view bytes);
 

@@ -192,6 +192,16 @@ TEST_F(Import, ObjLineEndsContinuationsAndComments) {
   EXPECT_THAT(mesh.polygon, ElementsAre(0, 0));
 }
 
+TEST_F(Import, TextsThatOpenWithAByteOrderMark) {
+  const std::string mark = "\xEF\xBB\xBF";
+  EXPECT_EQ(read("a.obj", mark + "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").position.size(), 3U);
+  EXPECT_EQ(read("a.ply", mark + "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+                                 "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
+                                 "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
+                .triangle.size(),
+            1U);
+}
+
 TEST_F(Import, ObjBadRecordsAreNamedByLine) {
   const std::string head = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
   EXPECT_THAT(refusal("a.obj", head + "f 1 2 4\n").what(), HasSubstr("line 4"));
@@ -306,6 +316,14 @@ TEST_F(Import, GlbWithNodeTransformAndTextureCoordinates) {
 TEST_F(Import, ScaleIsMetresPerUnit) {
   EXPECT_EQ(read("a.glb", square().glb(), {.scale = 0.01}).position[1], (Point3{0.11, 0, 0}));
   EXPECT_THROW(static_cast<void>(read("a.glb", square().glb(), {.scale = 0.0})), Error);
+}
+
+TEST_F(Import, GltfUnderTheEndingOfTheOtherKind) {
+  Gltf g = square();
+  EXPECT_EQ(read("a.gltf", g.glb()).triangle.size(), 2U);
+  write("a.bin", g.binary);
+  g.json["buffers"] = Json::array({{{"byteLength", g.binary.size()}, {"uri", "a.bin"}}});
+  EXPECT_EQ(read("a.glb", g.json.dump()).triangle.size(), 2U);
 }
 
 TEST_F(Import, GltfWithFilesAndWithDataUris) {
@@ -532,6 +550,15 @@ TEST_F(Import, Stl) {
     EXPECT_EQ(mesh.triangle.size(), 2U);
     expect_covers(mesh, 1);
   }
+}
+
+TEST_F(Import, StlOfOtherPrograms) {
+  std::string capitals = kTextStl;
+  for (char& c : capitals) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  for (const std::string& bytes : {capitals, binary_stl() + std::string(2, '\0'), binary_stl() + "\r\n"}) {
+    expect_covers(read("a.stl", bytes), 1);
+  }
+  EXPECT_THAT(refusal("a.stl", binary_stl() + binary_stl()).what(), HasSubstr("longer than its header says"));
 }
 
 // --- DAE, FBX
