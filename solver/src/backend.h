@@ -93,6 +93,10 @@ class SolverBackend {
   virtual void write_state(uint32_t cloth, std::span<const shader::vec4> position,
                            std::span<const shader::vec4> previous) = 0;
 
+  /// Replaces springs, cells, bends over seams and the split-vertex table by those of the same cloth after a cut, which
+  /// has fewer of each; waits. Positions stay.
+  virtual void replace_topology(uint32_t cloth, ClothData data) = 0;
+
   /// Fills backend, device, path, threads, passes, copy_gap and penetration; waits.
   virtual void fill_statistics(SolverStatistics& statistics) = 0;
 };

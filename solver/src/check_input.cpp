@@ -4,6 +4,7 @@
 
 #include "check_input.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -101,6 +102,20 @@ void check_share(double value, const std::string& where, const char* field) {
 
 void check_position(const Vec3& position, const std::string& where) {
   check_vector(position, kLargestLength, where, "a position");
+}
+
+void check_cut(const std::array<Vec3, 3>& triangle, const std::string& where) {
+  constexpr double kThinnest = 1e-6;  // height over the longest side
+  for (const Vec3& corner : triangle) check_vector(corner, kLargestLength, where, "a corner of the triangle");
+  double longest = 0;
+  for (size_t i = 0; i < 3; ++i) {
+    longest = std::max(longest, static_cast<double>(length(triangle[(i + 1) % 3] - triangle[i])));
+  }
+  const Vec3 u = triangle[1] - triangle[0], v = triangle[2] - triangle[0];
+  const double height = longest > 0 ? static_cast<double>(length(cross(u, v))) / longest : 0;
+  if (height > kThinnest * longest) return;
+  throw Error(ErrorCode::invalid_argument,
+              where + ": the triangle has no area; give three corners that do not lie on one line");
 }
 
 void check_pin_frequency(double frequency, const std::string& where) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <string>
 
 #include "geocloth/solver/solver.h"
@@ -21,5 +22,7 @@ void check_parent(const Transform& pose, const Vec3& inertia_scale, const std::s
 void check_pin_frequency(double frequency, const std::string& where);
 void check_gravity(const Vec3& gravity, const std::string& where);
 void check_position(const Vec3& position, const std::string& where);
+/// Three corners in range that span an area.
+void check_cut(const std::array<Vec3, 3>& triangle, const std::string& where);
 
 }  // namespace geocloth

@@ -161,14 +161,22 @@ ScenePin read_pin(const JsonReader& json) {
   return pin;
 }
 
+SceneCut read_cut(const JsonReader& json) {
+  json.expect_object({"time", "triangle"});
+  SceneCut cut;
+  cut.time = in_range(json.at("time"), 0, kLongestTime);
+  const std::vector<JsonReader> corners = json.at("triangle").elements();
+  if (corners.size() != 3) json.at("triangle").fail("must be three corners [[x,y,z],[x,y,z],[x,y,z]]");
+  for (size_t i = 0; i < 3; ++i) cut.triangle[i] = corners[i].vector();
+  checked([&] { check_cut(cut.triangle, json.where()); });
+  return cut;
+}
+
 /// Keys of the format whose work this version does not do: their neutral value passes, any other is refused by name.
 void refuse_unsupported(const JsonReader& cloth) {
   if (cloth.has("self_collision") && cloth.at("self_collision").boolean()) {
     cloth.at("self_collision")
         .fail("self-collision is not supported by this version; set it to false", ErrorCode::unsupported);
-  }
-  if (cloth.has("cuts") && !cloth.at("cuts").elements().empty()) {
-    cloth.at("cuts").fail("cutting is not supported by this version; remove the cuts", ErrorCode::unsupported);
   }
 }
 
@@ -188,6 +196,9 @@ SceneCloth read_cloth(const JsonReader& json, const std::filesystem::path& folde
   }
   if (json.has("pins")) {
     for (const JsonReader& pin : json.at("pins").elements()) cloth.pins.push_back(read_pin(pin));
+  }
+  if (json.has("cuts")) {
+    for (const JsonReader& cut : json.at("cuts").elements()) cloth.cuts.push_back(read_cut(cut));
   }
   return cloth;
 }

@@ -145,9 +145,23 @@ void Simulation::update_pins() {
   for (uint32_t c = 0; c < pins.size(); ++c) solver_->set_pins(c, pins[c]);
 }
 
+/// The cuts between the beginning of the last frame and that of the next one.
+void Simulation::cut(double start) {
+  constexpr double kSameTime = 1e-9;  // [s] what a time loses as a decimal
+  const double before = frame_ > 1 ? start - 1 / scene_.frame_rate : -1;
+  for (uint32_t c = 0; c < scene_.cloths.size(); ++c) {
+    for (size_t k = 0; k < scene_.cloths[c].cuts.size(); ++k) {
+      const SceneCut& cut = scene_.cloths[c].cuts[k];
+      if (cut.time > before + kSameTime && cut.time <= start + kSameTime) solver_->cut(c, cut.triangle);
+    }
+    cloths_[c].asset = solver_->asset(c);
+  }
+}
+
 void Simulation::step() {
   ++frame_;
   const double start = (frame_ - 1) / scene_.frame_rate;
+  cut(start);
   std::vector<Collider> solids = colliders();
   for (size_t i = 0; i < solids.size(); ++i) solids[i].teleport = teleports(scene_.colliders[i].motion, start, time());
   solver_->set_colliders(solids);

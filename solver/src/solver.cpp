@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "check_input.h"
+#include "cut_asset.h"
 #include "geocloth/asset/error.h"
 #include "solver_impl.h"
 #include "upload.h"
@@ -99,6 +100,7 @@ Solver::Impl::Impl(std::span<const ClothDesc> cloths, const SolverSettings& sett
     Cloth& cloth = cloths_.emplace_back();
     cloth.asset = desc.asset;
     cloth.material = desc.material;
+    cloth.start = desc.transform;
     cloth.scale = desc.transform.scale;
     cloth.row_of_pixel = rows_of_pixels(*desc.asset);
     cloth.particles = count_valid_pixels(*desc.asset);
@@ -307,6 +309,24 @@ void Solver::Impl::read_positions(uint32_t cloth, std::vector<Vec3>& out) {
     if (asset.valid(p)) out[p] = vec3_of(raw[p]) + origin_;
 }
 
+CutResult Solver::Impl::cut(uint32_t cloth, const std::array<Vec3, 3>& triangle) {
+  static_cast<void>(cloth_at(cloth));
+  check_cut(triangle, cloth_name(cloth) + ": cut");
+  Cloth& c = cloths_[cloth];
+  std::vector<Vec3> position, normal;
+  read_positions(cloth, position);
+  read_normals(cloth, normal);
+  CutCloth cut = cut_asset(*c.asset, {position, normal, c.scale}, triangle);
+  if (!cut.asset) return {};
+  c.asset = std::move(cut.asset);
+  c.row_of_pixel = rows_of_pixels(*c.asset);
+  ClothData data = make_cloth_data({c.asset, c.material, c.start}, origin_);
+  c.springs_per_sweep = data.springs_per_sweep;
+  c.pins_changed = true;  // attachments run around the cut
+  backend_->replace_topology(cloth, std::move(data));
+  return cut.result;
+}
+
 void Solver::Impl::read_normals(uint32_t cloth, std::vector<Vec3>& out) {
   static_cast<void>(cloth_at(cloth));
   std::vector<vec4> raw;
@@ -405,6 +425,12 @@ void Solver::set_pins(uint32_t cloth, std::span<const Pin> pins) {
 }
 void Solver::set_parent(uint32_t cloth, const Transform& pose, const Vec3& inertia_scale, bool teleport) {
   impl_->set_parent(cloth, pose, inertia_scale, teleport);
+}
+CutResult Solver::cut(uint32_t cloth, const std::array<Vec3, 3>& triangle) {
+  return impl_->cut(cloth, triangle);
+}
+std::shared_ptr<const ClothAsset> Solver::asset(uint32_t cloth) const {
+  return impl_->asset(cloth);
 }
 void Solver::step() {
   impl_->step();

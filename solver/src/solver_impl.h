@@ -25,6 +25,8 @@ class Solver::Impl {
   void set_time_step(double frame_time, uint32_t substeps);
   void set_pins(uint32_t cloth, std::span<const Pin> pins);
   void set_parent(uint32_t cloth, const Transform& pose, const Vec3& inertia_scale, bool teleport);
+  CutResult cut(uint32_t cloth, const std::array<Vec3, 3>& triangle);
+  [[nodiscard]] const std::shared_ptr<const ClothAsset>& asset(uint32_t cloth) const { return cloth_at(cloth).asset; }
   void step();
 
   void read_positions(uint32_t cloth, std::vector<Vec3>& out);
@@ -46,6 +48,7 @@ class Solver::Impl {
   struct Cloth {
     std::shared_ptr<const ClothAsset> asset;
     Material material;
+    Transform start;  ///< where its rest shape started
     float scale = 1;
     std::vector<float> free_inverse_mass;  ///< without pins
     std::vector<uint32_t> row_of_pixel;    ///< row of the split-vertex table, kNoPixel for a single pixel

@@ -364,6 +364,15 @@ void evaluate_binding(const ClothAsset& asset, const std::vector<Vec3>& position
   }
 }
 
+Vec3 binding_offset(const Binding& binding, const std::vector<Vec3>& position, const std::vector<Vec3>& normal,
+                    const Vec3& point, float scale) {
+  const Frame frame = binding_frame(binding, position, normal);
+  Double3 rest = to_double(point);
+  for (std::size_t k = 0; k < 3; ++k) rest += to_double(position[binding.pixel[k]]) * -double{binding.weight[k]};
+  rest = rest * (1 / double{scale});
+  return to_float({dot(rest, frame.t), dot(rest, frame.b), dot(rest, frame.n)});
+}
+
 std::vector<Vec3> bind_normals(const ClothAsset& asset) {
   std::vector<Vec3> rest_normal, bound;
   compute_normals(asset, asset.rest_position, rest_normal);

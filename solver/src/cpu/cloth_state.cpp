@@ -26,14 +26,25 @@ ClothState::ClothState(ClothData cloth_data, bool accumulate, bool fine)
     rest[c].resize(pixel_count());
     compliance[c].resize(pixel_count());
     if (accumulate) multiplier[c].resize(pixel_count());
+  }
+  take_springs();
+  if (accumulate) seam_multiplier.resize(data.seam_bends.size());
+  if (data.attachments) attachments.assign(pixel_count(), {shader::kNoAnchor, 0});
+}
+
+void ClothState::set_topology(ClothData cloth_data) {
+  data = std::move(cloth_data);
+  take_springs();
+}
+
+void ClothState::take_springs() {
+  for (uint32_t c = 0; c < shader::kSpringComponents; ++c) {
     for (size_t i = 0; i < pixel_count(); ++i) {
       const shader::vec4& s = data.springs[c / 2][i];
       rest[c][i] = c % 2 == 0 ? s.x : s.z;
       compliance[c][i] = c % 2 == 0 ? s.y : s.w;
     }
   }
-  if (accumulate) seam_multiplier.resize(data.seam_bends.size());
-  if (data.attachments) attachments.assign(pixel_count(), {shader::kNoAnchor, 0});
   data.position = {};
   data.springs = {};
 }

@@ -32,6 +32,8 @@ struct ClothState {
 
   [[nodiscard]] size_t pixel_count() const { return static_cast<size_t>(data.width) * data.height; }
   [[nodiscard]] size_t memory_bytes() const;  ///< of all arrays
+  /// Takes over springs, cells, bends over seams and copies; positions stay.
+  void set_topology(ClothData cloth_data);
 
   ClothData data;  ///< position and springs have moved to the arrays below
   Vec3Array position, previous, carry, normal;
@@ -41,6 +43,9 @@ struct ClothState {
   std::array<std::vector<float>, shader::kSpringComponents> multiplier;  ///< only with several relaxation steps
   std::vector<float> seam_multiplier;
   std::vector<shader::Attachment> attachments;
+
+ private:
+  void take_springs();
 };
 
 }  // namespace geocloth::cpu

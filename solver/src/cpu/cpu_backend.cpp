@@ -83,6 +83,15 @@ class CpuBackend final : public SolverBackend {
     cloths_[cloth].normals_stale = true;
   }
 
+  void replace_topology(uint32_t cloth, ClothData data) override {
+    data_.cloths[cloth] = data;
+    data_.cloths[cloth].position = {};
+    data_.cloths[cloth].springs = {};
+    cloths_[cloth].state.set_topology(std::move(data));
+    cloths_[cloth].sweep.forget_plan();
+    cloths_[cloth].normals_stale = true;
+  }
+
   void fill_statistics(SolverStatistics& statistics) override {
     statistics.backend = "cpu";
     statistics.device = cpu::cpu_name();

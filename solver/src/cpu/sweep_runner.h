@@ -28,6 +28,9 @@ class SweepRunner {
   bool run(const FrameInput& frame, const ClothFrame& cloth, const ScheduleOptions& options, const Threads& threads,
            ClothState& state, const Measuring& measuring, const RunPass& pass);
 
+  /// What the springs are has changed.
+  void forget_plan() { planned_ = false; }
+
   /// Unit normals of all pixels from their own cells.
   void normals(const Threads& threads, ClothState& state) const;
 

@@ -35,6 +35,11 @@ size_t multiplier_bytes(const ClothData& data) {
   return sizeof(float) * (size_t{shader::kSpringComponents} * data.pixel_count() + data.seam_bends.size());
 }
 
+/// Cuts may part a row, but one has at least two copies.
+size_t most_split_offsets(const ClothData& data) {
+  return data.split_pixel.empty() ? 0 : data.split_pixel.size() / 2 + 1;
+}
+
 }  // namespace
 
 ClothResources::ClothResources(const std::shared_ptr<const Context>& context, const ClothData& data,
@@ -57,7 +62,7 @@ ClothResources::ClothResources(const std::shared_ptr<const Context>& context, co
       multipliers(make_buffer(context, with_multipliers ? multiplier_bytes(data) : 0)),
       attachments(make_buffer(context, data.attachments ? sizeof(shader::Attachment) * data.pixel_count() : 0)),
       seam_bends(make_buffer(context, bytes_of(data.seam_bends))),
-      split_offset(make_buffer(context, bytes_of(data.split_offset))),
+      split_offset(make_buffer(context, most_split_offsets(data) * sizeof(uint32_t))),
       split_pixel(make_buffer(context, bytes_of(data.split_pixel))),
       measures(context, sizeof(uint32_t) * shader::kMeasureCount, BufferUsage::eStorageBuffer, Memory::readback),
       inverse_mass(make_buffer(context, sizeof(float) * data.pixel_count())),
@@ -73,14 +78,26 @@ ClothResources::ClothResources(const std::shared_ptr<const Context>& context, co
   upload.clear_image(carry);
   upload.clear_image(offset);
   upload.clear_image(normal);
+  add_topology(upload, data);
+  upload.run();
+  std::ranges::fill(measures.as<uint32_t>(), 0U);
+}
+
+void ClothResources::add_topology(Upload& upload, const ClothData& data) const {
   for (size_t family = 0; family < springs.size(); ++family)
     upload.to_image(springs[family], std::span(data.springs[family]));
   upload.to_image(cell, std::span(data.cell));
   upload.to_buffer(seam_bends, std::span(data.seam_bends));
   upload.to_buffer(split_offset, std::span(data.split_offset));
   upload.to_buffer(split_pixel, std::span(data.split_pixel));
+}
+
+void ClothResources::upload_topology(const std::shared_ptr<const Context>& context, const ClothData& data) {
+  split_rows = data.split_rows();
+  seam_color_offset = data.seam_color_offset;
+  Upload upload(context);
+  add_topology(upload, data);
   upload.run();
-  std::ranges::fill(measures.as<uint32_t>(), 0U);
 }
 
 size_t ClothResources::memory_bytes() const {

@@ -11,6 +11,8 @@
 
 namespace geocloth::vulkan {
 
+class Upload;
+
 /// Points on their way between two dispatches of tiles; see shaders/cloth/tile.comp.
 struct ScratchImages {
   Image position, previous, carry;
@@ -21,6 +23,10 @@ struct ClothResources {
   /// Uploads and waits.
   ClothResources(const std::shared_ptr<const Context>& context, const ClothData& data, bool multipliers, bool fine,
                  SolverPath path);
+
+  /// Replaces springs, cells, bends over seams and copies by those of the same cloth after a cut; waits. The device must
+  /// be done with the cloth.
+  void upload_topology(const std::shared_ptr<const Context>& context, const ClothData& data);
 
   [[nodiscard]] uint32_t pixel_count() const { return width * height; }
   [[nodiscard]] size_t memory_bytes() const;
@@ -34,11 +40,15 @@ struct ClothResources {
   std::array<Image, 3> springs;
   Image cell;
   Image offset;  ///< one pixel without ClothParams::fine
+  /// As long as they can get: cuts leave fewer bends and copies, but make two rows of one that has four copies.
   Buffer multipliers, attachments, seam_bends, split_offset, split_pixel;
   Buffer measures;  ///< host-visible, kMeasureCount words
   Buffer inverse_mass;
   Buffer pin_of_pixel;                   ///< see shared/tile.h; not on the plain path
   std::optional<ScratchImages> scratch;  ///< on the tiled path
+
+ private:
+  void add_topology(Upload& upload, const ClothData& data) const;
 };
 
 }  // namespace geocloth::vulkan

@@ -243,6 +243,17 @@ void VulkanBackend::write_state(uint32_t cloth, std::span<const shader::vec4> po
   });
 }
 
+void VulkanBackend::replace_topology(uint32_t cloth, ClothData data) {
+  guarded("cut a cloth", [&] {
+    wait();
+    cloths_[cloth].upload_topology(context_, data);
+    drop_uploaded(data);
+    data_.cloths[cloth] = std::move(data);
+    for (const std::unique_ptr<Slot>& slot : slots_) slot->recipe = {};  // lists have other lengths
+    compute_normals({cloth});
+  });
+}
+
 void VulkanBackend::fill_statistics(SolverStatistics& statistics) {
   wait();
   statistics.backend = to_string(Backend::vulkan);

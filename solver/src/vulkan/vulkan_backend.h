@@ -28,6 +28,7 @@ class VulkanBackend final : public SolverBackend {
   void read_normals(uint32_t cloth, std::vector<shader::vec4>& out) override;
   void write_state(uint32_t cloth, std::span<const shader::vec4> position,
                    std::span<const shader::vec4> previous) override;
+  void replace_topology(uint32_t cloth, ClothData data) override;
   void fill_statistics(SolverStatistics& statistics) override;
 
   [[nodiscard]] const Context& context() const { return *context_; }

@@ -47,6 +47,12 @@ struct ScenePin {
   float frequency = 0;                                     ///< [1/s] 0: held; above: soft, see Pin
 };
 
+/// A cut by a triangle, see Solver::cut.
+struct SceneCut {
+  double time = 0;  ///< [s] >= 0: before the first frame that begins then or later
+  std::array<Vec3, 3> triangle;
+};
+
 struct SceneCloth {
   std::filesystem::path asset;  ///< resolved against the scene file's folder
   Material material;
@@ -54,6 +60,7 @@ struct SceneCloth {
   Motion motion;  ///< of the parent: the cloth starts at motion(0) * transform; pins with follow "cloth" take part
   Vec3 inertia_scale{1, 1, 1};  ///< see Solver::set_parent
   std::vector<ScenePin> pins;
+  std::vector<SceneCut> cuts;
 };
 
 /// The body of a collider of shape "mesh", read when the scene is played.
@@ -113,11 +120,13 @@ class Simulation {
   [[nodiscard]] uint32_t frame() const { return frame_; }  ///< frames done
   [[nodiscard]] double time() const;                       ///< [s]
   [[nodiscard]] const Scene& scene() const { return scene_; }
+  /// Their assets are the solver's: a cut gives a cloth another one, see Solver::asset.
   [[nodiscard]] const std::vector<ClothDesc>& cloths() const { return cloths_; }
   [[nodiscard]] std::vector<Collider> colliders() const;  ///< at time()
   [[nodiscard]] Solver& solver() { return *solver_; }
 
  private:
+  void cut(double start);
   void update_pins();
 
   Scene scene_;

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -79,6 +81,14 @@ struct SolverStatistics {
   double penetration = 0;  ///< [m] largest depth below a collider's surface after any substep, with check_copies
 };
 
+/// What a cut has severed.
+struct CutResult {
+  uint64_t springs = 0;        ///< of all families, and bends over seams
+  uint64_t cells = 0;          ///< of four pixels that are open now
+  uint64_t parted_points = 0;  ///< of a seam: rows of the split-vertex table whose copies have come apart
+  bool operator==(const CutResult&) const = default;
+};
+
 /// Simulates any number of garments. Not copyable; movable; use from one thread at a time.
 class Solver {
  public:
@@ -102,6 +112,20 @@ class Solver {
   /// Damping acts relative to the parent. The first call places the parent; teleport takes cloth and parent there
   /// without a jerk, as they are (waits for the device).
   void set_parent(uint32_t cloth, const Transform& pose, const Vec3& inertia_scale = {1, 1, 1}, bool teleport = false);
+
+  /// Cuts a cloth, as it is now, where it meets a triangle: springs and bends that cross it are severed, cells that it
+  /// crosses are open from now on (not drawn, not met by colliders or wind), and the copies of a point part where the
+  /// cut runs along their seam (the seam's points within 2 % of the spacing of the triangle's plane). Long-range
+  /// attachments run around the cut from the next step on; what hangs on no pin any more has none. Masses, positions,
+  /// velocities and pins stay: both copies of a pinned point that parts stay pinned until set_pins() says otherwise.
+  /// Waits for the device and reads the positions, once for each cut.
+  /// @param triangle  [m] corners in the world
+  /// @return zeros when it meets nothing, which is no error
+  /// @throws Error(invalid_argument) for a corner that is not finite, and for a triangle without an area
+  CutResult cut(uint32_t cloth, const std::array<Vec3, 3>& triangle);
+  /// The asset of a cloth as it is now: what it was made with, or, once cut, one with the same pixels and vertices but
+  /// without the springs, cells, copies and triangles of the source mesh that cuts have taken away.
+  [[nodiscard]] std::shared_ptr<const ClothAsset> asset(uint32_t cloth) const;
 
   /// Frames from now on are so long, of so many substeps; velocities stay. Where colliders are so fast that they would
   /// stretch the cloth open in a substep, a frame has up to four times as many. @throws Error(invalid_argument)

@@ -170,6 +170,10 @@ void compute_normals(const ClothAsset& asset, const std::vector<Vec3>& position,
 void evaluate_binding(const ClothAsset& asset, const std::vector<Vec3>& position, const std::vector<Vec3>& normal,
                       std::vector<Vec3>& out, float scale = 1);
 
+/// The offset with which the pixels and weights of a binding put its vertex at a point, the grid being at `position`.
+[[nodiscard]] Vec3 binding_offset(const Binding& binding, const std::vector<Vec3>& position,
+                                  const std::vector<Vec3>& normal, const Vec3& point, float scale = 1);
+
 /// Normals of the source mesh as coordinates in the frames (T, B, N) of the binding at rest, one per render vertex.
 [[nodiscard]] std::vector<Vec3> bind_normals(const ClothAsset& asset);
 
