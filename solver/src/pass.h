@@ -94,7 +94,7 @@ struct ScheduleOptions {
 };
 
 /// The passes of one substep in their order:
-///   [rescale] [normals] predict pins { structural, stitch, shear, bending or curvature, over seams too, stitch } x
+///   [rescale] [normals] predict pins { shear, stitch, bending or curvature, over seams first, structural, stitch } x
 ///   relaxation [settle] limit [collide_cells stitch] collide [check]
 [[nodiscard]] std::vector<PassStep> substep_schedule(const ScheduleOptions& options);
 

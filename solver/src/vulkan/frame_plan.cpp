@@ -16,7 +16,7 @@ namespace {
 
 constexpr uint32_t kLargestSide = 32;
 constexpr uint32_t kSideStep = 8;
-constexpr uint32_t kWidestBorder = 10;  ///< four diagonal groups and six bends
+constexpr uint32_t kWidestBorder = 8;  ///< six bends take 6 and four structural groups 2
 
 /// Nothing for a pass that a work group does not run by itself.
 std::optional<uint32_t> tile_pass(Pass pass) {
@@ -73,12 +73,12 @@ Way way_of(const PassStep& step) {
   }
 }
 
-/// Passes that only need points near their own, before and after the stitch of the structural springs.
+/// Passes that only need points near their own, before and after the stitch of the shear springs.
 bool is_in_first_tile(Pass pass) {
-  return pass == Pass::predict || pass == Pass::pins || pass == Pass::structural;
+  return pass == Pass::predict || pass == Pass::pins || pass == Pass::shear;
 }
 bool is_in_second_tile(Pass pass) {
-  return pass == Pass::shear || pass == Pass::bending || pass == Pass::curvature || pass == Pass::limit ||
+  return pass == Pass::bending || pass == Pass::curvature || pass == Pass::structural || pass == Pass::limit ||
          pass == Pass::collide;
 }
 
@@ -99,7 +99,7 @@ class Planner {
       };
       size_t end = k;
       // What follows the stitch of the second tile is points by themselves, which has no use for tiles.
-      const bool begins = in_scratch ? schedule[k].pass == Pass::shear : schedule[k].pass == Pass::predict;
+      const bool begins = in_scratch ? is_in_second_tile(schedule[k].pass) : schedule[k].pass == Pass::predict;
       while (begins && end < schedule.size() && belongs(end)) ++end;
       if (end == k) {
         add_pass(schedule[k++], substep, in_scratch);
