@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // A manifold component is numbered by breadth-first search over its triangles once a first triangle and its first
-// corner are chosen. They are chosen by distances and areas, which motion leaves alone, with a tolerance for rounding;
-// coordinates decide only between triangles that a symmetry makes equal.
+// corner are chosen. They are chosen by distances and areas of the surface without its symmetries (uneven.h), which
+// motion leaves alone, with a tolerance for rounding; coordinates decide only where that leaves equals.
 
 #include "canonical_order.h"
 
@@ -12,6 +12,7 @@
 
 #include "half_edges.h"
 #include "point_math.h"
+#include "uneven.h"
 
 namespace geocloth {
 namespace {
@@ -26,7 +27,10 @@ struct Start {
 
 class Renumbering {
  public:
-  explicit Renumbering(CleanSurface& surface) : surface_(surface), opposite_(opposite_half_edges(surface.triangle)) {}
+  explicit Renumbering(CleanSurface& surface)
+      : surface_(surface),
+        opposite_(opposite_half_edges(surface.triangle)),
+        seen_(uneven(surface.position, surface.triangle).apply(surface.position)) {}
 
   void apply() {
     std::vector<std::vector<uint32_t>> triangles(surface_.component_count);
@@ -47,7 +51,7 @@ class Renumbering {
   }
 
  private:
-  [[nodiscard]] const Point3& at(uint32_t h) const { return surface_.position[tail(surface_.triangle, h)]; }
+  [[nodiscard]] const Point3& at(uint32_t h) const { return seen_[tail(surface_.triangle, h)]; }
   [[nodiscard]] double edge_length(uint32_t h) const { return distance(at(h), at(next_half_edge(h))); }
 
   /// Corners in the order of their coordinates, so that sums over them do not depend on which is first.
@@ -167,6 +171,7 @@ class Renumbering {
 
   CleanSurface& surface_;
   std::vector<uint32_t> opposite_;
+  std::vector<Point3> seen_;  // the positions, less their symmetries
   std::vector<uint8_t> placed_;
   std::vector<uint32_t> first_corner_;  // in the new order: the half-edge whose tail becomes the first corner
 };

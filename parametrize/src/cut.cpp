@@ -10,6 +10,7 @@
 #include "geocloth/asset/error.h"
 #include "half_edges.h"
 #include "straight_cuts.h"
+#include "uneven.h"
 
 namespace geocloth {
 namespace {
@@ -43,15 +44,27 @@ void check_disks(const CutSurface& cut, const std::vector<uint32_t>& opposite) {
   }
 }
 
+/// Where the vertices of the clean surface are, and those that straight cuts have put between them.
+void put_back(const CleanSurface& surface, const Uneven& map, CutSurface& cut) {
+  for (size_t v = 0; v < cut.position.size(); ++v) {
+    const uint32_t clean = cut.clean_vertex[v];
+    cut.position[v] = clean != kNone ? surface.position[clean] : map.undo(cut.position[v]);
+  }
+}
+
 }  // namespace
 
 CutSurface cut_to_disks(const CleanSurface& surface, const CutOptions& options, const Progress& progress) {
   if (progress) progress("cut", 0);
-  CutGraph graph = find_cut_graph(surface, options, progress);
-  RefinedMesh mesh = make_refined_mesh(surface, std::move(graph.opposite));
+  const Uneven map = uneven(surface.position, surface.triangle);
+  CleanSurface seen = surface;
+  seen.position = map.apply(surface.position);
+  CutGraph graph = find_cut_graph(seen, options, progress);
+  RefinedMesh mesh = make_refined_mesh(seen, std::move(graph.opposite));
   CutLines lines{std::move(graph.cut), std::move(graph.fixed), std::move(graph.node)};
   straighten_cuts(mesh, lines);
   CutSurface cut = open_along(mesh, lines.cut);
+  put_back(surface, map, cut);
   check_disks(cut, opposite_half_edges(cut.triangle));
   if (progress) progress("cut", 1);
   return cut;

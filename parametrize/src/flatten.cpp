@@ -8,6 +8,7 @@
 #include "geocloth/asset/error.h"
 #include "panel_layout.h"
 #include "square_layout.h"
+#include "uneven.h"
 #include "uv_layout.h"
 
 namespace geocloth {
@@ -30,6 +31,20 @@ void check(const CleanSurface& clean, const CutSurface& cut, const FlattenOption
   }
 }
 
+/// A layout that is chosen, of the surface as it is seen without its symmetries.
+template <class LayOut>
+FlatSurface without_symmetry(const CleanSurface& clean, const CutSurface& cut, const LayOut& lay_out) {
+  const Uneven map = uneven(clean.position, clean.triangle);
+  CutSurface seen = cut;
+  seen.position = map.apply(cut.position);
+  FlatSurface flat = lay_out(seen);
+  for (size_t v = 0; v < flat.position.size(); ++v) {
+    const uint32_t source = flat.clean_vertex[v];
+    flat.position[v] = source != kNone ? clean.position[source] : map.undo(flat.position[v]);
+  }
+  return flat;
+}
+
 }  // namespace
 
 FlatSurface flatten(const CleanSurface& clean, const CutSurface& cut, const FlattenOptions& options,
@@ -37,9 +52,9 @@ FlatSurface flatten(const CleanSurface& clean, const CutSurface& cut, const Flat
   check(clean, cut, options);
   switch (options.layout) {
     case Layout::square:
-      return lay_out_squares(cut, options, progress);
+      return without_symmetry(clean, cut, [&](const CutSurface& c) { return lay_out_squares(c, options, progress); });
     case Layout::panels:
-      return lay_out_panels(cut, options, progress);
+      return without_symmetry(clean, cut, [&](const CutSurface& c) { return lay_out_panels(c, options, progress); });
     case Layout::uv:
       return lay_out_developed(take_uv(clean, cut, usable_uv_pattern(clean)), options, progress);
   }

@@ -69,8 +69,9 @@ TriangleMesh moved(const TriangleMesh& mesh, double scale, double turn) {
   return result;
 }
 
-ConvertResult converted(const TriangleMesh& mesh) {
+ConvertResult converted(const TriangleMesh& mesh, Layout layout = Layout::panels) {
   ConvertOptions options;
+  options.flatten.layout = layout;
   options.flatten.resolution = 48;
   return convert(mesh, options);
 }
@@ -108,16 +109,38 @@ TEST(Invariance, TurnsAboutTheVertical) {
   for (const double turn : {0.3, 1.6, 4.0}) expect_same_image(as_it_is, converted(moved(shirt, 1, turn)), 1);
 }
 
-TEST(Invariance, RealGarment) {
+/// Left and right cost the same here: what decides between them must not be rounding.
+TEST(Invariance, SymmetricGarments) {
+  for (const CleanSurface& surface : {test::shirt(8), test::cylinder(24, 9)}) {
+    const TriangleMesh mesh = as_mesh(surface);
+    for (const Layout layout : {Layout::panels, Layout::square}) {
+      SCOPED_TRACE(std::to_string(mesh.triangle.size()) + (layout == Layout::panels ? " panels" : " square"));
+      const ConvertResult as_it_is = converted(mesh, layout);
+      expect_same_image(as_it_is, converted(shuffled(moved(mesh, 1, 0.3), 3), layout), 1);
+      expect_same_image(as_it_is, converted(moved(mesh, 39.37, 4.0), layout), 39.37);
+    }
+  }
+}
+
+void expect_same_layout_when_turned(const std::string& garment, Layout layout) {
   const std::filesystem::path file =
-      std::filesystem::path(GEOCLOTH_SOURCE_DIR) / "../shared/meshes/garments/diffcloth_tshirt.obj";
+      std::filesystem::path(GEOCLOTH_SOURCE_DIR) / "../shared/meshes/garments" / (garment + ".obj");
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "no shared meshes here";
-  TriangleMesh shirt = import_mesh(file);
-  shirt.uv.clear();
-  shirt.normal.clear();
-  const ConvertResult as_it_is = converted(shirt);
-  expect_same_image(as_it_is, converted(shuffled(shirt, 7)), 1);
-  expect_same_image(as_it_is, converted(moved(shirt, 1000, 0.7)), 1000);
+  TriangleMesh mesh = import_mesh(file);
+  mesh.uv.clear();
+  mesh.normal.clear();
+  const ConvertResult as_it_is = converted(mesh, layout);
+  expect_same_image(as_it_is, converted(shuffled(mesh, 7), layout), 1);
+  expect_same_image(as_it_is, converted(moved(mesh, 1000, 0.7), layout), 1000);
+}
+
+TEST(Invariance, RealGarment) {
+  expect_same_layout_when_turned("diffcloth_tshirt", Layout::panels);
+}
+
+TEST(Invariance, RealGarmentOfMirroredHalves) {
+  expect_same_layout_when_turned("mh_skirt_tube", Layout::panels);
+  expect_same_layout_when_turned("mh_tights", Layout::square);
 }
 
 }  // namespace
