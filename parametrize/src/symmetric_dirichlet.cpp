@@ -13,8 +13,11 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/SparseCholesky>
+#include <Eigen/Core>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 
+#include "element_cholesky.h"
 #include "geocloth/asset/error.h"
 #include "point_math.h"
 
@@ -25,6 +28,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 using Gradient = std::array<std::array<double, 2>, 3>;  // per corner k, column j: dF(i,j) / du(k,i)
 using Matrix4 = Eigen::Matrix4d;
+
+constexpr size_t kLowerHalf = 21;  // entries of a symmetric matrix of a triangle's six coordinates
 
 struct Element {
   Gradient gradient;
@@ -78,41 +83,30 @@ Eigen::Vector4d density_gradient(const Map& f) {
 }
 
 /// The density's Hessian with its negative eigenvalue clamped.
+/// F is (s1 + s2) / 2 times a rotation R and (s1 - s2) / 2 times a reflection S; the Hessian's eigenvectors are R + S
+/// and R - S, which scale, and R and S turned by a right angle: the twist and the flip. So no angle need be known.
 Matrix4 projected_hessian(const Map& f) {
   const double e = (f.f00 + f.f11) / 2;
   const double m = (f.f00 - f.f11) / 2;
   const double g = (f.f10 + f.f01) / 2;
   const double h = (f.f10 - f.f01) / 2;
-  const double q = std::hypot(e, h);
-  const double r = std::hypot(m, g);
-  const double s1 = q + r;
-  const double s2 = std::max(f.determinant() / s1, 1e-300);  // q - r without cancellation
-  const double a1 = std::atan2(g, m);
-  const double a2 = std::atan2(h, e);
-  const double phi = (a2 + a1) / 2;
-  const double theta = (a2 - a1) / 2;
-  const double cu = std::cos(phi), su = std::sin(phi), cv = std::cos(theta), sv = std::sin(theta);
-  // F = U diag(s1, s2) Vt with U = rotation(phi), Vt = rotation(theta). Outer products of U's columns and Vt's rows.
-  const Eigen::Vector2d u1(cu, su), u2(-su, cu), v1(cv, -sv), v2(sv, cv);
-  const auto outer = [](const Eigen::Vector2d& u, const Eigen::Vector2d& v) {
-    return Eigen::Vector4d(u[0] * v[0], u[1] * v[0], u[0] * v[1], u[1] * v[1]);
-  };
-  const Eigen::Vector4d scale1 = outer(u1, v1);
-  const Eigen::Vector4d scale2 = outer(u2, v2);
-  const Eigen::Vector4d o12 = outer(u1, v2);
-  const Eigen::Vector4d o21 = outer(u2, v1);
-  const Eigen::Vector4d twist = (o21 - o12) * std::sqrt(0.5);
-  const Eigen::Vector4d flip = (o21 + o12) * std::sqrt(0.5);
-  const auto second = [](double s) { return 2 + 6 / (s * s * s * s); };
-  const double i1 = 1 / s1;
-  const double i2 = 1 / s2;
-  const double twist_value = 2 - 2 * (i1 * i1 * i1 + i2 * i2 * i2) / (s1 + s2);
+  const double q = std::sqrt(e * e + h * h);
+  const double r = std::sqrt(m * m + g * g);
+  const double i1 = 1 / (q + r);
+  const double i2 = std::min((q + r) / f.determinant(), 1e300);  // 1 / (q - r) without cancellation
+  const double c = e / q, s = h / q;
+  const double p = r > 0 ? m / r : 1, w = r > 0 ? g / r : 0;
+  const Eigen::Vector4d rotation(c, s, -s, c), twist(-s, c, -c, -s);  // of length sqrt(2)
+  const Eigen::Vector4d reflection(p, w, w, -p), flip(-w, p, p, w);
+  const auto second = [](double inverse) { return 2 + 6 * inverse * inverse * inverse * inverse; };
+  const double twist_value = 2 - 2 * (i1 * i1 * i1 + i2 * i2 * i2) / (1 / i1 + 1 / i2);
   // (g'(s1) - g'(s2)) / (s1 - s2), written without the difference quotient.
   const double flip_value = 2 + 2 * (i1 * i1 * i1 * i2 + i1 * i1 * i2 * i2 + i1 * i2 * i2 * i2);
-  Matrix4 result = second(s1) * scale1 * scale1.transpose();
-  result += second(s2) * scale2 * scale2.transpose();
-  result += flip_value * flip * flip.transpose();
-  result += std::max(twist_value, 0.0) * twist * twist.transpose();
+  const Eigen::Vector4d scale1 = (rotation + reflection) / 2, scale2 = (rotation - reflection) / 2;
+  Matrix4 result = second(i1) * scale1 * scale1.transpose();
+  result += second(i2) * scale2 * scale2.transpose();
+  result += flip_value / 2 * flip * flip.transpose();
+  result += std::max(twist_value, 0.0) / 2 * twist * twist.transpose();
   return result;
 }
 
@@ -133,10 +127,9 @@ struct SymmetricDirichlet::Impl {
   std::vector<Element> element;
   std::vector<int32_t> unknown;  // per vertex: index among the free vertices, -1 when fixed
   int32_t unknowns = 0;
-  Eigen::SparseMatrix<double> hessian;
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> solver;
-  std::vector<std::array<int32_t, 21>> slot;  // per triangle: where its lower entries go in the matrix' values
-  bool analysed = false;
+  std::unique_ptr<ElementCholesky> solver;
+  std::vector<double> hessian;                      // per triangle: lower half by rows
+  std::vector<std::array<double, 6>> first_change;  // per triangle: gradient by its corners' coordinates
   double shear_price = 0;
 
   [[nodiscard]] double energy(std::span<const Point2> uv) const {
@@ -157,79 +150,63 @@ struct SymmetricDirichlet::Impl {
     return sum;
   }
 
-  /// Lower entries (row >= column) among the six unknowns of a triangle, in a fixed order.
-  template <typename Visit>
-  void for_lower_entries(size_t t, const Visit& visit) const {
-    size_t n = 0;
-    for (int p = 0; p < 6; ++p) {
-      for (int q = 0; q <= p; ++q, ++n) {
-        const int32_t vp = unknown[triangle[t][static_cast<size_t>(p / 2)]];
-        const int32_t vq = unknown[triangle[t][static_cast<size_t>(q / 2)]];
-        if (vp < 0 || vq < 0) continue;
-        const int32_t row = 2 * vp + p % 2;
-        const int32_t column = 2 * vq + q % 2;
-        visit(n, p, q, std::max(row, column), std::min(row, column));
-      }
+  /// Gradient and Hessian of what a triangle adds to the cost.
+  void differentiate(size_t t, std::span<const Point2> uv) {
+    const Element& e = element[t];
+    const Map f = map_of(e, triangle[t], uv);
+    Eigen::Vector4d first = e.weight * density_gradient(f);
+    Matrix4 second = e.weight * projected_hessian(f);
+    if (shear_price > 0) {  // Gauss-Newton: the shear is small
+      const Eigen::Vector4d change(f.f10, f.f00, f.f11, f.f01);
+      first += 2 * e.weight * shear_price * f.shear() * change;
+      second += 2 * e.weight * shear_price * change * change.transpose();
     }
-  }
-
-  void analyse() {
-    std::vector<Eigen::Triplet<double>> entries;
-    entries.reserve(triangle.size() * 21);
-    for (size_t t = 0; t < triangle.size(); ++t) {
-      for_lower_entries(t,
-                        [&](size_t, int, int, int32_t row, int32_t column) { entries.emplace_back(row, column, 0.0); });
-    }
-    hessian.resize(2 * unknowns, 2 * unknowns);
-    hessian.setFromTriplets(entries.begin(), entries.end());
-    slot.assign(triangle.size(), {});
-    const int* outer = hessian.outerIndexPtr();
-    const int* inner = hessian.innerIndexPtr();
-    for (size_t t = 0; t < triangle.size(); ++t) {
-      for_lower_entries(t, [&](size_t n, int, int, int32_t row, int32_t column) {
-        slot[t][n] =
-            static_cast<int32_t>(std::lower_bound(inner + outer[column], inner + outer[column + 1], row) - inner);
-      });
-    }
-    solver.analyzePattern(hessian);
-    analysed = true;
-  }
-
-  void assemble(std::span<const Point2> uv, Eigen::VectorXd& gradient) {
-    gradient.setZero(2 * unknowns);
-    double* values = hessian.valuePtr();
-    std::fill(values, values + hessian.nonZeros(), 0.0);
-    for (size_t t = 0; t < triangle.size(); ++t) {
-      const Element& e = element[t];
-      const Map f = map_of(e, triangle[t], uv);
-      Eigen::Vector4d first = e.weight * density_gradient(f);
-      Matrix4 second = e.weight * projected_hessian(f);
-      if (shear_price > 0) {  // Gauss-Newton: the shear is small
-        const Eigen::Vector4d change(f.f10, f.f00, f.f11, f.f01);
-        first += 2 * e.weight * shear_price * f.shear() * change;
-        second += 2 * e.weight * shear_price * change * change.transpose();
-      }
-      // Chain rule: the unknown (corner k, coordinate i) moves F(i, j) by gradient[k][j], F(i, j) at index i + 2 j.
-      Eigen::Matrix<double, 4, 6> chain = Eigen::Matrix<double, 4, 6>::Zero();
-      for (int k = 0; k < 3; ++k) {
-        for (int j = 0; j < 2; ++j) {
-          const double value = e.gradient[static_cast<size_t>(k)][static_cast<size_t>(j)];
-          chain(2 * j, 2 * k) = value;
-          chain(2 * j + 1, 2 * k + 1) = value;
+    // Chain rule: the unknown (corner k, coordinate i) moves F(i, j) by gradient[k][j], F(i, j) at index i + 2 j.
+    size_t n = t * kLowerHalf;
+    for (size_t k = 0; k < 3; ++k) {
+      const auto& [g0, g1] = e.gradient[k];
+      for (Eigen::Index i = 0; i < 2; ++i) {
+        first_change[t][2 * k + static_cast<size_t>(i)] = g0 * first[i] + g1 * first[2 + i];
+        const Eigen::Vector4d row = g0 * second.col(i) + g1 * second.col(2 + i);
+        for (size_t l = 0; l <= k; ++l) {
+          const auto& [h0, h1] = e.gradient[l];
+          for (Eigen::Index j = 0; j < (l < k ? 2 : i + 1); ++j) hessian[n++] = h0 * row[j] + h1 * row[2 + j];
         }
       }
-      const Eigen::Matrix<double, 6, 1> local_gradient = chain.transpose() * first;
-      const Eigen::Matrix<double, 6, 6> local_hessian = chain.transpose() * second * chain;
-      for (int p = 0; p < 6; ++p) {
-        const int32_t v = unknown[triangle[t][static_cast<size_t>(p / 2)]];
-        if (v >= 0) gradient[2 * v + p % 2] += local_gradient[p];
+    }
+  }
+
+  /// Differentiates by all unknowns and factorises the Hessian. @returns whether that could be done
+  bool linearise(std::span<const Point2> uv, Eigen::MatrixXd& gradient) {
+    if (!solver) {
+      solver = std::make_unique<ElementCholesky>(triangle, unknown, uv, 2);
+      hessian.resize(triangle.size() * kLowerHalf);
+      first_change.resize(triangle.size());
+    }
+    constexpr size_t kGrain = 1'000;
+    tbb::parallel_for(tbb::blocked_range<size_t>(0, triangle.size(), kGrain), [&](const auto& range) {
+      for (size_t t = range.begin(); t != range.end(); ++t) differentiate(t, uv);
+    });
+    gradient.setZero(2 * unknowns, 1);
+    double trace = 0;
+    for (size_t t = 0; t < triangle.size(); ++t) {
+      for (size_t k = 0; k < 3; ++k) {
+        const int32_t u = unknown[triangle[t][k]];
+        if (u < 0) continue;
+        for (int i = 0; i < 2; ++i) {
+          const size_t p = 2 * k + static_cast<size_t>(i);
+          gradient(2 * u + i) += first_change[t][p];
+          trace += hessian[t * kLowerHalf + (p + 1) * (p + 2) / 2 - 1];
+        }
       }
-      for_lower_entries(t,
-                        [&](size_t n, int p, int q, int32_t, int32_t) { values[slot[t][n]] += local_hessian(p, q); });
     }
     // Rigid motions of a free map cost nothing: a little of the mean diagonal keeps the factorisation regular.
-    const double regular = 1e-8 * hessian.diagonal().mean();
-    for (int32_t i = 0; i < 2 * unknowns; ++i) values[hessian.outerIndexPtr()[i]] += regular;
+    constexpr int kAttempts = 3;
+    double diagonal = 1e-8 * trace / (2 * unknowns);
+    for (int attempt = 0; attempt < kAttempts; ++attempt, diagonal *= 100) {
+      if (solver->factorise(hessian, diagonal)) return true;
+    }
+    return false;
   }
 
   /// The largest step along `direction` before a triangle's determinant becomes zero.
@@ -291,19 +268,17 @@ double SymmetricDirichlet::minimise(std::vector<Point2>& uv, uint32_t max_iterat
   if (!std::isfinite(current))
     throw Error(ErrorCode::verification, "the start of the flattening has a flipped triangle");
   if (s.unknowns == 0) return current;
-  if (!s.analysed) s.analyse();
-  Eigen::VectorXd gradient;
+  Eigen::MatrixXd gradient, step;
   std::vector<Point2> direction(uv.size(), Point2{0, 0});
   std::vector<Point2> trial;
   for (uint32_t iteration = 0; iteration < max_iterations; ++iteration) {
-    s.assemble(uv, gradient);
-    s.solver.factorize(s.hessian);
-    if (s.solver.info() != Eigen::Success) break;
-    const Eigen::VectorXd step = s.solver.solve(-gradient);
-    const double slope = gradient.dot(step);
+    if (!s.linearise(uv, gradient)) break;
+    step = -gradient;
+    s.solver->solve(step);
+    const double slope = gradient.col(0).dot(step.col(0));
     if (!std::isfinite(slope) || slope >= 0) break;
     for (size_t v = 0; v < uv.size(); ++v) {
-      if (s.unknown[v] >= 0) direction[v] = {step[2 * s.unknown[v]], step[2 * s.unknown[v] + 1]};
+      if (s.unknown[v] >= 0) direction[v] = {step(2 * s.unknown[v]), step(2 * s.unknown[v] + 1)};
     }
     double t = std::min(1.0, 0.9 * s.largest_step(uv, direction));
     double reached = kInfinity;
