@@ -10,8 +10,8 @@
 
 namespace geocloth::cpu {
 
-/// Vectors may reach this many pixels over the end of a row, and leave what is there as it is.
-inline constexpr uint32_t kOverhang = 3;
+/// The longest vectors may reach this many pixels over the end of a row, and leave what is there as it is.
+inline constexpr uint32_t kOverhang = 15;
 
 /// Three floats per pixel, one array for each: rows are contiguous, so springs of a row vectorise.
 struct Vec3Array {

@@ -139,7 +139,7 @@ HWY_INLINE bool collide_lanes(D d, const PassContext& context, Mask<D> lanes, Po
   return true;
 }
 
-/// Points that a collider may touch when they went that way.
+/// Points that a collider may touch when they went no farther than that way.
 template <class D>
 HWY_INLINE Mask<D> near_colliders(D d, const SweepFrame& frame, uint32_t substep, const Points<D>& position,
                                   Vec<D> way) {
@@ -170,19 +170,20 @@ HWY_NOINLINE void collide(D d, const SweepFrame& frame, uint32_t substep, const 
   for_run(d, run, [&](uint32_t i, auto lanes) HWY_ATTR {
     const PointRow p = at(state.position, i), pp = at(state.previous, i), pc = at(state.carry, i);
     PointStates<D> points;
-    points.position = load(d, lanes, p);
-    points.previous = load(d, lanes, pp);
-    const auto way = length(d, sub(points.position, points.previous));
-    const auto near = near_colliders(d, frame, substep, points.position, way);
+    points.position = load(d, p);
+    points.previous = load(d, pp);
+    const Points<D> moved = sub(points.position, points.previous);
+    const auto at_most = hn::Add(hn::Add(hn::Abs(moved.x), hn::Abs(moved.y)), hn::Abs(moved.z));  // needs no root
+    const auto near = counted(d, lanes, near_colliders(d, frame, substep, points.position, at_most));
     if (hn::AllFalse(d, near)) return;
-    points.carry = load(d, lanes, pc);
-    const auto free = hn::Gt(load(d, lanes, &state.inverse_mass[i]), hn::Zero(d));
+    points.carry = load(d, pc);
+    const auto free = hn::Gt(hn::LoadU(d, &state.inverse_mass[i]), hn::Zero(d));
     if (!frame.simple_colliders || !collide_lanes(d, context, hn::And(free, near), points)) {
       return collide_pixels(context, state, i, std::min(run.last, i + static_cast<uint32_t>(hn::Lanes(d))));
     }
-    store(d, points.position, lanes, p);
-    store(d, points.previous, lanes, pp);
-    store(d, points.carry, lanes, pc);
+    store(d, points.position, p);
+    store(d, points.previous, pp);
+    store(d, points.carry, pc);
   });
 }
 
@@ -192,8 +193,9 @@ HWY_NOINLINE void check_colliders(D d, const SweepFrame& frame, uint32_t substep
   ClothState& state = *frame.state;
   float depth = frame.penetration[substep];
   for_run(d, run, [&](uint32_t i, auto lanes) HWY_ATTR {
-    const Points<D> position = load(d, lanes, at(state.position, i));
-    if (hn::AllFalse(d, near_colliders(d, frame, substep, position, hn::Zero(d)))) return;
+    const Points<D> position = load(d, at(state.position, i));
+    const auto near = near_colliders(d, frame, substep, position, hn::Zero(d));
+    if (hn::AllFalse(d, counted(d, lanes, near))) return;
     const uint32_t last = std::min(run.last, i + static_cast<uint32_t>(hn::Lanes(d)));
     depth = std::max(depth, penetration_of_pixels(context, state, i, last));
   });

@@ -46,35 +46,98 @@ HWY_INLINE Vec<D> change_over_length(D d, Vec<D> l, Vec<D> rest, Vec<D> inverse,
   return hn::IfThenElseZero(exists, hn::Mul(change, hn::Div(hn::Set(d, 1.F), l)));
 }
 
+/// A constraint's direction and length, for as many as a vector has lanes. Members one by one, because compilers copy
+/// structs of structs of vectors through memory.
+template <class D>
+struct Ways {
+  Vec<D> x, y, z, length;
+
+  HWY_INLINE void set(D d, const Points<D>& way) {
+    x = way.x;
+    y = way.y;
+    z = way.z;
+    length = hn::Sqrt(dot(d, way, way));
+  }
+  HWY_INLINE void take(const Ways& other) {
+    x = other.x;
+    y = other.y;
+    z = other.z;
+    length = other.length;
+  }
+  HWY_INLINE Points<D> scaled(Vec<D> s) const { return {hn::Mul(x, s), hn::Mul(y, s), hn::Mul(z, s)}; }
+};
+
 /// lib/spring.h with inverse = 1 / (wa + wb + compliance), 0 where there is no spring.
 template <bool kSeveral, class D>
-HWY_INLINE void project_spring(D d, Points<D>& a, Vec<D> wa, Points<D>& b, Vec<D> wb, const float* constants,
-                               const Multipliers<kSeveral, D>& multipliers, Vec<D> share) {
+HWY_INLINE void project_spring(D d, const Ways<D>& ways, Points<D>& a, Vec<D> wa, Points<D>& b, Vec<D> wb,
+                               const float* constants, const Multipliers<kSeveral, D>& multipliers, Vec<D> share) {
   const size_t lanes = hn::Lanes(d);
   const auto rest = hn::LoadU(d, constants), inverse = hn::LoadU(d, constants + lanes);
-  const Points<D> way = sub(b, a);
   const auto factor =
-      change_over_length(d, length(d, way), rest, inverse, constants + 2 * lanes, multipliers, share, true);
-  const Points<D> step = scale(d, way, factor);
+      change_over_length(d, ways.length, rest, inverse, constants + 2 * lanes, multipliers, share, true);
+  const Points<D> step = ways.scaled(factor);
   a = add(a, scale(d, step, wa));
   b = sub(b, scale(d, step, wb));
 }
 
 /// lib/bend.h with inverse = 1 / (w + compliance), 0 where there is no bend.
+template <class D>
+HWY_INLINE Points<D> bend_way(D d, const Points<D>& a, const Points<D>& middle, const Points<D>& b,
+                              const float* constants) {
+  const auto chord = hn::LoadU(d, constants + 2 * hn::Lanes(d)), back = hn::Sub(hn::Set(d, 1.F), chord);
+  return add(scale(d, sub(a, middle), back), scale(d, sub(b, middle), chord));
+}
 template <bool kSeveral, class D>
-HWY_INLINE void project_bend(D d, Points<D>& a, Vec<D> wa, Points<D>& middle, Vec<D> wm, Points<D>& b, Vec<D> wb,
-                             const float* constants, const Multipliers<kSeveral, D>& multipliers) {
+HWY_INLINE void project_bend(D d, const Ways<D>& ways, Points<D>& a, Vec<D> wa, Points<D>& middle, Vec<D> wm,
+                             Points<D>& b, Vec<D> wb, const float* constants,
+                             const Multipliers<kSeveral, D>& multipliers) {
   const size_t lanes = hn::Lanes(d);
   const auto rest = hn::LoadU(d, constants), inverse = hn::LoadU(d, constants + lanes);
   const auto chord = hn::LoadU(d, constants + 2 * lanes), back = hn::Sub(hn::Set(d, 1.F), chord);
-  const Points<D> e = add(scale(d, sub(a, middle), back), scale(d, sub(b, middle), chord));
   const auto factor =
-      change_over_length(d, length(d, e), rest, inverse, constants + 3 * lanes, multipliers, rest, false);
-  const Points<D> step = scale(d, e, factor);
+      change_over_length(d, ways.length, rest, inverse, constants + 3 * lanes, multipliers, rest, false);
+  const Points<D> step = ways.scaled(factor);
   a = sub(a, scale(d, step, hn::Mul(wa, back)));
   middle = add(middle, scale(d, step, wm));
   b = sub(b, scale(d, step, hn::Mul(wb, chord)));
 }
+
+/// Blocks first .. last - 1: begin(block, state) and then finish(block, state). The roots of a block are under way
+/// while the block before is finished; one after the other, what waits for them fills the processor's queues, and all
+/// takes a third longer.
+/// @param apart  whether a block can begin before the one in front of it is finished
+template <class State, class Begin, class Finish, class Apart>
+HWY_INLINE void overlapped(uint32_t first, uint32_t last, const Begin& begin, const Finish& finish,
+                           const Apart& apart) {
+  if (first >= last) return;
+  State now, next;
+  begin(first, now);
+  for (uint32_t k = first + 1; k < last; ++k) {
+    if (HWY_LIKELY(apart(k))) {
+      begin(k, next);
+      finish(k - 1, now);
+      now.take(next);
+    } else {
+      finish(k - 1, now);
+      begin(k, now);
+    }
+  }
+  finish(last - 1, now);
+}
+
+/// Where the points and a stream's blocks are, as values of their own: behind a reference the compiler would have to
+/// read every pointer again after each store.
+struct PointBase {
+  float *x, *y, *z;
+  const float* inverse_mass;
+
+  explicit PointBase(ClothState& state)
+      : x(state.position.x.data()),
+        y(state.position.y.data()),
+        z(state.position.z.data()),
+        inverse_mass(state.inverse_mass.data()) {}
+  [[nodiscard]] HWY_INLINE PointRow at(size_t i) const { return {x + i, y + i, z + i}; }
+};
 
 /// Floats of a block's constants.
 constexpr size_t spring_floats(size_t lanes, bool several) {
@@ -114,71 +177,153 @@ HWY_INLINE void put_together(D d, Vec<D> a, Vec<D> b, float* p) {
   }
 }
 
+/// What the blocks of a row are read from and written to; see PointBase.
+struct Blocks {
+  PointBase points;
+  const uint32_t* pixel;
+  const float* constants;
+  size_t floats;  ///< of a block's constants
+
+  Blocks(const SweepOp& op, ClothState& state, size_t block_floats)
+      : points(state), pixel(op.stream->pixel.data()), constants(op.stream->constants.data()), floats(block_floats) {}
+  [[nodiscard]] HWY_INLINE const float* constants_of(uint32_t block) const { return constants + block * floats; }
+};
+
 template <bool kSeveral, class D>
 HWY_NOINLINE void springs_across(D d, const SweepOp& op, ClothState& state, uint32_t first, uint32_t last) {
   const auto share = hn::Set(d, op.share);
-  const size_t lanes = hn::Lanes(d), size = spring_floats(lanes, kSeveral);
-  for (uint32_t k = first; k < last; ++k) {
-    const size_t i = op.stream->pixel[k], j = i + op.offset;
-    const PointRow pa = at(state.position, i), pb = at(state.position, j);
-    Points<D> a = load(d, pa), b = load(d, pb);
-    project_spring(d, a, hn::LoadU(d, &state.inverse_mass[i]), b, hn::LoadU(d, &state.inverse_mass[j]),
-                   &op.stream->constants[k * size], Multipliers<kSeveral, D>(op, k, lanes), share);
-    store(d, a, pa);
-    store(d, b, pb);
-  }
+  const size_t lanes = hn::Lanes(d), offset = op.offset;
+  const Blocks blocks(op, state, spring_floats(lanes, kSeveral));
+  const PointBase& points = blocks.points;
+  overlapped<Ways<D>>(
+      first, last,
+      [&](uint32_t k, Ways<D>& ways) HWY_ATTR {
+        const size_t i = blocks.pixel[k];
+        ways.set(d, sub(load(d, points.at(i + offset)), load(d, points.at(i))));
+      },
+      [&](uint32_t k, const Ways<D>& ways) HWY_ATTR {
+        const size_t i = blocks.pixel[k], j = i + offset;
+        const PointRow pa = points.at(i), pb = points.at(j);
+        Points<D> a = load(d, pa), b = load(d, pb);
+        project_spring(d, ways, a, hn::LoadU(d, points.inverse_mass + i), b, hn::LoadU(d, points.inverse_mass + j),
+                       blocks.constants_of(k), Multipliers<kSeveral, D>(op, k, lanes), share);
+        store(d, a, pa);
+        store(d, b, pb);
+      },
+      [](uint32_t) { return true; });  // what two blocks share is read when it is written
 }
+
+/// Springs whose ends have been taken apart.
+template <class D>
+struct SpringsAlong {
+  Vec<D> ax, ay, az, bx, by, bz;
+  Ways<D> ways;
+
+  HWY_INLINE Points<D> a() const { return {ax, ay, az}; }
+  HWY_INLINE Points<D> b() const { return {bx, by, bz}; }
+  HWY_INLINE void take(const SpringsAlong& other) {
+    ax = other.ax;
+    ay = other.ay;
+    az = other.az;
+    bx = other.bx;
+    by = other.by;
+    bz = other.bz;
+    ways.take(other.ways);
+  }
+};
 
 template <size_t kColumns, bool kSeveral, class D>
 HWY_NOINLINE void springs_along(D d, const SweepOp& op, ClothState& state, uint32_t first, uint32_t last) {
   const auto share = hn::Set(d, op.share);
-  const size_t lanes = hn::Lanes(d), size = spring_floats(lanes, kSeveral);
-  for (uint32_t k = first; k < last; ++k) {
-    const size_t i = op.stream->pixel[k];
-    const PointRow p = at(state.position, i);
-    const Ends<D> x = take_apart<kColumns>(d, p.x), y = take_apart<kColumns>(d, p.y), z = take_apart<kColumns>(d, p.z);
-    const Ends<D> w = take_apart<kColumns>(d, &state.inverse_mass[i]);
-    Points<D> a{x.a, y.a, z.a}, b{x.b, y.b, z.b};
-    project_spring(d, a, w.a, b, w.b, &op.stream->constants[k * size], Multipliers<kSeveral, D>(op, k, lanes), share);
-    put_together<kColumns>(d, a.x, b.x, p.x);
-    put_together<kColumns>(d, a.y, b.y, p.y);
-    put_together<kColumns>(d, a.z, b.z, p.z);
-  }
+  const size_t lanes = hn::Lanes(d);
+  const Blocks blocks(op, state, spring_floats(lanes, kSeveral));
+  const PointBase& points = blocks.points;
+  overlapped<SpringsAlong<D>>(
+      first, last,
+      [&](uint32_t k, SpringsAlong<D>& springs) HWY_ATTR {
+        const PointRow p = points.at(blocks.pixel[k]);
+        const Ends<D> x = take_apart<kColumns>(d, p.x), y = take_apart<kColumns>(d, p.y);
+        const Ends<D> z = take_apart<kColumns>(d, p.z);
+        springs.ax = x.a;
+        springs.ay = y.a;
+        springs.az = z.a;
+        springs.bx = x.b;
+        springs.by = y.b;
+        springs.bz = z.b;
+        springs.ways.set(d, sub(springs.b(), springs.a()));
+      },
+      [&](uint32_t k, const SpringsAlong<D>& springs) HWY_ATTR {
+        const size_t i = blocks.pixel[k];
+        const Ends<D> w = take_apart<kColumns>(d, points.inverse_mass + i);
+        Points<D> a = springs.a(), b = springs.b();
+        project_spring(d, springs.ways, a, w.a, b, w.b, blocks.constants_of(k), Multipliers<kSeveral, D>(op, k, lanes),
+                       share);
+        const PointRow p = points.at(i);
+        put_together<kColumns>(d, a.x, b.x, p.x);
+        put_together<kColumns>(d, a.y, b.y, p.y);
+        put_together<kColumns>(d, a.z, b.z, p.z);
+      },
+      [&](uint32_t k) { return blocks.pixel[k] >= blocks.pixel[k - 1] + 2 * lanes; });
 }
 
 template <bool kSeveral, class D>
 HWY_NOINLINE void bends_across(D d, const SweepOp& op, ClothState& state, uint32_t first, uint32_t last) {
-  const size_t lanes = hn::Lanes(d), size = bend_floats(lanes, kSeveral);
-  for (uint32_t k = first; k < last; ++k) {
-    const size_t i = op.stream->pixel[k], m = i + op.offset, j = m + op.offset;
-    const PointRow pa = at(state.position, i), pm = at(state.position, m), pb = at(state.position, j);
-    Points<D> a = load(d, pa), middle = load(d, pm), b = load(d, pb);
-    project_bend(d, a, hn::LoadU(d, &state.inverse_mass[i]), middle, hn::LoadU(d, &state.inverse_mass[m]), b,
-                 hn::LoadU(d, &state.inverse_mass[j]), &op.stream->constants[k * size],
-                 Multipliers<kSeveral, D>(op, k, lanes));
-    store(d, a, pa);
-    store(d, middle, pm);
-    store(d, b, pb);
-  }
+  const size_t lanes = hn::Lanes(d), offset = op.offset;
+  const Blocks blocks(op, state, bend_floats(lanes, kSeveral));
+  const PointBase& points = blocks.points;
+  overlapped<Ways<D>>(
+      first, last,
+      [&](uint32_t k, Ways<D>& ways) HWY_ATTR {
+        const size_t i = blocks.pixel[k];
+        ways.set(d, bend_way(d, load(d, points.at(i)), load(d, points.at(i + offset)),
+                             load(d, points.at(i + 2 * offset)), blocks.constants_of(k)));
+      },
+      [&](uint32_t k, const Ways<D>& ways) HWY_ATTR {
+        const size_t i = blocks.pixel[k], m = i + offset, j = m + offset;
+        const PointRow pa = points.at(i), pm = points.at(m), pb = points.at(j);
+        Points<D> a = load(d, pa), middle = load(d, pm), b = load(d, pb);
+        project_bend(d, ways, a, hn::LoadU(d, points.inverse_mass + i), middle, hn::LoadU(d, points.inverse_mass + m),
+                     b, hn::LoadU(d, points.inverse_mass + j), blocks.constants_of(k),
+                     Multipliers<kSeveral, D>(op, k, lanes));
+        store(d, a, pa);
+        store(d, middle, pm);
+        store(d, b, pb);
+      },
+      [](uint32_t) { return true; });  // what two blocks share is read when it is written
 }
 
+/// Reads what it writes again, which costs less than to keep nine vectors more.
 template <bool kSeveral, class D>
 HWY_NOINLINE void bends_along(D d, const SweepOp& op, ClothState& state, uint32_t first, uint32_t last) {
-  const size_t lanes = hn::Lanes(d), size = bend_floats(lanes, kSeveral);
-  for (uint32_t k = first; k < last; ++k) {
-    const size_t i = op.stream->pixel[k];
-    const PointRow p = at(state.position, i);
-    Points<D> a, middle, b;
-    Vec<D> wa, wm, wb;
+  const size_t lanes = hn::Lanes(d);
+  const Blocks blocks(op, state, bend_floats(lanes, kSeveral));
+  const PointBase& points = blocks.points;
+  const auto load_three = [&](uint32_t k, Points<D>& a, Points<D>& middle, Points<D>& b) HWY_ATTR {
+    const PointRow p = points.at(blocks.pixel[k]);
     hn::LoadInterleaved3(d, p.x, a.x, middle.x, b.x);
     hn::LoadInterleaved3(d, p.y, a.y, middle.y, b.y);
     hn::LoadInterleaved3(d, p.z, a.z, middle.z, b.z);
-    hn::LoadInterleaved3(d, &state.inverse_mass[i], wa, wm, wb);
-    project_bend(d, a, wa, middle, wm, b, wb, &op.stream->constants[k * size], Multipliers<kSeveral, D>(op, k, lanes));
-    hn::StoreInterleaved3(a.x, middle.x, b.x, d, p.x);
-    hn::StoreInterleaved3(a.y, middle.y, b.y, d, p.y);
-    hn::StoreInterleaved3(a.z, middle.z, b.z, d, p.z);
-  }
+  };
+  overlapped<Ways<D>>(
+      first, last,
+      [&](uint32_t k, Ways<D>& ways) HWY_ATTR {
+        Points<D> a, middle, b;
+        load_three(k, a, middle, b);
+        ways.set(d, bend_way(d, a, middle, b, blocks.constants_of(k)));
+      },
+      [&](uint32_t k, const Ways<D>& ways) HWY_ATTR {
+        const size_t i = blocks.pixel[k];
+        Points<D> a, middle, b;
+        load_three(k, a, middle, b);
+        Vec<D> wa, wm, wb;
+        hn::LoadInterleaved3(d, points.inverse_mass + i, wa, wm, wb);
+        project_bend(d, ways, a, wa, middle, wm, b, wb, blocks.constants_of(k), Multipliers<kSeveral, D>(op, k, lanes));
+        const PointRow p = points.at(i);
+        hn::StoreInterleaved3(a.x, middle.x, b.x, d, p.x);
+        hn::StoreInterleaved3(a.y, middle.y, b.y, d, p.y);
+        hn::StoreInterleaved3(a.z, middle.z, b.z, d, p.z);
+      },
+      [](uint32_t) { return true; });  // what two blocks share is read when it is written
 }
 
 /// lib/limit.h. Points well within their reach need no root.
@@ -188,19 +333,23 @@ HWY_NOINLINE void limit(D d, const SweepOp& op, ClothState& state, const float* 
   const hn::RebindToSigned<D> di;
   const size_t lanes = hn::Lanes(d);
   const auto one = hn::Set(d, 1.F);
+  const PointBase points(state);
+  const RowStream& stream = *op.stream;
+  const uint32_t* const pixel = stream.pixel.data();
+  const int32_t* const first_anchor = stream.first_anchor.data();
+  const float* const longest_of = stream.constants.data();
+  const float *const x = anchors, *const y = x + count, *const z = y + count;
   for (uint32_t k = first; k < last; ++k) {
-    const PointRow p = at(state.position, op.stream->pixel[k]);
+    const PointRow p = points.at(pixel[k]);
     const Points<D> position = load(d, p);
     Points<D> anchor;
-    if (const int32_t start = op.stream->first_anchor[k]; start >= 0) {
-      anchor = {hn::LoadU(d, anchors + start), hn::LoadU(d, anchors + count + start),
-                hn::LoadU(d, anchors + 2 * size_t{count} + start)};
+    if (const int32_t start = first_anchor[k]; start >= 0) {
+      anchor = {hn::LoadU(d, x + start), hn::LoadU(d, y + start), hn::LoadU(d, z + start)};
     } else {
-      const auto index = hn::LoadU(di, &op.stream->anchors[k * lanes]);
-      anchor = {hn::GatherIndex(d, anchors, index), hn::GatherIndex(d, anchors + count, index),
-                hn::GatherIndex(d, anchors + 2 * size_t{count}, index)};
+      const auto index = hn::LoadU(di, stream.anchors.data() + k * lanes);
+      anchor = {hn::GatherIndex(d, x, index), hn::GatherIndex(d, y, index), hn::GatherIndex(d, z, index)};
     }
-    const auto longest = hn::LoadU(d, &op.stream->constants[k * lanes]);
+    const auto longest = hn::LoadU(d, longest_of + k * lanes);
     const Points<D> way = sub(position, anchor);
     const auto l2 = dot(d, way, way);
     if (hn::AllFalse(d, hn::Gt(l2, hn::Mul(hn::Mul(longest, longest), hn::Set(d, 0.9999F))))) continue;

@@ -122,9 +122,27 @@ HWY_INLINE void store(D d, const Points<D>& v, Lanes lanes, const PointRow& p) {
   store(d, v.y, lanes, p.y);
   store(d, v.z, lanes, p.z);
 }
+/// Of those lanes the ones that count.
+template <class D>
+HWY_INLINE Mask<D> counted(D, AllLanes, Mask<D> mask) {
+  return mask;
+}
+template <class D>
+HWY_INLINE Mask<D> counted(D d, FirstLanes lanes, Mask<D> mask) {
+  return hn::And(mask, hn::FirstN(d, lanes.count));
+}
 template <class D>
 HWY_INLINE Points<D> choose(Mask<D> mask, const Points<D>& yes, const Points<D>& no) {
   return {hn::IfThenElse(mask, yes.x, no.x), hn::IfThenElse(mask, yes.y, no.y), hn::IfThenElse(mask, yes.z, no.z)};
+}
+/// Points of the lanes that count, and others of the rest.
+template <class D>
+HWY_INLINE Points<D> counted_or(D, AllLanes, const Points<D>& points, const Points<D>&) {
+  return points;
+}
+template <class D>
+HWY_INLINE Points<D> counted_or(D d, FirstLanes lanes, const Points<D>& points, const Points<D>& others) {
+  return choose<D>(hn::FirstN(d, lanes.count), points, others);
 }
 template <class D>
 HWY_INLINE Points<D> only(Mask<D> mask, const Points<D>& a) {

@@ -114,8 +114,8 @@ struct SweepBand {
 /// Runs the sweep of one substep. Waits, row by row, until `ahead` has come far enough, and tells its own way.
 /// @param lanes  of the vectors that the streams were made for
 /// @param ahead  times that the substep before has done, or nullptr
-void run_sweep(uint32_t lanes, const SweepFrame& frame, uint32_t substep, const SweepBand& band,
-               const std::atomic<uint32_t>* ahead, std::atomic<uint32_t>* own);
+void run_sweep(uint32_t lanes, const SweepFrame& frame, uint32_t substep, const SweepBand& band, const Progress* ahead,
+               Progress* own);
 
 /// Unit normals of the pixels of some rows from their own cells.
 /// @param runs  none reaches over the end of a row

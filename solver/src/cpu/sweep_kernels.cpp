@@ -23,8 +23,7 @@ namespace geocloth::cpu::HWY_NAMESPACE {
 
 #if HWY_TARGET == HWY_SCALAR  // no vectors: nothing is planned for one lane, the plain path runs
 
-void run_sweep_here(uint32_t, const SweepFrame&, uint32_t, const SweepBand&, const std::atomic<uint32_t>*,
-                    std::atomic<uint32_t>*) {}
+void run_sweep_here(uint32_t, const SweepFrame&, uint32_t, const SweepBand&, const Progress*, Progress*) {}
 void run_normals_here(uint32_t, ClothState& state, std::span<const Run> runs) {
   for (const Run& run : runs) normal_pixels(state, run.first, run.last);
 }
@@ -77,6 +76,9 @@ HWY_INLINE void run_row(D d, const SweepFrame& frame, const SweepOp& op, uint32_
   }
 }
 
+/// Whoever has to wait lets the other one go so many rows farther.
+constexpr uint32_t kRowsAtOnce = 4;
+
 /// One row in so many is timed: odd and no multiple of 3, so that all groups of rows are met.
 constexpr uint32_t kSampledRows = 13;
 constexpr uint32_t kFewRows = 100;  ///< that all are timed
@@ -102,12 +104,15 @@ HWY_INLINE bool has_row(const SweepBand& band, const SweepOp& op, uint32_t y, ui
 }
 
 template <class D>
-void sweep_rows(D d, const SweepFrame& frame, uint32_t substep, const SweepBand& band,
-                const std::atomic<uint32_t>* ahead, std::atomic<uint32_t>* own) {
+void sweep_rows(D d, const SweepFrame& frame, uint32_t substep, const SweepBand& band, const Progress* ahead,
+                Progress* own) {
   const Sweep& sweep = *frame.sweep;
   const uint32_t height = frame.state->data.height, end = height + sweep.last_lag;
+  uint32_t seen = 0;  // of the way ahead: to look at it every row costs as much as a row
   for (uint32_t time = band.first_time; time < band.end_time; ++time) {
-    if (ahead != nullptr) wait_until(*ahead, std::min(end, time + sweep.distance));
+    if (ahead != nullptr && seen < std::min(end, time + sweep.distance)) {
+      seen = wait_until(ahead->done, std::min(end, time + sweep.distance + kRowsAtOnce));
+    }
     if (frame.seconds != nullptr && (end < kFewRows || time % kSampledRows == 0)) {
       time_rows(d, frame, substep, time);
     } else {
@@ -116,7 +121,7 @@ void sweep_rows(D d, const SweepFrame& frame, uint32_t substep, const SweepBand&
         if (has_row(band, op, time - op.lag, height)) run_row(d, frame, op, substep, time - op.lag);
       }
     }
-    if (own != nullptr) own->store(time + 1, std::memory_order_release);
+    if (own != nullptr) own->done.store(time + 1, std::memory_order_release);
   }
 }
 
@@ -130,7 +135,7 @@ HWY_INLINE void with_lanes(uint32_t lanes, const Body& body) {
 }
 
 void run_sweep_here(uint32_t lanes, const SweepFrame& frame, uint32_t substep, const SweepBand& band,
-                    const std::atomic<uint32_t>* ahead, std::atomic<uint32_t>* own) {
+                    const Progress* ahead, Progress* own) {
   with_lanes(lanes, [&](auto d) HWY_ATTR { sweep_rows(d, frame, substep, band, ahead, own); });
 }
 
@@ -160,8 +165,8 @@ HWY_EXPORT(run_normals_here);
 HWY_EXPORT(lanes_here);
 HWY_EXPORT(target_here);
 
-void run_sweep(uint32_t lanes, const SweepFrame& frame, uint32_t substep, const SweepBand& band,
-               const std::atomic<uint32_t>* ahead, std::atomic<uint32_t>* own) {
+void run_sweep(uint32_t lanes, const SweepFrame& frame, uint32_t substep, const SweepBand& band, const Progress* ahead,
+               Progress* own) {
   HWY_DYNAMIC_DISPATCH(run_sweep_here)(lanes, frame, substep, band, ahead, own);
 }
 void run_normals(uint32_t lanes, ClothState& state, std::span<const Run> runs) {

@@ -47,6 +47,9 @@ uint32_t lane_of(RowKernel kernel, uint32_t column, uint32_t lanes) {
   }
 }
 
+/// Columns that a block of springs along a row may reach over its end.
+constexpr uint32_t kRowOverhang = 3;
+
 /// Rows above and below its own that a kernel touches.
 struct Reach {
   uint32_t up = 0, down = 0;
@@ -91,6 +94,7 @@ class SweepPlanner {
   void append(Sweep& sweep, Pass pass, SweepOp op) {
     op.pass = pass;
     const Reach reach = reach_of(op);
+    if (gives_back(op.kernel)) op.lag = reach.down;  // a band below has begun with its first row already
     for (size_t k = 0; k < sweep.ops.size(); ++k) {
       op.lag = std::max(op.lag, sweep.ops[k].lag + reach.down + reaches_[k].up);
       op.rise = std::max(op.rise, sweep.ops[k].rise + reach.up + reaches_[k].down);
@@ -117,11 +121,14 @@ class SweepPlanner {
         return {0, (op.offset + 1) / width_};  // down-left: width - 1
       case RowKernel::bends_across:
         return {0, 2};
-      case RowKernel::springs_along_two:
-        return {0, 1};  // kOverhang
       default:
-        return {};
+        return gives_back(op.kernel) ? Reach{0, 1} : Reach{};
     }
+  }
+
+  /// Kernels that write what follows a row as they found it.
+  static bool gives_back(RowKernel kernel) {
+    return kernel == RowKernel::predict || kernel == RowKernel::collide || kernel == RowKernel::springs_along_two;
   }
 
   /// Nothing for a pass that does not go row by row.
@@ -228,7 +235,7 @@ class SweepPlanner {
     BlockShape shape{kernel, lanes_, 1, 0, component == 3 ? 1U : 0U, across_end, across_end};
     if (component == 0) shape = {kernel, 2 * lanes_, 2, odd, odd, width_, width_};
     // The last two springs of a row may be one: the block of both then reaches over the row's end.
-    if (component == 4) shape = {kernel, 2 * lanes_, 4, 2 * odd, 2 * odd, width_, width_ + kOverhang};
+    if (component == 4) shape = {kernel, 2 * lanes_, 4, 2 * odd, 2 * odd, width_, width_ + kRowOverhang};
     RowStream& stream = new_stream();
     const auto in_row = [&](uint32_t y) { return along || group_has_line(group, y); };
     const auto in_column = [&](uint32_t x) { return !along || group_has_line(group, x); };

@@ -117,8 +117,8 @@ void SweepRunner::run_substeps(SweepFrame& frame, const Sweep& sweep, uint32_t f
   if (measuring.seconds != nullptr) seconds_.assign(contexts_.size() * sweep.ops.size(), 0.0);
   frame.seconds = measuring.seconds != nullptr ? seconds_.data() : nullptr;
 
-  if (progress_.size() != contexts_.size()) progress_ = std::vector<std::atomic<uint32_t>>(contexts_.size());
-  for (std::atomic<uint32_t>& p : progress_) p.store(0, std::memory_order_relaxed);
+  if (progress_.size() != contexts_.size()) progress_ = std::vector<Progress>(contexts_.size());
+  for (Progress& p : progress_) p.done.store(0, std::memory_order_relaxed);
   // Substeps are taken in order, so the first unfinished one never waits for one that nobody has begun.
   std::atomic<uint32_t> next{first};
   const auto work = [&] {

@@ -67,7 +67,7 @@ class SweepRunner {
   std::vector<ColliderGuard> guards_;
   std::vector<float> penetration_;
   std::vector<double> seconds_;
-  std::vector<std::atomic<uint32_t>> progress_;
+  std::vector<Progress> progress_;
 };
 
 }  // namespace geocloth::cpu

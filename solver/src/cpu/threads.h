@@ -13,9 +13,11 @@ namespace geocloth::cpu {
 
 /// Until a number that another thread raises is so large. Spins a little, then lets others run: that thread may be
 /// waiting for this core.
-inline void wait_until(const std::atomic<uint32_t>& number, uint32_t value) {
+/// @return the number
+inline uint32_t wait_until(const std::atomic<uint32_t>& number, uint32_t value) {
   constexpr int kSpins = 200;
-  for (int spin = 0; number.load(std::memory_order_acquire) < value; ++spin) {
+  for (int spin = 0;; ++spin) {
+    if (const uint32_t now = number.load(std::memory_order_acquire); now >= value) return now;
     if (spin < kSpins) {
 #if defined(__x86_64__) || defined(__i386__)
       __builtin_ia32_pause();
@@ -25,6 +27,11 @@ inline void wait_until(const std::atomic<uint32_t>& number, uint32_t value) {
     }
   }
 }
+
+/// How far a thread has come, for others to read. Each has cache lines of its own: processors fetch two at once.
+struct alignas(128) Progress {
+  std::atomic<uint32_t> done{0};
+};
 
 /// A fixed number of threads that share out ranges. What a range computes must not depend on how it is split.
 class Threads {
