@@ -17,6 +17,7 @@ Json to_json(const Topology& t, double bbox_diagonal) {
           {"components", t.components},
           {"boundary_loops", t.boundary_loops},
           {"euler_characteristic", t.euler_characteristic},
+          {"orientable", t.orientable},
           {"non_manifold_edges", t.non_manifold_edges},
           {"bow_tie_vertices", t.bow_tie_vertices},
           {"bbox_diagonal", bbox_diagonal}};
