@@ -30,7 +30,7 @@ std::vector<std::string> mesh_names() {
   for (const char* folder : {"garments", "irregular", "bodies"}) {
     if (!fs::is_directory(kMeshes / folder)) continue;
     for (const auto& entry : fs::directory_iterator(kMeshes / folder)) {
-      if (entry.path().extension() == ".bin" || entry.path().stem() == "sf_polo_draco_original") continue;
+      if (entry.path().extension() == ".bin") continue;
       names.push_back(std::string(folder) + "/" + entry.path().filename().string());
     }
   }
