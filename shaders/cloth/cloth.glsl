@@ -30,6 +30,8 @@ layout(set = 0, binding = kBindingSubsteps, std430) readonly buffer SubstepBlock
 layout(set = 0, binding = kBindingMeasures, std430) buffer MeasureBlock { uint measures[kMeasureCount]; };
 layout(set = 0, binding = kBindingInverseMass, std430) readonly buffer InverseMassBlock { float inverse_mass[]; };
 layout(set = 0, binding = kBindingColliderNumbers, std430) readonly buffer NumberBlock { float collider_numbers[]; };
+layout(set = 0, binding = kBindingSelfPoints, std430) readonly buffer SelfPointBlock { SelfPoint self_points[]; };
+layout(set = 0, binding = kBindingSelfWords, std430) buffer SelfWordBlock { uint self_words[]; };
 
 bool in_image(uvec2 pixel) {
   return pixel.x < params.width && pixel.y < params.height;

@@ -11,6 +11,7 @@
 
 #include "../shared/layout.h"
 #include "frame.h"
+#include "point_state.h"
 #include "shapes.h"
 #include "vector.h"
 
@@ -22,12 +23,6 @@ const uint kSweepSteps = 32u;
 const float kSweepClose = 1e-3f;  // [m] nearer than this to the surface the sweep has arrived
 const uint kContactRounds = 12u;
 const float kContactSlack = 1e-6f;  // [m] overlap between colliders that is not worth another round
-
-struct PointState {
-  vec3 position;
-  vec3 previous;
-  vec3 carry;  // see predict.h: the displacement is position - previous + carry
-};
 
 struct Contact {
   bool touches;

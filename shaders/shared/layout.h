@@ -49,6 +49,8 @@ const uint kBindingSubsteps = 18u;          // buffer Substep[substeps]
 const uint kBindingMeasures = 19u;          // buffer uint[kMeasureCount], bits of non-negative floats, atomicMax
 const uint kBindingInverseMass = 20u;       // buffer float[pixels], read when the pins change
 const uint kBindingColliderNumbers = 21u;   // buffer float[], see ColliderShape::data
+const uint kBindingSelfPoints = 22u;        // buffer SelfPoint[self_points]
+const uint kBindingSelfWords = 23u;         // buffer uint[], see lib/self_words.h
 
 // Springs: component c = 0..5 in the order of SpringBit; the multiplier of component c at a pixel is at
 // c * pixels + pixel, that of seam bend i at kSpringComponents * pixels + i.
@@ -105,8 +107,12 @@ struct ClothParams {
   float share_structural;  // share of the error that a projection removes: 1, or the seeds' stiffness
   float share_shear;
   float share_bending;
-  uint moving;  // 1: the cloth's parent moves in this frame; see lib/frame.h
-  uint fine;    // kFine*
+  uint moving;          // 1: the cloth's parent moves in this frame; see lib/frame.h
+  uint fine;            // kFine*
+  uint self_points;     // that collide with each other; 0: no self-collision
+  uint self_buckets;    // of the hash, a power of two
+  float self_distance;  // [m] that points of different layers keep
+  float self_reach;     // [m] up to which neighbours are listed
   FrameField whole;
   FrameField taken;
 };
@@ -152,6 +158,15 @@ struct SeamSpring {
   float unused0;
 };
 
+// A point of the cloth for self-collision: a valid pixel, of copies the first.
+struct SelfPoint {
+  vec4 rest;        // xyz [m] at rest, w inverse mass of all copies [1/kg]
+  uint pixel;       // the first copy
+  uint skip_begin;  // entries skip_begin .. skip_end - 1 of its list in lib/self_words.h
+  uint skip_end;
+  uint unused1;
+};
+
 // A collider in its local frame, centred on the origin.
 //   plane      half-space y <= 0
 //   sphere     a.x radius
@@ -191,10 +206,11 @@ struct PassConstants {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(ClothParams) == 240 && offsetof(ClothParams, whole) == 112 &&
+static_assert(sizeof(ClothParams) == 256 && offsetof(ClothParams, whole) == 128 &&
               offsetof(ClothParams, gravity_step) == 16 && offsetof(ClothParams, dt) == 48);
 static_assert(sizeof(Wave) == 32 && sizeof(Substep) == 16 + 32 * kWindWaves);
-static_assert(sizeof(PinTarget) == 48 && sizeof(Attachment) == 8 && sizeof(SeamSpring) == 32);
+static_assert(sizeof(PinTarget) == 48 && sizeof(Attachment) == 8 && sizeof(SeamSpring) == 32 &&
+              sizeof(SelfPoint) == 32);
 static_assert(sizeof(ColliderShape) == 64 && sizeof(ColliderPose) == 48 && sizeof(PassConstants) == 24);
 }  // namespace geocloth::shader
 #endif

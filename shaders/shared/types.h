@@ -4,12 +4,14 @@
 //
 // The common subset: vec3 for computing, vec2/vec4/uvec2/uvec4 in memory; component access by .x .y .z .w only; no
 // swizzles, no inout (functions return structs); float literals with the suffix f; unsigned literals with u; + - * and
-// sqrt, floor, abs, min, max; the only division is 1.0f / x (drivers may turn a / b into a * (1 / b)).
-// Every floating-point result is `precise`, which forbids contraction in GLSL; C++ is compiled with -ffp-contract=off.
+// sqrt, floor, abs, min, max, floatBitsToUint, uintBitsToFloat; the only division is 1.0f / x (drivers may turn a / b
+// into a * (1 / b)). Every floating-point result is `precise`, which forbids contraction in GLSL; C++ is compiled with
+// -ffp-contract=off.
 #ifndef GEOCLOTH_SHARED_TYPES_H
 #define GEOCLOTH_SHARED_TYPES_H
 
 #ifdef __cplusplus
+#include <bit>
 #include <cmath>
 #include <cstdint>
 
@@ -71,6 +73,12 @@ inline float sqrt(float a) {
 }
 inline float floor(float a) {
   return std::floor(a);
+}
+inline uint floatBitsToUint(float a) {  // NOLINT(readability-identifier-naming): GLSL's name
+  return std::bit_cast<uint>(a);
+}
+inline float uintBitsToFloat(uint a) {  // NOLINT(readability-identifier-naming)
+  return std::bit_cast<float>(a);
 }
 
 }  // namespace geocloth::shader

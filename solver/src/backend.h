@@ -12,6 +12,20 @@
 
 namespace geocloth {
 
+/// As in ClothParams.
+struct SelfNumbers {
+  uint32_t points = 0, buckets = 0;
+  float distance = 0, reach = 0;  ///< [m]
+};
+
+/// What self-collision needs of a cloth; empty without it.
+struct SelfData {
+  SelfNumbers numbers;
+  std::vector<shader::SelfPoint> points;
+  std::vector<uint32_t> words;             ///< as lib/self_words.h has them, before the first substep
+  size_t most_points = 0, most_words = 0;  ///< after any cut
+};
+
 /// All that a backend needs to know of one cloth, built once by upload.cpp; layout as in shared/layout.h.
 struct ClothData {
   uint32_t width = 0, height = 0;
@@ -24,6 +38,7 @@ struct ClothData {
   std::vector<uint32_t> seam_color_offset;     ///< colours + 1 entries; empty without seam bends
   std::vector<uint32_t> split_offset;          ///< rows + 1 entries; empty without rows
   std::vector<uint32_t> split_pixel;
+  SelfData self;
   Bending bending = Bending::none;
   bool attachments = false;        ///< max_stretch > 0
   uint64_t springs_per_sweep = 0;  ///< springs and seam bends that one relaxation step projects

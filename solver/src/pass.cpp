@@ -55,6 +55,11 @@ std::vector<PassStep> substep_schedule(const ScheduleOptions& options) {
   for (uint32_t r = 0; r < options.relaxation_steps; ++r) add_relaxation(steps, options, r);
   if (options.fine) steps.push_back({Pass::settle});
   if (options.attachments) steps.push_back({Pass::limit});
+  if (options.self_collision) {
+    for (const Pass pass :
+         {Pass::self_drift, Pass::self_clear, Pass::self_insert, Pass::self_find, Pass::self_push, Pass::self_move})
+      steps.push_back({pass});
+  }
   if (options.collide_cells) {
     for (uint32_t g = 0; g < shader::kCellGroups; ++g) steps.push_back({Pass::collide_cells, g});
     if (options.splits) steps.push_back({Pass::stitch});

@@ -25,6 +25,12 @@ enum class Pass : uint8_t {
   stitch,          ///< per split row: mass-weighted mean of the copies, written to every copy
   settle,          ///< per pixel: base and offset become the position, only with ClothParams::fine
   limit,           ///< per pixel: long-range attachment; copies are equal before it and so they are after it
+  self_drift,      ///< per point of lib/self_words.h: how far it went since neighbours were looked up
+  self_clear,      ///< per bucket of the hash: emptied; this and the next two only when points went too far
+  self_insert,     ///< per point: into its bucket
+  self_find,       ///< per point: lists its neighbours
+  self_push,       ///< per point: what its neighbours do to it
+  self_move,       ///< per pixel: moves it and its velocity, with friction
   collide_cells,   ///< per cell, groups 0..3: triangles that a collider may slip through, then a stitch
   collide,         ///< per pixel: largest speed, then colliders with friction; writes position and previous
   check_copies,    ///< per split row: largest distance between copies
@@ -36,7 +42,7 @@ struct PassInfo {
   std::string_view name;
   std::string_view shader;  ///< file in shaders/cloth/
 };
-inline constexpr std::array<PassInfo, 18> kPasses{{
+inline constexpr std::array<PassInfo, 24> kPasses{{
     {Pass::normals, "normals", "normals.comp"},
     {Pass::normals_stitch, "normals_stitch", "normals_stitch.comp"},
     {Pass::rescale, "rescale", "rescale.comp"},
@@ -51,6 +57,12 @@ inline constexpr std::array<PassInfo, 18> kPasses{{
     {Pass::stitch, "stitch", "stitch.comp"},
     {Pass::settle, "settle", "settle.comp"},
     {Pass::limit, "limit", "limit.comp"},
+    {Pass::self_drift, "self_drift", "self_drift.comp"},
+    {Pass::self_clear, "self_clear", "self_clear.comp"},
+    {Pass::self_insert, "self_insert", "self_insert.comp"},
+    {Pass::self_find, "self_find", "self_find.comp"},
+    {Pass::self_push, "self_push", "self_push.comp"},
+    {Pass::self_move, "self_move", "self_move.comp"},
     {Pass::collide_cells, "collide_cells", "collide_cells.comp"},
     {Pass::collide, "collide", "collide.comp"},
     {Pass::check_copies, "check_copies", "check_copies.comp"},
@@ -83,8 +95,9 @@ struct ScheduleOptions {
   bool pins = false;     ///< the cloth has pins in this frame
   bool splits = false;   ///< the split-vertex table has rows
   Bending bending = Bending::none;
-  bool fine = false;           ///< constraints act on offsets
-  bool attachments = false;    ///< max_stretch > 0 and pins
+  bool fine = false;         ///< constraints act on offsets
+  bool attachments = false;  ///< max_stretch > 0 and pins
+  bool self_collision = false;
   bool collide = false;        ///< colliders, or max_speed > 0
   bool collide_cells = false;  ///< a collider is so thin or so fast that it may slip through between pixels
   bool check = false;          ///< measure copies and colliders after every substep
@@ -95,7 +108,7 @@ struct ScheduleOptions {
 
 /// The passes of one substep in their order:
 ///   [rescale] [normals] predict pins { shear, stitch, bending or curvature, over seams first, structural, stitch } x
-///   relaxation [settle] limit [collide_cells stitch] collide [check]
+///   relaxation [settle] limit [self_drift .. self_move] [collide_cells stitch] collide [check]
 [[nodiscard]] std::vector<PassStep> substep_schedule(const ScheduleOptions& options);
 
 /// The passes after the last substep of a frame: normals.

@@ -172,17 +172,18 @@ SceneCut read_cut(const JsonReader& json) {
   return cut;
 }
 
-/// Keys of the format whose work this version does not do: their neutral value passes, any other is refused by name.
-void refuse_unsupported(const JsonReader& cloth) {
-  if (cloth.has("self_collision") && cloth.at("self_collision").boolean()) {
-    cloth.at("self_collision")
-        .fail("self-collision is not supported by this version; set it to false", ErrorCode::unsupported);
-  }
+/// true, false, or an object with what differs from the defaults.
+std::optional<SelfCollision> read_self_collision(const JsonReader& json) {
+  if (!json.is_object()) return json.boolean() ? std::optional<SelfCollision>(SelfCollision{}) : std::nullopt;
+  json.expect_object({"distance"});
+  SelfCollision collision;
+  json.read("distance", collision.distance);
+  checked([&] { check(collision, json.where()); });
+  return collision;
 }
 
 SceneCloth read_cloth(const JsonReader& json, const std::filesystem::path& folder) {
   json.expect_object({"asset", "material", "transform", "inertia_scale", "motion", "pins", "cuts", "self_collision"});
-  refuse_unsupported(json);
   SceneCloth cloth;
   const std::string asset = json.at("asset").text();
   if (asset.empty()) json.at("asset").fail("must name an asset file");
@@ -194,6 +195,7 @@ SceneCloth read_cloth(const JsonReader& json, const std::filesystem::path& folde
     cloth.inertia_scale = json.at("inertia_scale").vector();
     checked([&] { check_parent({}, cloth.inertia_scale, json.at("inertia_scale").where()); });
   }
+  if (json.has("self_collision")) cloth.self_collision = read_self_collision(json.at("self_collision"));
   if (json.has("pins")) {
     for (const JsonReader& pin : json.at("pins").elements()) cloth.pins.push_back(read_pin(pin));
   }

@@ -13,6 +13,7 @@
 #include "check_input.h"
 #include "cut_asset.h"
 #include "geocloth/asset/error.h"
+#include "self_points.h"
 #include "solver_impl.h"
 #include "upload.h"
 
@@ -25,6 +26,17 @@ std::string cloth_name(size_t index) {
   return "cloth " + std::to_string(index);
 }
 
+/// Points of finer grids would have more neighbours than are listed.
+void check_self_collision(const ClothDesc& cloth, const std::string& where) {
+  constexpr float kMostSpacings = 3;
+  check(*cloth.self_collision, where);
+  const float most = kMostSpacings * cloth.asset->spacing * cloth.transform.scale;
+  if (cloth.self_collision->distance <= most) return;
+  throw Error(ErrorCode::invalid_argument,
+              where + ": distance is " + std::to_string(cloth.self_collision->distance) + " m; it must be at most " +
+                  std::to_string(most) + " m, three times the spacing: convert with a wider one, or leave it out");
+}
+
 void check_cloths(std::span<const ClothDesc> cloths) {
   if (cloths.empty()) throw Error(ErrorCode::invalid_argument, "solver: no cloth given; pass at least one ClothDesc");
   for (size_t i = 0; i < cloths.size(); ++i) {
@@ -32,6 +44,7 @@ void check_cloths(std::span<const ClothDesc> cloths) {
     validate(*cloths[i].asset);
     check(cloths[i].material, cloth_name(i) + ": material");
     check(cloths[i].transform, cloth_name(i) + ": transform");
+    if (cloths[i].self_collision) check_self_collision(cloths[i], cloth_name(i) + ": self_collision");
     for (uint32_t p = 0; p < cloths[i].asset->pixel_count(); ++p) {
       if (cloths[i].asset->valid(p)) {
         check_position(apply(cloths[i].transform, cloths[i].asset->rest_position[p]),
@@ -100,11 +113,13 @@ Solver::Impl::Impl(std::span<const ClothDesc> cloths, const SolverSettings& sett
     Cloth& cloth = cloths_.emplace_back();
     cloth.asset = desc.asset;
     cloth.material = desc.material;
+    cloth.self_collision = desc.self_collision;
     cloth.start = desc.transform;
     cloth.scale = desc.transform.scale;
     cloth.row_of_pixel = rows_of_pixels(*desc.asset);
     cloth.particles = count_valid_pixels(*desc.asset);
     cloth.springs_per_sweep = uploaded.springs_per_sweep;
+    cloth.self = uploaded.self.numbers;
     for (const vec4& p : uploaded.position) cloth.free_inverse_mass.push_back(p.w);
   }
   backend_ = factory(std::move(data));
@@ -233,6 +248,7 @@ void Solver::Impl::fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const {
   frame.params.width = cloth.asset->width;
   frame.params.height = cloth.asset->height;
   frame.params.collider_count = static_cast<uint32_t>(colliders_to_.size());
+  set_self_numbers(cloth.self, frame.params);
   if (cloth.parent_to) {
     set_frame_motion(frame.params, *cloth.parent_from, *cloth.parent_to, cloth.inertia_scale, substeps_, origin_);
   }
@@ -320,8 +336,9 @@ CutResult Solver::Impl::cut(uint32_t cloth, const std::array<Vec3, 3>& triangle)
   if (!cut.asset) return {};
   c.asset = std::move(cut.asset);
   c.row_of_pixel = rows_of_pixels(*c.asset);
-  ClothData data = make_cloth_data({c.asset, c.material, c.start}, origin_);
+  ClothData data = make_cloth_data({c.asset, c.material, c.start, c.self_collision}, origin_);
   c.springs_per_sweep = data.springs_per_sweep;
+  c.self = data.self.numbers;
   c.pins_changed = true;  // attachments run around the cut
   backend_->replace_topology(cloth, std::move(data));
   return cut.result;

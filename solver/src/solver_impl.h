@@ -60,6 +60,8 @@ class Solver::Impl {
     bool pins_changed = false;                        ///< since the last step
     std::optional<Transform> parent_from, parent_to;  ///< at the start and the end of the next frame
     Vec3 inertia_scale{1, 1, 1};
+    std::optional<SelfCollision> self_collision;
+    SelfNumbers self;
     bool collide_cells = false;  ///< a collider was met that may slip through between pixels
     bool teleport = false;       ///< the parent jumps before the next frame
     float reach = 0;             ///< [m] of the longest attachment

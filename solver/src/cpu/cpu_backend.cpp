@@ -38,6 +38,7 @@ class CpuBackend final : public SolverBackend {
     for (ClothData& cloth : data_.cloths) {
       cloths_.emplace_back(cloth, data_.relaxation_steps > 1, data_.fine);
       cloth.position = {};
+      cloth.self = {};
       cloth.springs = {};
     }
   }
@@ -87,6 +88,7 @@ class CpuBackend final : public SolverBackend {
     data_.cloths[cloth] = data;
     data_.cloths[cloth].position = {};
     data_.cloths[cloth].springs = {};
+    data_.cloths[cloth].self = {};
     cloths_[cloth].state.set_topology(std::move(data));
     cloths_[cloth].sweep.forget_plan();
     cloths_[cloth].normals_stale = true;

@@ -9,6 +9,7 @@
 
 #include "cpu/collider_set.h"
 #include "cpu/curvature.h"
+#include "cpu/self_passes.h"
 #include "cpu/springs.h"
 #include "lib/cell_groups.h"
 #include "lib/collide_cell.h"
@@ -312,6 +313,18 @@ void run_pass(const PassStep& step, const PassContext& context, ClothState& stat
       return settle(context, state);
     case Pass::limit:
       return limit(context, state);
+    case Pass::self_drift:
+      return self_drift(context, state);
+    case Pass::self_clear:
+      return self_clear(context, state);
+    case Pass::self_insert:
+      return self_insert(context, state);
+    case Pass::self_find:
+      return self_find(context, state);
+    case Pass::self_push:
+      return self_push(context, state);
+    case Pass::self_move:
+      return self_move(context, state);
     case Pass::collide_cells:
       return collide_cells(context, state, step.group);
     case Pass::collide:

@@ -49,6 +49,7 @@ ClothResources::ClothResources(const std::shared_ptr<const Context>& context, co
       height(data.height),
       split_rows(data.split_rows()),
       seam_color_offset(data.seam_color_offset),
+      self(data.self.numbers),
       position(make_image(context, data, kStateUsage)),
       previous(make_image(context, data, kStateUsage)),
       carry(make_image(context, data, kStateUsage)),
@@ -66,6 +67,8 @@ ClothResources::ClothResources(const std::shared_ptr<const Context>& context, co
       split_pixel(make_buffer(context, bytes_of(data.split_pixel))),
       measures(context, sizeof(uint32_t) * shader::kMeasureCount, BufferUsage::eStorageBuffer, Memory::readback),
       inverse_mass(make_buffer(context, sizeof(float) * data.pixel_count())),
+      self_points(make_buffer(context, sizeof(shader::SelfPoint) * data.self.most_points)),
+      self_words(make_buffer(context, sizeof(uint32_t) * data.self.most_words)),
       pin_of_pixel(make_buffer(context, path != SolverPath::plain ? sizeof(uint32_t) * data.pixel_count() : 0)) {
   Upload upload(context);
   if (path == SolverPath::tiled) {
@@ -90,11 +93,14 @@ void ClothResources::add_topology(Upload& upload, const ClothData& data) const {
   upload.to_buffer(seam_bends, std::span(data.seam_bends));
   upload.to_buffer(split_offset, std::span(data.split_offset));
   upload.to_buffer(split_pixel, std::span(data.split_pixel));
+  upload.to_buffer(self_points, std::span(data.self.points));
+  upload.to_buffer(self_words, std::span(data.self.words));
 }
 
 void ClothResources::upload_topology(const std::shared_ptr<const Context>& context, const ClothData& data) {
   split_rows = data.split_rows();
   seam_color_offset = data.seam_color_offset;
+  self = data.self.numbers;
   Upload upload(context);
   add_topology(upload, data);
   upload.run();
@@ -106,8 +112,8 @@ size_t ClothResources::memory_bytes() const {
   size_t sum =
       pixel_count() * (kVectorImages * sizeof(shader::vec4) + sizeof(uint32_t)) + offsets * sizeof(shader::vec4);
   if (scratch) sum += pixel_count() * 3 * sizeof(shader::vec4);
-  for (const Buffer* buffer :
-       {&multipliers, &attachments, &seam_bends, &split_offset, &split_pixel, &measures, &inverse_mass, &pin_of_pixel})
+  for (const Buffer* buffer : {&multipliers, &attachments, &seam_bends, &split_offset, &split_pixel, &measures,
+                               &inverse_mass, &self_points, &self_words, &pin_of_pixel})
     sum += buffer->size();
   return sum;
 }

@@ -24,8 +24,8 @@ struct ClothResources {
   ClothResources(const std::shared_ptr<const Context>& context, const ClothData& data, bool multipliers, bool fine,
                  SolverPath path);
 
-  /// Replaces springs, cells, bends over seams and copies by those of the same cloth after a cut; waits. The device must
-  /// be done with the cloth.
+  /// Replaces springs, cells, bends over seams and copies by those of the same cloth after a cut; waits. The device
+  /// must be done with the cloth.
   void upload_topology(const std::shared_ptr<const Context>& context, const ClothData& data);
 
   [[nodiscard]] uint32_t pixel_count() const { return width * height; }
@@ -35,6 +35,7 @@ struct ClothResources {
   uint32_t width, height;
   uint32_t split_rows;
   std::vector<uint32_t> seam_color_offset;
+  SelfNumbers self;
 
   Image position, previous, carry, normal;
   std::array<Image, 3> springs;
@@ -44,6 +45,7 @@ struct ClothResources {
   Buffer multipliers, attachments, seam_bends, split_offset, split_pixel;
   Buffer measures;  ///< host-visible, kMeasureCount words
   Buffer inverse_mass;
+  Buffer self_points, self_words;        ///< only with self-collision
   Buffer pin_of_pixel;                   ///< see shared/tile.h; not on the plain path
   std::optional<ScratchImages> scratch;  ///< on the tiled path
 

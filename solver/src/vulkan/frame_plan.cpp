@@ -170,7 +170,7 @@ class Planner {
 
 bool fits_tiny(const TileLimits& limits, const PathNeeds& needs) {
   const size_t bytes = size_t{needs.width} * needs.height * sizeof(shader::vec4);
-  return limits.descriptors && !needs.fine && bytes <= limits.shared_bytes;
+  return limits.descriptors && !needs.fine && !needs.self_collision && bytes <= limits.shared_bytes;
 }
 
 /// Multipliers of springs in a border would have to be kept twice.

@@ -28,7 +28,8 @@ struct PathNeeds {
   SolverPath wish = SolverPath::automatic;
   uint32_t width = 0, height = 0;
   uint32_t relaxation_steps = 1;
-  bool fine = false;  ///< constraints act on offsets, which only the plain path can
+  bool fine = false;            ///< constraints act on offsets, which only the plain path can
+  bool self_collision = false;  ///< needs all of the cloth between two passes
 };
 
 /// One that the device can run for this cloth: what is wished for, or else the fastest; plain in doubt.

@@ -105,10 +105,20 @@ void FrameSlot::write_set(const ClothResources& cloth, const ClothInputs& inputs
                                                         &cloth.springs[2],
                                                         &cloth.cell,
                                                         &cloth.offset};
-  const std::array<const Buffer*, kStorageBuffers> buffers{
-      &cloth.multipliers,  &cloth.attachments, &cloth.seam_bends, &cloth.split_offset, &cloth.split_pixel,
-      &inputs.pins,        &shapes_,           &poses_,           &substeps_,          &cloth.measures,
-      &cloth.inverse_mass, &numbers_};
+  const std::array<const Buffer*, kStorageBuffers> buffers{&cloth.multipliers,
+                                                           &cloth.attachments,
+                                                           &cloth.seam_bends,
+                                                           &cloth.split_offset,
+                                                           &cloth.split_pixel,
+                                                           &inputs.pins,
+                                                           &shapes_,
+                                                           &poses_,
+                                                           &substeps_,
+                                                           &cloth.measures,
+                                                           &cloth.inverse_mass,
+                                                           &numbers_,
+                                                           &cloth.self_points,
+                                                           &cloth.self_words};
 
   std::array<vk::DescriptorImageInfo, kStorageImages> image_infos;
   std::array<vk::DescriptorBufferInfo, kUniformBuffers + kStorageBuffers> buffer_infos;

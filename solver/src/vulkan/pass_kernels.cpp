@@ -20,6 +20,12 @@
 #include "rescale_comp.h"
 #include "seam_bends_comp.h"
 #include "seam_curvature_comp.h"
+#include "self_clear_comp.h"
+#include "self_drift_comp.h"
+#include "self_find_comp.h"
+#include "self_insert_comp.h"
+#include "self_move_comp.h"
+#include "self_push_comp.h"
 #include "settle_comp.h"
 #include "shared/workgroup.h"
 #include "springs_comp.h"
@@ -56,6 +62,18 @@ std::span<const uint32_t> spirv(Pass pass) {
       return settle_comp;
     case Pass::limit:
       return limit_comp;
+    case Pass::self_drift:
+      return self_drift_comp;
+    case Pass::self_clear:
+      return self_clear_comp;
+    case Pass::self_insert:
+      return self_insert_comp;
+    case Pass::self_find:
+      return self_find_comp;
+    case Pass::self_push:
+      return self_push_comp;
+    case Pass::self_move:
+      return self_move_comp;
     case Pass::collide_cells:
       return collide_cells_comp;
     case Pass::collide:
@@ -100,6 +118,8 @@ constexpr uint32_t groups(uint32_t count, uint32_t size) {
 /// Number of entries of a pass that runs over a list.
 uint32_t list_count(const ClothResources& cloth, const PassStep& step, uint32_t pins) {
   if (step.pass == Pass::pins) return pins;
+  if (step.pass == Pass::self_clear) return cloth.self.buckets;
+  if (step.pass >= Pass::self_drift && step.pass <= Pass::self_push) return cloth.self.points;
   if (step.pass == Pass::seam_bends || step.pass == Pass::seam_curvature)
     return cloth.seam_color_offset[step.group + 1] - cloth.seam_color_offset[step.group];
   return cloth.split_rows;
@@ -159,6 +179,7 @@ void PassKernels::dispatch(const vk::raii::CommandBuffer& commands, const ClothR
     case Pass::predict:
     case Pass::settle:
     case Pass::limit:
+    case Pass::self_move:
     case Pass::collide:
     case Pass::check_colliders:
       return over_pixels({cloth.width, cloth.height});
@@ -169,6 +190,11 @@ void PassKernels::dispatch(const vk::raii::CommandBuffer& commands, const ClothR
     case Pass::normals_stitch:
     case Pass::pins:
     case Pass::stitch:
+    case Pass::self_drift:
+    case Pass::self_clear:
+    case Pass::self_insert:
+    case Pass::self_find:
+    case Pass::self_push:
     case Pass::check_copies:
       break;
   }

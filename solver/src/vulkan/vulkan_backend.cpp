@@ -69,6 +69,7 @@ void drop_uploaded(ClothData& cloth) {
   cloth.cell = {};
   cloth.seam_bends = {};
   cloth.split_pixel = {};
+  cloth.self = {};
 }
 
 }  // namespace
@@ -91,8 +92,8 @@ VulkanBackend::VulkanBackend(std::shared_ptr<const Context> context, SimulationD
   const TileLimits limits = tile_limits(*context_);
   cloths_.reserve(data_.cloths.size());
   for (ClothData& cloth : data_.cloths) {
-    const SolverPath path =
-        choose_path(limits, {data_.path, cloth.width, cloth.height, data_.relaxation_steps, data_.fine});
+    const SolverPath path = choose_path(limits, {data_.path, cloth.width, cloth.height, data_.relaxation_steps,
+                                                 data_.fine, cloth.self.numbers.points > 0});
     cloths_.emplace_back(context_, cloth, data_.relaxation_steps > 1, data_.fine, path);
     drop_uploaded(cloth);
   }

@@ -17,11 +17,18 @@
 
 namespace geocloth {
 
+/// How the layers of a cloth keep apart. Points of the grid are balls, so that it holds for the whole of the cloth (its
+/// several parts too) while it is not far more stretched than the distance; see solver/README.md for what it costs.
+struct SelfCollision {
+  float distance = -1;  ///< [m] that points keep; below 0: 1.2 times the spacing
+};
+
 /// One garment in the solver.
 struct ClothDesc {
   std::shared_ptr<const ClothAsset> asset;  ///< must outlive construction only
   Material material;
   Transform transform;  ///< where its rest shape starts; scale also scales rest lengths and areas
+  std::optional<SelfCollision> self_collision = {};  ///< none: it passes through itself
 };
 
 struct Wind {

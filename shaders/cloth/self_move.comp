@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// Per pixel: takes the push on its point; all copies take the same.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "over_pixels.glsl"
+#include "self.glsl"
+
+void main() {
+  uvec2 p = own_pixel();
+  if (!in_image(p)) return;
+  SelfSet set = SelfSet(0u);
+  SelfRoom room = self_room(params);
+  uint pixel = p.y * params.width + p.x;
+  if (pixel == 0u) self_begin(set);
+  uint point = self_words[self_point_word(pixel)];
+  if (point == kSelfNone || !self_is_pushed(set, room, point)) return;
+  PointState moved = self_pushed(set, room, point, self_state(set, pixel));
+  float w = load_position(p).w;
+  store_position(p, vec4(moved.position, w));
+  store_previous(p, vec4(moved.previous, w));
+  store_carry(p, vec4(moved.carry, 0.0f));
+}

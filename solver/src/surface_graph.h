@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "geocloth/asset/cloth_asset.h"
+
+namespace geocloth {
+
+/// Neighbours for distances along the surface: grid edges, diagonals and knight's moves, within the springs' validity.
+class SurfaceGraph {
+ public:
+  /// Keeps the reference.
+  SurfaceGraph(const ClothAsset& asset, float scale)
+      : asset_(asset), scale_(scale), row_of_(asset.pixel_count(), kNoPixel) {
+    for (uint32_t r = 0; r < asset.splits.rows(); ++r)
+      for (uint32_t k = asset.splits.offset[r]; k < asset.splits.offset[r + 1]; ++k) row_of_[asset.splits.pixel[k]] = r;
+  }
+
+  /// Calls visit(neighbour, length) for all neighbours of a pixel.
+  template <class Visit>
+  void for_neighbors(uint32_t p, const Visit& visit) const {
+    if (const uint32_t row = row_of_[p]; row != kNoPixel) {
+      for (uint32_t k = asset_.splits.offset[row]; k < asset_.splits.offset[row + 1]; ++k)
+        if (asset_.splits.pixel[k] != p) visit(asset_.splits.pixel[k], 0.0);
+    }
+    for (int32_t dy = -1; dy <= 1; ++dy)
+      for (int32_t dx = -1; dx <= 1; ++dx) {
+        const uint32_t near = step(p, dx, dy);
+        if (near == kNoPixel || near == p) continue;
+        visit(near, distance(p, near));
+        if (dx == 0 || dy == 0) continue;
+        for (const auto& [ex, ey] :
+             {std::pair{dx, 0}, std::pair{0, dy}})  // diagonal, then straight on: a knight's move
+          if (const uint32_t far = step(near, ex, ey); far != kNoPixel) visit(far, distance(p, far));
+      }
+  }
+
+ private:
+  /// The pixel one king's move away if a spring leads there.
+  [[nodiscard]] uint32_t step(uint32_t p, int32_t dx, int32_t dy) const {
+    if (dx == 0 && dy == 0) return p;
+    const int64_t x = static_cast<int64_t>(p % asset_.width) + dx, y = static_cast<int64_t>(p / asset_.width) + dy;
+    if (x < 0 || y < 0 || x >= asset_.width || y >= asset_.height) return kNoPixel;
+    const auto q = static_cast<uint32_t>(y * asset_.width + x);
+    const bool forward = dy > 0 || (dy == 0 && dx > 0);
+    const int32_t fx = forward ? dx : -dx, fy = forward ? dy : -dy;
+    const uint8_t bit = fy == 0 ? kSpringRight : fx == 0 ? kSpringDown : fx > 0 ? kSpringDownRight : kSpringDownLeft;
+    return asset_.spring_mask[forward ? p : q] & bit ? q : kNoPixel;
+  }
+
+  [[nodiscard]] double distance(uint32_t a, uint32_t b) const {
+    return static_cast<double>(scale_) * static_cast<double>(length(asset_.rest_position[b] - asset_.rest_position[a]));
+  }
+
+  const ClothAsset& asset_;
+  float scale_;
+  std::vector<uint32_t> row_of_;
+};
+
+}  // namespace geocloth
