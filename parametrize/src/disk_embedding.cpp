@@ -10,8 +10,8 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/SparseCholesky>
-
+#include "dissection.h"
+#include "element_cholesky.h"
 #include "geocloth/asset/error.h"
 #include "point_math.h"
 
@@ -53,8 +53,7 @@ struct DiskEmbedding::Impl {
   int32_t unknowns = 0;
   double total_area = 0;
   std::vector<double> divisor;  // per vertex: of the weights of its edges
-  Eigen::SparseMatrix<double> matrix;
-  std::unique_ptr<Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>> solver;
+  std::unique_ptr<ElementCholesky> solver;
 
   void weigh(std::span<const Point3> position, Weights kind) {
     weight.resize(triangle.size());
@@ -76,27 +75,24 @@ struct DiskEmbedding::Impl {
   }
 
   void factorise() {
-    std::vector<Eigen::Triplet<double>> entries;
-    entries.reserve(triangle.size() * 12);
-    for_each_side([&](uint32_t a, uint32_t b, double w) {
-      const int32_t i = unknown[a], j = unknown[b];
-      if (i >= 0) entries.emplace_back(i, i, w);
-      if (j >= 0) entries.emplace_back(j, j, w);
-      if (i >= 0 && j >= 0) {
-        entries.emplace_back(i, j, -w);
-        entries.emplace_back(j, i, -w);
-      }
-    });
-    matrix.resize(unknowns, unknowns);
-    matrix.setFromTriplets(entries.begin(), entries.end());
+    constexpr size_t kLowerHalf = 6;
+    std::vector<double> element;
+    element.reserve(triangle.size() * kLowerHalf);
+    double trace = 0;
+    for (size_t t = 0; t < triangle.size(); ++t) {
+      std::array<double, 3> w{};  // of the edge from corner i to the next
+      for (size_t i = 0; i < 3; ++i)
+        w[i] = weight[t][i] / (divisor[triangle[t][i]] * divisor[triangle[t][(i + 1) % 3]]);
+      element.insert(element.end(), {w[0] + w[2], -w[0], w[0] + w[1], -w[2], -w[1], w[1] + w[2]});
+      trace += 2 * (w[0] + w[1] + w[2]);
+    }
     if (!solver) {
-      solver = std::make_unique<Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>>();
-      solver->analyzePattern(matrix);
+      solver = std::make_unique<ElementCholesky>(triangle, unknown, places_by_edges(triangle, unknown.size()), 1);
     }
-    solver->factorize(matrix);
-    if (solver->info() != Eigen::Success) {
-      throw Error(ErrorCode::verification, "the embedding of a part could not be solved");
-    }
+    // Where weights differ by more than the precision, rounding can make the matrix indefinite.
+    constexpr double kRegular = 1e-14;
+    if (solver->factorise(element, 0) || solver->factorise(element, kRegular * trace / unknowns)) return;
+    throw Error(ErrorCode::verification, "the embedding of a part could not be solved");
   }
 
   template <typename Visit>
@@ -111,15 +107,15 @@ struct DiskEmbedding::Impl {
 
   void solve(std::vector<Point2>& uv) const {
     if (unknowns == 0) return;
-    Eigen::MatrixX2d right = Eigen::MatrixX2d::Zero(unknowns, 2);
+    Eigen::MatrixXd solution = Eigen::MatrixXd::Zero(unknowns, 2);
     for_each_side([&](uint32_t a, uint32_t b, double w) {
       for (int swap = 0; swap < 2; ++swap, std::swap(a, b)) {
         if (unknown[a] < 0 || unknown[b] >= 0) continue;
-        right(unknown[a], 0) += w * uv[b][0];
-        right(unknown[a], 1) += w * uv[b][1];
+        solution(unknown[a], 0) += w * uv[b][0];
+        solution(unknown[a], 1) += w * uv[b][1];
       }
     });
-    const Eigen::MatrixX2d solution = solver->solve(right);
+    solver->solve(solution);
     for (size_t v = 0; v < unknown.size(); ++v) {
       if (unknown[v] >= 0) uv[v] = {solution(unknown[v], 0), solution(unknown[v], 1)};
     }

@@ -13,13 +13,41 @@ namespace {
 
 constexpr uint32_t kSmall = 16;  // unknowns that are not parted further
 
+/// Who is connected to whom, by number.
+struct Graph {
+  std::vector<uint32_t> first, neighbour;  // per node: a range of neighbours, twice where two triangles say so
+
+  /// @param number  of a vertex; negative leaves it out
+  template <class Number>
+  Graph(std::span<const Triangle> triangle, size_t nodes, const Number& number) {
+    const auto each = [&](const auto& visit) {
+      for (const Triangle& t : triangle) {
+        for (size_t i = 0; i < 3; ++i) {
+          const int32_t a = number(t[i]), b = number(t[(i + 1) % 3]);
+          if (a < 0 || b < 0) continue;
+          visit(static_cast<uint32_t>(a), static_cast<uint32_t>(b));
+          visit(static_cast<uint32_t>(b), static_cast<uint32_t>(a));
+        }
+      }
+    };
+    first.assign(nodes + 1, 0);
+    each([&](uint32_t a, uint32_t) { ++first[a + 1]; });
+    for (size_t u = 0; u < nodes; ++u) first[u + 1] += first[u];
+    neighbour.resize(first.back());
+    std::vector<uint32_t> end = first;
+    each([&](uint32_t a, uint32_t b) { neighbour[end[a]++] = b; });
+  }
+
+  [[nodiscard]] std::span<const uint32_t> around(uint32_t u) const {
+    return {neighbour.data() + first[u], neighbour.data() + first[u + 1]};
+  }
+};
+
 class Dissector {
  public:
-  Dissector(std::span<const Triangle> triangle, std::span<const int32_t> unknown, std::span<const Point2> place) {
-    for (size_t v = 0; v < unknown.size(); ++v) {
-      if (unknown[v] >= 0) place_.push_back(place[v]);
-    }
-    connect(triangle, unknown);
+  Dissector(std::span<const Triangle> triangle, std::span<const int32_t> unknown, std::span<const Point2> place)
+      : place_(places_of_unknowns(unknown, place)),
+        graph_(triangle, place_.size(), [&](uint32_t v) { return unknown[v]; }) {
     side_.assign(place_.size(), Side::elsewhere);
     result_.order.resize(place_.size());
     for (uint32_t u = 0; u < place_.size(); ++u) result_.order[u] = u;
@@ -33,23 +61,12 @@ class Dissector {
  private:
   enum class Side : uint8_t { elsewhere, low, high, between };
 
-  void connect(std::span<const Triangle> triangle, std::span<const int32_t> unknown) {
-    const auto each = [&](const auto& visit) {
-      for (const Triangle& t : triangle) {
-        for (size_t i = 0; i < 3; ++i) {
-          const int32_t a = unknown[t[i]], b = unknown[t[(i + 1) % 3]];
-          if (a < 0 || b < 0) continue;
-          visit(static_cast<uint32_t>(a), static_cast<uint32_t>(b));
-          visit(static_cast<uint32_t>(b), static_cast<uint32_t>(a));
-        }
-      }
-    };
-    first_.assign(place_.size() + 1, 0);
-    each([&](uint32_t a, uint32_t) { ++first_[a + 1]; });
-    for (size_t u = 0; u < place_.size(); ++u) first_[u + 1] += first_[u];
-    neighbour_.resize(first_.back());
-    std::vector<uint32_t> end = first_;
-    each([&](uint32_t a, uint32_t b) { neighbour_[end[a]++] = b; });
+  static std::vector<Point2> places_of_unknowns(std::span<const int32_t> unknown, std::span<const Point2> place) {
+    std::vector<Point2> result;
+    for (size_t v = 0; v < unknown.size(); ++v) {
+      if (unknown[v] >= 0) result.push_back(place[v]);
+    }
+    return result;
   }
 
   /// Orders a range of unknowns and appends its nodes. @returns the node at their top
@@ -88,8 +105,8 @@ class Dissector {
       for (const Side from : {Side::low, Side::high}) {
         const Side to = from == Side::low ? Side::high : Side::low;
         const auto touches = [&](uint32_t u) {
-          return std::any_of(neighbour_.begin() + first_[u], neighbour_.begin() + first_[u + 1],
-                             [&](uint32_t w) { return side_[w] == to; });
+          const std::span<const uint32_t> around = graph_.around(u);
+          return std::any_of(around.begin(), around.end(), [&](uint32_t w) { return side_[w] == to; });
         };
         for (auto& p : part) p.clear();
         for (const uint32_t u : range) {
@@ -110,17 +127,51 @@ class Dissector {
     return ends;
   }
 
-  std::vector<Point2> place_;                // per unknown
-  std::vector<uint32_t> first_, neighbour_;  // per unknown: a range of neighbours
-  std::vector<Side> side_;                   // per unknown, while its range is parted
+  std::vector<Point2> place_;  // per unknown
+  Graph graph_;
+  std::vector<Side> side_;  // per unknown, while its range is parted
   Dissection result_;
 };
+
+/// Edges on the shortest ways from a vertex; 0 where none leads.
+std::vector<uint32_t> edges_from(const Graph& graph, uint32_t start) {
+  std::vector<uint32_t> count(graph.first.size() - 1, 0), queue{start};
+  std::vector<uint8_t> met(count.size(), 0);
+  met[start] = 1;
+  for (size_t i = 0; i < queue.size(); ++i) {
+    for (const uint32_t w : graph.around(queue[i])) {
+      if (met[w] != 0) continue;
+      met[w] = 1;
+      count[w] = count[queue[i]] + 1;
+      queue.push_back(w);
+    }
+  }
+  return count;
+}
 
 }  // namespace
 
 Dissection dissect(std::span<const Triangle> triangle, std::span<const int32_t> unknown,
                    std::span<const Point2> place) {
   return Dissector(triangle, unknown, place).run();
+}
+
+std::vector<Point2> places_by_edges(std::span<const Triangle> triangle, size_t vertex_count) {
+  std::vector<Point2> place(vertex_count, Point2{0, 0});
+  if (triangle.empty()) return place;
+  const Graph graph(triangle, vertex_count, [](uint32_t v) { return static_cast<int32_t>(v); });
+  const auto farthest = [](const std::vector<uint32_t>& count) {
+    return static_cast<uint32_t>(std::max_element(count.begin(), count.end()) - count.begin());
+  };
+  const std::vector<uint32_t> a = edges_from(graph, farthest(edges_from(graph, triangle[0][0])));
+  const std::vector<uint32_t> b = edges_from(graph, farthest(a));
+  std::vector<uint32_t> from_both(vertex_count);
+  for (size_t v = 0; v < vertex_count; ++v) from_both[v] = std::min(a[v], b[v]);
+  const std::vector<uint32_t> c = edges_from(graph, farthest(from_both));
+  for (size_t v = 0; v < vertex_count; ++v) {
+    place[v] = {static_cast<double>(a[v]) - static_cast<double>(b[v]), static_cast<double>(c[v])};
+  }
+  return place;
 }
 
 }  // namespace geocloth

@@ -24,4 +24,7 @@ struct Dissection {
 [[nodiscard]] Dissection dissect(std::span<const Triangle> triangle, std::span<const int32_t> unknown,
                                  std::span<const Point2> place);
 
+/// Places for dissect() where none are known: how many edges a vertex is away from places far from each other.
+[[nodiscard]] std::vector<Point2> places_by_edges(std::span<const Triangle> triangle, size_t vertex_count);
+
 }  // namespace geocloth

@@ -141,5 +141,12 @@ TEST(DissectionTest, EveryUnknownIsEliminatedOnceAndSeparatorsAreShort) {
   EXPECT_EQ(at, static_cast<uint32_t>(p.size));
 }
 
+TEST(DissectionTest, SeparatorsAreShortWhereOnlyTheMeshIsKnown) {
+  constexpr uint32_t kSide = 64;
+  const Problem p = make_problem(kSide, 1);
+  const Dissection dissection = dissect(p.triangle, p.unknown, places_by_edges(p.triangle, p.place.size()));
+  for (const Dissection::Node& node : dissection.node) EXPECT_LE(node.end - node.begin, 2 * kSide);
+}
+
 }  // namespace
 }  // namespace geocloth
