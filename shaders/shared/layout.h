@@ -75,7 +75,8 @@ const uint kShapeMesh = 6u;
 
 const uint kMeasureCopyGap = 0u;      // [m] largest distance between copies
 const uint kMeasurePenetration = 1u;  // [m] largest depth below a collider's surface, points that are not pinned
-const uint kMeasureCount = 2u;
+const uint kMeasureWay = 2u;          // [m] longest way in the last substep of a frame, for two frames by turns
+const uint kMeasureCount = 4u;
 
 // Displacement of every point of a moving rigid frame in substep s: (R - 1) p + shift + drift s.
 struct FrameField {

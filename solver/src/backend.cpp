@@ -21,6 +21,9 @@ ScheduleOptions schedule_options(const SimulationData& data, uint32_t cloth, con
           .collide = !frame.shapes.empty() || f.params.max_step > 0,
           .collide_cells = f.collide_cells && !frame.shapes.empty(),
           .check = data.check,
+          .asleep = f.asleep,
+          .motion = frame.measure_motion,
+          .motion_word = frame.motion_word,
           .seam_colors = c.seam_colors()};
 }
 

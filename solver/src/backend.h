@@ -67,6 +67,7 @@ struct ClothFrame {
   std::vector<shader::PinTarget> pins;  ///< ascending by pixel, all copies listed
 
   bool collide_cells = false;  ///< a collider may slip through between pixels
+  bool asleep = false;         ///< nothing is done: everything stays as it is
 
   /// The set of pinned pixels differs from the last frame's: inverse_mass (and attachments, when ClothData has them)
   /// replace what the backend holds, before the first substep. Positions stay.
@@ -83,6 +84,8 @@ struct FrameInput {
       collider_numbers;  ///< see shader::ColliderShape; another one when it changes
   std::vector<shader::Substep> substeps;
   std::vector<ClothFrame> cloths;
+  bool measure_motion = false;  ///< for longest_way()
+  uint32_t motion_word = 0;     ///< 0 or 1 by turns
 };
 
 /// What differs between the ways to run the passes. Positions are relative to SimulationData::origin everywhere.
@@ -111,6 +114,10 @@ class SolverBackend {
   /// Replaces springs, cells, bends over seams and the split-vertex table by those of the same cloth after a cut, which
   /// has fewer of each; waits. Positions stay.
   virtual void replace_topology(uint32_t cloth, ClothData data) = 0;
+
+  /// [m] the longest way of a point of a cloth in the last substep of the frame before the last one, which had measured
+  /// into this word. Waits for that frame, as the next run_frame() does anyway.
+  virtual float longest_way(uint32_t cloth, uint32_t word) = 0;
 
   /// Fills backend, device, path, threads, passes, copy_gap and penetration; waits.
   virtual void fill_statistics(SolverStatistics& statistics) = 0;

@@ -73,6 +73,7 @@ std::vector<PassStep> substep_schedule(const ScheduleOptions& options) {
 std::vector<PassStep> frame_schedule(const ScheduleOptions& options) {
   std::vector<PassStep> steps;
   add_normals(steps, options);
+  if (options.motion) steps.push_back({Pass::measure_motion, options.motion_word});
   return steps;
 }
 

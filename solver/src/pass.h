@@ -11,30 +11,31 @@ namespace geocloth {
 /// The passes of a frame. Both backends walk the schedules below; each pass is one function of the cpu backend and one
 /// shader in shaders/cloth/, and its name is the name in timings and debug labels.
 enum class Pass : uint8_t {
-  normals,         ///< per pixel: area-weighted normal of its own cells, made a unit, length in w
-  normals_stitch,  ///< per split row: sum over the copies, made a unit, written to every copy
-  rescale,         ///< per pixel, in the first substep: the last displacement becomes one of the new step's length
-  predict,         ///< per pixel: Verlet with damping, gravity and air; previous = position
-  pins,            ///< per pin: one step towards the target
-  structural,      ///< per spring, groups 0..3
-  shear,           ///< per spring, groups 4..7
-  bending,         ///< per spring, groups 8..11
-  seam_bends,      ///< per seam bend, one group for each colour
-  curvature,       ///< per bend over three pixels in a row, groups 0..5 of lib/bend_groups.h
-  seam_curvature,  ///< per seam bend, one group for each colour
-  stitch,          ///< per split row: mass-weighted mean of the copies, written to every copy
-  settle,          ///< per pixel: base and offset become the position, only with ClothParams::fine
-  limit,           ///< per pixel: long-range attachment; copies are equal before it and so they are after it
-  self_drift,      ///< per point of lib/self_words.h: how far it went since neighbours were looked up
-  self_clear,      ///< per bucket of the hash: emptied; this and the next two only when points went too far
-  self_insert,     ///< per point: into its bucket
-  self_find,       ///< per point: lists its neighbours
-  self_push,       ///< per point: what its neighbours do to it
-  self_move,       ///< per pixel: moves it and its velocity, with friction
-  collide_cells,   ///< per cell, groups 0..3: triangles that a collider may slip through, then a stitch
-  collide,         ///< per pixel: largest speed, then colliders with friction; writes position and previous
-  check_copies,    ///< per split row: largest distance between copies
-  check_colliders  ///< per pixel: largest depth in a collider
+  normals,          ///< per pixel: area-weighted normal of its own cells, made a unit, length in w
+  normals_stitch,   ///< per split row: sum over the copies, made a unit, written to every copy
+  rescale,          ///< per pixel, in the first substep: the last displacement becomes one of the new step's length
+  predict,          ///< per pixel: Verlet with damping, gravity and air; previous = position
+  pins,             ///< per pin: one step towards the target
+  structural,       ///< per spring, groups 0..3
+  shear,            ///< per spring, groups 4..7
+  bending,          ///< per spring, groups 8..11
+  seam_bends,       ///< per seam bend, one group for each colour
+  curvature,        ///< per bend over three pixels in a row, groups 0..5 of lib/bend_groups.h
+  seam_curvature,   ///< per seam bend, one group for each colour
+  stitch,           ///< per split row: mass-weighted mean of the copies, written to every copy
+  settle,           ///< per pixel: base and offset become the position, only with ClothParams::fine
+  limit,            ///< per pixel: long-range attachment; copies are equal before it and so they are after it
+  self_drift,       ///< per point of lib/self_words.h: how far it went since neighbours were looked up
+  self_clear,       ///< per bucket of the hash: emptied; this and the next two only when points went too far
+  self_insert,      ///< per point: into its bucket
+  self_find,        ///< per point: lists its neighbours
+  self_push,        ///< per point: what its neighbours do to it
+  self_move,        ///< per pixel: moves it and its velocity, with friction
+  collide_cells,    ///< per cell, groups 0..3: triangles that a collider may slip through, then a stitch
+  collide,          ///< per pixel: largest speed, then colliders with friction; writes position and previous
+  check_copies,     ///< per split row: largest distance between copies
+  check_colliders,  ///< per pixel: largest depth in a collider
+  measure_motion    ///< per pixel: longest way in the last substep, into the word of its group
 };
 
 struct PassInfo {
@@ -42,7 +43,7 @@ struct PassInfo {
   std::string_view name;
   std::string_view shader;  ///< file in shaders/cloth/
 };
-inline constexpr std::array<PassInfo, 24> kPasses{{
+inline constexpr std::array<PassInfo, 25> kPasses{{
     {Pass::normals, "normals", "normals.comp"},
     {Pass::normals_stitch, "normals_stitch", "normals_stitch.comp"},
     {Pass::rescale, "rescale", "rescale.comp"},
@@ -67,6 +68,7 @@ inline constexpr std::array<PassInfo, 24> kPasses{{
     {Pass::collide, "collide", "collide.comp"},
     {Pass::check_copies, "check_copies", "check_copies.comp"},
     {Pass::check_colliders, "check_colliders", "check_colliders.comp"},
+    {Pass::measure_motion, "measure_motion", "measure_motion.comp"},
 }};
 [[nodiscard]] constexpr const PassInfo& info(Pass pass) {
   return kPasses[static_cast<size_t>(pass)];
@@ -101,6 +103,9 @@ struct ScheduleOptions {
   bool collide = false;        ///< colliders, or max_speed > 0
   bool collide_cells = false;  ///< a collider is so thin or so fast that it may slip through between pixels
   bool check = false;          ///< measure copies and colliders after every substep
+  bool asleep = false;         ///< the frame has no passes
+  bool motion = false;         ///< how far points go is measured after the last substep
+  uint32_t motion_word = 0;    ///< 0 or 1, for even and odd frames
   uint32_t seam_colors = 0;
 
   bool operator==(const ScheduleOptions&) const = default;
@@ -111,7 +116,7 @@ struct ScheduleOptions {
 ///   relaxation [settle] limit [self_drift .. self_move] [collide_cells stitch] collide [check]
 [[nodiscard]] std::vector<PassStep> substep_schedule(const ScheduleOptions& options);
 
-/// The passes after the last substep of a frame: normals.
+/// The passes after the last substep of a frame: normals [measure_motion].
 [[nodiscard]] std::vector<PassStep> frame_schedule(const ScheduleOptions& options);
 
 }  // namespace geocloth

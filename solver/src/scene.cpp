@@ -369,7 +369,7 @@ Scene parse_scene(std::string_view text, const std::filesystem::path& path) {
   const nlohmann::json document = JsonReader::parse(text, path.string());
   const JsonReader json(document, path.string());
   json.expect_object({"version", "frame_rate", "frames", "substeps", "relaxation_steps", "keep_momentum", "gravity",
-                      "cloths", "colliders", "wind"});
+                      "cloths", "colliders", "wind", "sleep"});
   if (const double version = json.at("version").number(); version != 1) {
     json.at("version").fail("only version 1 is known", ErrorCode::unsupported);
   }
@@ -392,6 +392,12 @@ Scene parse_scene(std::string_view text, const std::filesystem::path& path) {
     }
   }
   if (json.has("wind")) scene.wind = read_wind(json.at("wind"));
+  if (json.has("sleep")) {
+    const JsonReader sleep = json.at("sleep");
+    sleep.expect_object({"speed", "time"});
+    scene.sleep_speed = static_cast<float>(in_range(sleep.at("speed"), 0, 1e4));
+    if (sleep.has("time")) scene.sleep_time = static_cast<float>(in_range(sleep.at("time"), 0, 1e6));
+  }
   check_names(scene, json);
   return scene;
 }

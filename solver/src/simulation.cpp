@@ -83,6 +83,8 @@ Simulation::Simulation(Scene scene, SolverSettings settings, const ReadSurface& 
   settings.relaxation_steps = scene_.relaxation_steps;
   settings.keep_momentum = scene_.keep_momentum;
   settings.gravity = scene_.gravity;
+  settings.sleep_speed = scene_.sleep_speed;
+  settings.sleep_time = scene_.sleep_time;
 
   std::map<std::filesystem::path, std::shared_ptr<const ClothAsset>> assets;
   for (uint32_t c = 0; c < scene_.cloths.size(); ++c) {

@@ -5,6 +5,8 @@
 #include "geocloth/solver/solver.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -63,6 +65,20 @@ std::vector<uint32_t> rows_of_pixels(const ClothAsset& asset) {
 
 Vec3 vec3_of(const vec4& v) {
   return {v.x, v.y, v.z};
+}
+
+bool same_shape(const shader::ColliderShape& a, const shader::ColliderShape& b) {
+  using Words = std::array<uint32_t, sizeof(shader::ColliderShape) / sizeof(uint32_t)>;
+  return std::bit_cast<Words>(a) == std::bit_cast<Words>(b);
+}
+
+bool same_place(const Collider& a, const Collider& b) {
+  const Transform p = collider_frame(a), q = collider_frame(b);
+  return p.translate == q.translate && p.rotate == q.rotate;
+}
+
+bool blows(const std::optional<Wind>& wind) {
+  return wind && length(wind->velocity) > 0 && (wind->drag > 0 || wind->lift > 0);
 }
 
 /// In a shorter step what a position moves by is lost in its rounding.
@@ -133,23 +149,29 @@ const Solver::Impl::Cloth& Solver::Impl::cloth_at(uint32_t cloth) const {
 
 void Solver::Impl::set_colliders(std::span<const Collider> colliders, bool teleport) {
   for (size_t i = 0; i < colliders.size(); ++i) check(colliders[i], "colliders[" + std::to_string(i) + "]");
-  colliders_to_.assign(colliders.begin(), colliders.end());
+  const std::vector<Collider> old = std::exchange(colliders_to_, {colliders.begin(), colliders.end()});
   for (Collider& c : colliders_to_) {
     if (auto* plane = std::get_if<Plane>(&c.shape)) plane->normal = normalized(plane->normal);
   }
+  scene_changed_ =
+      scene_changed_ || !std::equal(old.begin(), old.end(), colliders_to_.begin(), colliders_to_.end(), same_place);
   if (teleport || colliders_from_.size() != colliders_to_.size()) colliders_from_ = colliders_to_;
   for (size_t i = 0; i < colliders_to_.size(); ++i)
     if (colliders_to_[i].teleport) colliders_from_[i] = colliders_to_[i];
   std::vector<float> numbers;
-  shapes_.clear();
+  const std::vector<shader::ColliderShape> before = std::exchange(shapes_, {});
   for (const Collider& c : colliders_to_) shapes_.push_back(collider_shape_of(c, numbers));
+  scene_changed_ =
+      scene_changed_ || !std::equal(before.begin(), before.end(), shapes_.begin(), shapes_.end(), same_shape);
   if (!collider_numbers_ || *collider_numbers_ != numbers) {
+    scene_changed_ = true;
     collider_numbers_ = std::make_shared<const std::vector<float>>(std::move(numbers));
   }
 }
 
 void Solver::Impl::set_wind(const Wind& wind) {
   check(wind, "wind");
+  scene_changed_ = scene_changed_ || !wind_ || !(*wind_ == wind);
   wind_ = wind;
 }
 
@@ -157,6 +179,7 @@ void Solver::Impl::set_gravity(const Vec3& gravity) {
   SolverSettings changed = settings_;
   changed.gravity = gravity;
   check(changed);
+  scene_changed_ = scene_changed_ || !(gravity == settings_.gravity);
   settings_ = changed;
 }
 
@@ -195,6 +218,10 @@ void Solver::Impl::set_pins(uint32_t cloth, std::span<const Pin> pins) {
       std::equal(next.begin(), next.end(), c.pins.begin(), c.pins.end(),
                  [](const auto& a, const auto& b) { return a.first == b.first && a.second.held() == b.second.held(); });
   target.pins_changed = target.pins_changed || !same;
+  target.disturbed = target.disturbed || !std::equal(next.begin(), next.end(), target.pins.begin(), target.pins.end(),
+                                                     [](const auto& a, const auto& b) {
+                                                       return a.first == b.first && a.second.is_as(b.second);
+                                                     });
   target.pins = std::move(next);
 }
 
@@ -203,6 +230,8 @@ void Solver::Impl::set_parent(uint32_t cloth, const Transform& pose, const Vec3&
   check_parent(pose, inertia_scale, cloth_name(cloth) + ": parent");
   Cloth& c = cloths_[cloth];
   if (!c.parent_from) c.parent_from = pose;
+  c.disturbed =
+      c.disturbed || teleport || pose.translate != c.parent_from->translate || pose.rotate != c.parent_from->rotate;
   c.parent_to = pose;
   c.inertia_scale = inertia_scale;
   c.teleport = c.teleport || teleport;
@@ -292,6 +321,31 @@ uint32_t Solver::Impl::substeps_factor() {
   return std::max(1U, std::min(factor, kLargest / settings_.substeps));
 }
 
+/// Decides by what was measured two frames ago, on both backends, so that none waits and both decide alike.
+void Solver::Impl::fall_asleep() {
+  frame_.measure_motion = settings_.sleep_speed > 0;
+  frame_.motion_word = 1 - frame_.motion_word;
+  const bool stirred = scene_changed_ || blows(wind_) || clock().dt != displaced_in_;
+  scene_changed_ = false;
+  for (uint32_t c = 0; c < cloths_.size(); ++c) {
+    Cloth& cloth = cloths_[c];
+    if (stirred || std::exchange(cloth.disturbed, false) || !frame_.measure_motion) {
+      cloth.disturbed = false;
+      cloth.asleep = false;
+      cloth.calm_frames = 0;
+      cloth.calm_for = 0;
+    }
+    constexpr uint32_t kLatency = 2;  // frames
+    if (!cloth.asleep && cloth.calm_frames >= kLatency) {
+      const double speed = backend_->longest_way(c, frame_.motion_word) / displaced_in_;
+      cloth.calm_for = speed <= settings_.sleep_speed ? cloth.calm_for + settings_.frame_time : 0;
+      cloth.asleep = cloth.calm_for > 0 && cloth.calm_for >= settings_.sleep_time;
+    }
+    if (!cloth.asleep) ++cloth.calm_frames;
+    frame_.cloths[c].asleep = cloth.asleep;
+  }
+}
+
 void Solver::Impl::step() {
   for (uint32_t c = 0; c < cloths_.size(); ++c)
     if (cloths_[c].teleport) carry_over(c);
@@ -309,6 +363,7 @@ void Solver::Impl::step() {
         cloth.collide_cells || factor > 1 || may_slip_through(frame_.shapes, cloth.asset->spacing * cloth.scale);
     fill_cloth_frame(cloth, frame_.cloths[c]);
   }
+  fall_asleep();
   backend_->run_frame(frame_);
   colliders_from_ = colliders_to_;
   for (Cloth& cloth : cloths_) cloth.parent_from = cloth.parent_to;
@@ -340,6 +395,7 @@ CutResult Solver::Impl::cut(uint32_t cloth, const std::array<Vec3, 3>& triangle)
   c.springs_per_sweep = data.springs_per_sweep;
   c.self = data.self.numbers;
   c.pins_changed = true;  // attachments run around the cut
+  c.disturbed = true;
   backend_->replace_topology(cloth, std::move(data));
   return cut.result;
 }
@@ -390,6 +446,7 @@ void Solver::Impl::write_state(uint32_t cloth, std::span<const Vec3> positions, 
     position[p] = {x.x, x.y, x.z, c.holds(p) ? 0.F : c.free_inverse_mass[p]};
     previous[p] = {before.x, before.y, before.z, 0};
   }
+  cloths_[cloth].disturbed = true;
   backend_->write_state(cloth, position, previous);
 }
 
@@ -398,6 +455,7 @@ SolverStatistics Solver::Impl::statistics() {
   for (const Cloth& cloth : cloths_) {
     statistics.particles += cloth.particles;
     statistics.springs += cloth.springs_per_sweep;
+    statistics.asleep += cloth.asleep ? 1 : 0;
   }
   backend_->fill_statistics(statistics);
   return statistics;
@@ -463,6 +521,9 @@ void Solver::read_velocities(uint32_t cloth, std::vector<Vec3>& out) {
 }
 void Solver::write_state(uint32_t cloth, std::span<const Vec3> positions, std::span<const Vec3> velocities) {
   impl_->write_state(cloth, positions, velocities);
+}
+bool Solver::asleep(uint32_t cloth) const {
+  return impl_->asleep(cloth);
 }
 uint32_t Solver::cloth_count() const {
   return impl_->cloth_count();

@@ -37,6 +37,7 @@ class Solver::Impl {
 
   [[nodiscard]] SolverBackend& backend() { return *backend_; }
   [[nodiscard]] Vec3 origin() const { return origin_; }
+  [[nodiscard]] bool asleep(uint32_t cloth) const { return cloth_at(cloth).asleep; }
   [[nodiscard]] uint32_t cloth_count() const { return static_cast<uint32_t>(cloths_.size()); }
 
  private:
@@ -44,6 +45,7 @@ class Solver::Impl {
     Vec3 from, target;    ///< [m, world] at the start and the end of the next frame
     float frequency = 0;  ///< [1/s] 0: held
     [[nodiscard]] bool held() const { return !(frequency > 0); }
+    [[nodiscard]] bool is_as(const PinState& b) const { return target == b.target && frequency == b.frequency; }
   };
   struct Cloth {
     std::shared_ptr<const ClothAsset> asset;
@@ -66,6 +68,11 @@ class Solver::Impl {
     bool teleport = false;       ///< the parent jumps before the next frame
     float reach = 0;             ///< [m] of the longest attachment
     uint64_t particles = 0, springs_per_sweep = 0;
+
+    bool asleep = false;
+    bool disturbed = true;     ///< since the last step
+    uint32_t calm_frames = 0;  ///< since it was disturbed
+    double calm_for = 0;       ///< [s] that it has been slow
   };
 
   [[nodiscard]] const Cloth& cloth_at(uint32_t cloth) const;
@@ -74,6 +81,7 @@ class Solver::Impl {
   [[nodiscard]] float stretch_limit(const Cloth& cloth) const;
   [[nodiscard]] FrameClock clock() const;
   [[nodiscard]] uint32_t substeps_factor();
+  void fall_asleep();
 
   SolverSettings settings_;
   uint32_t fine_;  ///< ClothParams::fine
@@ -83,10 +91,11 @@ class Solver::Impl {
   std::vector<shader::ColliderShape> shapes_;                   ///< of colliders_to_
   std::shared_ptr<const std::vector<float>> collider_numbers_;  ///< of their hulls and meshes
   std::optional<Wind> wind_;
-  double time_ = 0;      ///< [s] at the start of the next frame
-  uint32_t substeps_;    ///< of the next frame
-  double displaced_in_;  ///< [s] step length of the displacements that the backend holds
-  FrameInput frame_;     ///< of the last step, whose memory the next one uses again
+  bool scene_changed_ = true;  ///< gravity, wind, colliders or the step since the last step
+  double time_ = 0;            ///< [s] at the start of the next frame
+  uint32_t substeps_;          ///< of the next frame
+  double displaced_in_;        ///< [s] step length of the displacements that the backend holds
+  FrameInput frame_;           ///< of the last step, whose memory the next one uses again
   std::unique_ptr<SolverBackend> backend_;
 };
 

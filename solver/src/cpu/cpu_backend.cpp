@@ -94,6 +94,8 @@ class CpuBackend final : public SolverBackend {
     cloths_[cloth].normals_stale = true;
   }
 
+  float longest_way(uint32_t cloth, uint32_t word) override { return cloths_[cloth].measures.longest_way[word]; }
+
   void fill_statistics(SolverStatistics& statistics) override {
     statistics.backend = "cpu";
     statistics.device = cpu::cpu_name();
@@ -122,9 +124,13 @@ class CpuBackend final : public SolverBackend {
       if (state.data.attachments) state.attachments = input.attachments;
     }
     const ScheduleOptions options = schedule_options(data_, c, frame);
+    if (options.asleep) return;
     run_substeps(cloth, frame, input, options, threads);
     cloth.normals_stale = true;
     if (data_.timings) compute_normals(cloth, threads);
+    if (options.motion) {
+      run({Pass::measure_motion, options.motion_word}, {frame, input, threads, 0, data_.relaxation_steps}, cloth);
+    }
   }
 
   void run_substeps(Cloth& cloth, const FrameInput& frame, const ClothFrame& input, const ScheduleOptions& options,

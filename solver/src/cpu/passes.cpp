@@ -223,6 +223,18 @@ float penetration(const PassContext& context, const ClothState& state) {
                  [&](uint32_t first, uint32_t last) { return penetration_of_pixels(context, state, first, last); });
 }
 
+float longest_way(const PassContext& context, const ClothState& state) {
+  return largest(context.threads, static_cast<uint32_t>(state.pixel_count()), [&](uint32_t first, uint32_t last) {
+    float longest = 0;
+    for (uint32_t i = first; i < last; ++i) {
+      if (state.inverse_mass[i] == 0) continue;
+      const vec3 way = (state.position.at(i) - state.previous.at(i)) + state.carry.at(i);
+      longest = std::max(longest, shader::length3(way));
+    }
+    return longest;
+  });
+}
+
 }  // namespace
 
 void normal_pixels(ClothState& state, uint32_t first, uint32_t last) {
@@ -331,6 +343,9 @@ void run_pass(const PassStep& step, const PassContext& context, ClothState& stat
       return collide(context, state);
     case Pass::check_copies:
       measures.copy_gap = std::max(measures.copy_gap, copy_gap(context, state));
+      return;
+    case Pass::measure_motion:
+      measures.longest_way[step.group] = longest_way(context, state);
       return;
     case Pass::check_colliders:
       measures.penetration = std::max(measures.penetration, penetration(context, state));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "cpu/cloth_state.h"
@@ -15,6 +16,7 @@ inline constexpr uint32_t kRowGrain = 512;     ///< split rows, pins, seam bends
 /// Largest values met by the check passes [m].
 struct Measures {
   float copy_gap = 0, penetration = 0;
+  std::array<float, 2> longest_way{};  ///< in the last substep of even and odd frames
 };
 
 /// Where in the frame a pass runs.

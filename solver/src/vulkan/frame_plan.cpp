@@ -115,13 +115,14 @@ class Planner {
     for (const PassStep& step : schedule) add_step(step, substep);
   }
 
-  FramePlan take() { return std::move(plan_); }
-  FramePlan take_as_tiny() {
+  /// Of all steps so far.
+  void add_tiny_dispatch() {
     plan_.dispatches.push_back({.kind = Dispatch::Kind::tiny,
                                 .tile = {.first = 0, .count = step_count(), .keep_history = 0},
                                 .name = "whole_frame"});
-    return take();
   }
+
+  FramePlan take() { return std::move(plan_); }
 
  private:
   void add_pass(const PassStep& step, uint32_t substep, bool from_scratch) {
@@ -194,6 +195,7 @@ uint32_t tile_side(const TileLimits& limits, uint32_t border) {
 }
 
 FramePlan plan_frame(SolverPath path, const ScheduleOptions& options, uint32_t substeps, const ClothLists& lists) {
+  if (options.asleep) return {};
   Planner planner(options, lists);
   const std::vector<PassStep> substep = substep_schedule(options), end = frame_schedule(options);
   const auto runs_alone = [](const PassStep& step) { return tile_pass(step.pass).has_value(); };
@@ -208,8 +210,11 @@ FramePlan plan_frame(SolverPath path, const ScheduleOptions& options, uint32_t s
     }
   }
   if (path == SolverPath::tiny) {
-    planner.add_all_steps(end, 0);
-    return planner.take_as_tiny();
+    const auto in_group = std::ranges::find_if_not(end, runs_alone);
+    planner.add_all_steps({end.begin(), in_group}, 0);
+    planner.add_tiny_dispatch();
+    planner.add_passes({in_group, end.end()}, 0);
+    return planner.take();
   }
   planner.add_passes(end, 0);
   return planner.take();

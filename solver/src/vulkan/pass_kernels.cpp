@@ -13,6 +13,7 @@
 #include "lib/cell_groups.h"
 #include "lib/spring_groups.h"
 #include "limit_comp.h"
+#include "measure_motion_comp.h"
 #include "normals_comp.h"
 #include "normals_stitch_comp.h"
 #include "pins_comp.h"
@@ -82,6 +83,8 @@ std::span<const uint32_t> spirv(Pass pass) {
       return check_copies_comp;
     case Pass::check_colliders:
       return check_colliders_comp;
+    case Pass::measure_motion:
+      return measure_motion_comp;
   }
   return {};
 }
@@ -182,6 +185,7 @@ void PassKernels::dispatch(const vk::raii::CommandBuffer& commands, const ClothR
     case Pass::self_move:
     case Pass::collide:
     case Pass::check_colliders:
+    case Pass::measure_motion:
       return over_pixels({cloth.width, cloth.height});
     case Pass::seam_bends:
     case Pass::seam_curvature:

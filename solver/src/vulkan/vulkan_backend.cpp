@@ -120,6 +120,9 @@ void VulkanBackend::run_frame(const FrameInput& frame) {
     Slot& slot = *slots_[next_slot_];
     next_slot_ = (next_slot_ + 1) % kSlots;
     finish(slot);
+    for (const ClothResources& cloth : cloths_) {
+      cloth.measures.as<uint32_t>()[shader::kMeasureWay + frame.motion_word] = 0;  // the frame before is over
+    }
     const bool sets_changed = slot.frame.write(frame, cloths_);
     Recipe recipe = recipe_of(frame);
     if (sets_changed || recipe != slot.recipe) {
@@ -252,6 +255,13 @@ void VulkanBackend::replace_topology(uint32_t cloth, ClothData data) {
     data_.cloths[cloth] = std::move(data);
     for (const std::unique_ptr<Slot>& slot : slots_) slot->recipe = {};  // lists have other lengths
     compute_normals({cloth});
+  });
+}
+
+float VulkanBackend::longest_way(uint32_t cloth, uint32_t word) {
+  return guarded("measure how far a cloth moves", [&] {
+    finish(*slots_[next_slot_]);
+    return std::bit_cast<float>(cloths_[cloth].measures.as<uint32_t>()[shader::kMeasureWay + word]);
   });
 }
 

@@ -29,6 +29,7 @@ class VulkanBackend final : public SolverBackend {
   void write_state(uint32_t cloth, std::span<const shader::vec4> position,
                    std::span<const shader::vec4> previous) override;
   void replace_topology(uint32_t cloth, ClothData data) override;
+  float longest_way(uint32_t cloth, uint32_t word) override;
   void fill_statistics(SolverStatistics& statistics) override;
 
   [[nodiscard]] const Context& context() const { return *context_; }

@@ -90,6 +90,8 @@ struct Scene {
   Vec3 gravity{0, -9.81F, 0};
   std::vector<SceneCloth> cloths;
   std::vector<SceneCollider> colliders;
+  float sleep_speed = 0;     ///< [m/s] see SolverSettings
+  float sleep_time = 0.5F;   ///< [s]
   std::optional<Wind> wind;  ///< not set: no air at all; set: the air also brakes cloth when it stands still
 };
 

@@ -37,6 +37,7 @@ struct Wind {
   float frequency = 1;   ///< [1/s] of the slowest gust; > 0
   float drag = 1;        ///< drag coefficient across the cloth; >= 0
   float lift = 0;        ///< lift coefficient; >= 0
+  bool operator==(const Wind&) const = default;
 };
 
 /// Ways to run the passes of a frame, with the same results. A cloth that one of them cannot run goes the plain way.
@@ -62,6 +63,11 @@ struct SolverSettings {
   Vec3 gravity{0, -9.81F, 0};  ///< [m/s^2]
   bool timings = false;        ///< measure every pass (slower)
   SolverPath path = SolverPath::automatic;
+  /// [m/s] A cloth none of whose points has been faster for `sleep_time` is asleep: it stays as it is and costs
+  /// nothing, until a collider, a pin of it or its parent moves, or it is cut, written to, or anything is set to
+  /// another value. Wind keeps cloth awake. 0: never. Speeds are known two frames late.
+  float sleep_speed = 0;
+  float sleep_time = 0.5F;    ///< [s] >= 0
   bool check_copies = false;  ///< measure the copy gap and the penetration after every substep (slower)
 };
 
@@ -82,6 +88,7 @@ struct SolverStatistics {
   uint32_t threads = 1;
   uint64_t particles = 0;          ///< valid pixels
   uint64_t springs = 0;            ///< projected once per relaxation step, all families and seam bends
+  uint32_t asleep = 0;             ///< cloths that the last step left as they were
   uint64_t memory_bytes = 0;       ///< state and constants of all cloths, where the solver runs
   std::vector<PassTiming> passes;  ///< with SolverSettings::timings
   double copy_gap = 0;             ///< [m] largest distance between copies after any substep, with check_copies
@@ -149,6 +156,8 @@ class Solver {
   void write_state(uint32_t cloth, std::span<const Vec3> positions, std::span<const Vec3> velocities);
 
   [[nodiscard]] uint32_t cloth_count() const;
+  /// Whether the last step left the cloth as it was, see SolverSettings::sleep_speed.
+  [[nodiscard]] bool asleep(uint32_t cloth) const;
   [[nodiscard]] SolverStatistics statistics();
   void wait();
 
