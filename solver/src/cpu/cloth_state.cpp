@@ -9,13 +9,13 @@ namespace geocloth::cpu {
 
 ClothState::ClothState(ClothData cloth_data, bool accumulate, bool fine)
     : data(std::move(cloth_data)),
-      position(pixel_count() + kOverhang),
-      previous(pixel_count() + kOverhang),
-      carry(pixel_count() + kOverhang),
-      normal(pixel_count() + kOverhang),
-      offset(fine ? pixel_count() + kOverhang : 0),
-      inverse_mass(pixel_count() + kOverhang),
-      normal_length(pixel_count() + kOverhang) {
+      position(pixel_count() + kOverhang, 0),
+      previous(pixel_count() + kOverhang, 3),
+      carry(pixel_count() + kOverhang, 6),
+      normal(pixel_count() + kOverhang, 9),
+      offset(fine ? pixel_count() + kOverhang : 0, 12),
+      inverse_mass(make_floats(pixel_count() + kOverhang, 15)),
+      normal_length(make_floats(pixel_count() + kOverhang, 16)) {
   for (size_t i = 0; i < pixel_count(); ++i) {
     const shader::vec4& p = data.position[i];
     position.set(i, {p.x, p.y, p.z});

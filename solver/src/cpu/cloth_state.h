@@ -3,6 +3,9 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <new>
+#include <type_traits>
 #include <vector>
 
 #include "backend.h"
@@ -13,11 +16,40 @@ namespace geocloth::cpu {
 /// The longest vectors may reach this many pixels over the end of a row, and leave what is there as it is.
 inline constexpr uint32_t kOverhang = 15;
 
+/// Memory that begins at a cache line: array `slot` at the 5 * slot-th one of its page, because lines at the same place
+/// of all pages share a few places of the cache.
+template <class T>
+struct LineAllocator {
+  using value_type = T;
+  using is_always_equal = std::false_type;
+  static constexpr std::align_val_t kLine{64};
+
+  uint32_t slot = 0;
+
+  LineAllocator() = default;
+  explicit LineAllocator(uint32_t of_slot) : slot(of_slot) {}
+  template <class U>
+  explicit LineAllocator(const LineAllocator<U>& other) : slot(other.slot) {}
+
+  [[nodiscard]] size_t offset() const { return slot * 5 % 64 * 64 / sizeof(T); }
+  T* allocate(size_t count) {
+    return static_cast<T*>(::operator new((count + offset()) * sizeof(T), kLine)) + offset();
+  }
+  void deallocate(T* p, size_t) { ::operator delete(p - offset(), kLine); }
+  bool operator==(const LineAllocator& other) const { return slot == other.slot; }
+};
+using Floats = std::vector<float, LineAllocator<float>>;
+/// Zeros.
+[[nodiscard]] inline Floats make_floats(size_t size, uint32_t slot) {
+  return Floats(size, LineAllocator<float>(slot));
+}
+
 /// Three floats per pixel, one array for each: rows are contiguous, so springs of a row vectorise.
 struct Vec3Array {
-  std::vector<float> x, y, z;
+  Floats x, y, z;
 
-  explicit Vec3Array(size_t size = 0) : x(size), y(size), z(size) {}
+  Vec3Array(size_t size, uint32_t slot)
+      : x(make_floats(size, slot)), y(make_floats(size, slot + 1)), z(make_floats(size, slot + 2)) {}
   [[nodiscard]] shader::vec3 at(size_t i) const { return {x[i], y[i], z[i]}; }
   void set(size_t i, const shader::vec3& v) {
     x[i] = v.x;
@@ -37,8 +69,8 @@ struct ClothState {
 
   ClothData data;  ///< position and springs have moved to the arrays below
   Vec3Array position, previous, carry, normal;
-  Vec3Array offset;                                ///< only with ClothParams::fine
-  std::vector<float> inverse_mass, normal_length;  ///< like the vectors, with kOverhang more than there are pixels
+  Vec3Array offset;                    ///< only with ClothParams::fine
+  Floats inverse_mass, normal_length;  ///< like the vectors, with kOverhang more than there are pixels
   std::array<std::vector<float>, shader::kSpringComponents> rest, compliance;
   std::array<std::vector<float>, shader::kSpringComponents> multiplier;  ///< only with several relaxation steps
   std::vector<float> seam_multiplier;

@@ -39,7 +39,7 @@ struct Run {
 struct RowStream {
   std::vector<uint32_t> row_first;  ///< height + 1 entries: the row's blocks, runs or pins
   std::vector<uint32_t> pixel;      ///< first pixel of a block
-  std::vector<float> constants;
+  Floats constants;
   std::vector<float> multipliers;     ///< of constraints with several relaxation steps, for each lane
   std::vector<int32_t> anchors;       ///< limit: index into the pins for each lane
   std::vector<int32_t> first_anchor;  ///< limit: of a block whose lanes' anchors follow each other, else -1
