@@ -12,6 +12,7 @@
 #include "cpu/passes.h"
 #include "cpu/sweep_runner.h"
 #include "cpu/threads.h"
+#include "cpu/wide_rows.h"
 
 namespace geocloth {
 namespace {
@@ -22,9 +23,12 @@ using PassSeconds = std::array<double, kPasses.size()>;
 
 /// One cloth with what goes with it.
 struct Cloth {
-  Cloth(const ClothData& data, bool accumulate, bool fine) : state(data, accumulate, fine), sweep(state) {}
+  Cloth(const ClothData& data, bool accumulate, bool fine)
+      : rows(data.width), state(rows.widened(data), accumulate, fine), sweep(state) {}
 
+  cpu::WideRows rows;
   cpu::ClothState state;
+  ClothFrame frame;  ///< with wide rows
   cpu::SweepRunner sweep;
   bool normals_stale = true;  ///< the positions have changed since
   cpu::Measures measures;
@@ -58,26 +62,27 @@ class CpuBackend final : public SolverBackend {
   void wait() override {}
 
   void read_positions(uint32_t cloth, std::vector<vec4>& out) override {
-    gather(cloths_[cloth].state, cloths_[cloth].state.position, cloths_[cloth].state.inverse_mass, out);
+    gather(cloth, cloths_[cloth].state.position, cloths_[cloth].state.inverse_mass, out);
   }
   void read_previous(uint32_t cloth, std::vector<vec4>& out) override {
-    gather(cloths_[cloth].state, cloths_[cloth].state.previous, cloths_[cloth].state.inverse_mass, out);
+    gather(cloth, cloths_[cloth].state.previous, cloths_[cloth].state.inverse_mass, out);
   }
   void read_carry(uint32_t cloth, std::vector<vec4>& out) override {
-    gather(cloths_[cloth].state, cloths_[cloth].state.carry, cloths_[cloth].state.inverse_mass, out);
+    gather(cloth, cloths_[cloth].state.carry, cloths_[cloth].state.inverse_mass, out);
   }
   /// Nobody else looks at the normals after a frame, so they are computed when they are asked for.
   void read_normals(uint32_t cloth, std::vector<vec4>& out) override {
     if (cloths_[cloth].normals_stale) compute_normals(cloths_[cloth], threads_);
-    gather(cloths_[cloth].state, cloths_[cloth].state.normal, cloths_[cloth].state.normal_length, out);
+    gather(cloth, cloths_[cloth].state.normal, cloths_[cloth].state.normal_length, out);
   }
 
   void write_state(uint32_t cloth, std::span<const vec4> position, std::span<const vec4> previous) override {
     cpu::ClothState& state = cloths_[cloth].state;
-    for (size_t i = 0; i < state.pixel_count(); ++i) {
-      state.position.set(i, {position[i].x, position[i].y, position[i].z});
-      state.inverse_mass[i] = position[i].w;
-      state.previous.set(i, {previous[i].x, previous[i].y, previous[i].z});
+    for (uint32_t k = 0; k < position.size(); ++k) {
+      const uint32_t i = cloths_[cloth].rows.pixel(k);
+      state.position.set(i, {position[k].x, position[k].y, position[k].z});
+      state.inverse_mass[i] = position[k].w;
+      state.previous.set(i, {previous[k].x, previous[k].y, previous[k].z});
       state.carry.set(i, {0, 0, 0});
       if (data_.fine) state.offset.set(i, {0, 0, 0});
     }
@@ -89,7 +94,7 @@ class CpuBackend final : public SolverBackend {
     data_.cloths[cloth].position = {};
     data_.cloths[cloth].springs = {};
     data_.cloths[cloth].self = {};
-    cloths_[cloth].state.set_topology(std::move(data));
+    cloths_[cloth].state.set_topology(cloths_[cloth].rows.widened(data));
     cloths_[cloth].sweep.forget_plan();
     cloths_[cloth].normals_stale = true;
   }
@@ -118,7 +123,8 @@ class CpuBackend final : public SolverBackend {
   void run_cloth(uint32_t c, const FrameInput& frame, const cpu::Threads& threads) {
     Cloth& cloth = cloths_[c];
     cpu::ClothState& state = cloth.state;
-    const ClothFrame& input = frame.cloths[c];
+    cloth.rows.widen(frame.cloths[c], cloth.frame);
+    const ClothFrame& input = cloth.frame;
     if (input.pins_changed) {
       std::copy(input.inverse_mass.begin(), input.inverse_mass.end(), state.inverse_mass.begin());
       if (state.data.attachments) state.attachments = input.attachments;
@@ -178,10 +184,13 @@ class CpuBackend final : public SolverBackend {
     cloth.normals_stale = false;
   }
 
-  static void gather(const cpu::ClothState& state, const cpu::Vec3Array& xyz, const std::vector<float>& w,
-                     std::vector<vec4>& out) {
-    out.resize(state.pixel_count());
-    for (size_t i = 0; i < out.size(); ++i) out[i] = {xyz.at(i), w[i]};
+  /// One vec4 for each pixel of the asset.
+  void gather(uint32_t cloth, const cpu::Vec3Array& xyz, const cpu::Floats& w, std::vector<vec4>& out) const {
+    out.resize(data_.cloths[cloth].pixel_count());
+    for (uint32_t k = 0; k < out.size(); ++k) {
+      const uint32_t i = cloths_[cloth].rows.pixel(k);
+      out[k] = {xyz.at(i), w[i]};
+    }
   }
 
   SimulationData data_;  ///< positions and springs have moved to the cloths

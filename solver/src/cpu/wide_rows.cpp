@@ -66,6 +66,7 @@ void WideRows::widen(const ClothFrame& frame, ClothFrame& wide) const {
   wide.pins = frame.pins;
   for (shader::PinTarget& pin : wide.pins) pin.pixel.x = pixel(pin.pixel.x);
   wide.collide_cells = frame.collide_cells;
+  wide.asleep = frame.asleep;
   wide.pins_changed = frame.pins_changed;
   if (!frame.pins_changed) return;
   widen<float>(frame.inverse_mass, 0, wide.inverse_mass);
