@@ -11,7 +11,7 @@ void main() {
   SelfSet set = SelfSet(0u);
   SelfRoom room = self_room(params);
   uint pixel = p.y * params.width + p.x;
-  if (pixel == 0u) self_begin(set);
+  if (pixel == 0u) self_begin(set, room);
   uint point = self_words[self_point_word(pixel)];
   if (point == kSelfNone || !self_is_pushed(set, room, point)) return;
   PointState moved = self_pushed(set, room, point, self_state(set, pixel));

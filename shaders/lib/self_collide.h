@@ -91,21 +91,25 @@ inline float self_extent(SelfSet set, uint axis) {
   return extent;
 }
 
-// Whether neighbours have to be looked up.
+// Whether neighbours have to be looked up. Not in two substeps running: what gets into the margin twice as fast is
+// still met on its own side of the other layer.
 inline bool self_is_stale(SelfSet set, SelfRoom room) {
-  if (self_word(set, kSelfFound) == 0u || self_word(set, kSelfHigh) == kSelfNone) return true;
+  uint age = self_word(set, kSelfAge);
+  if (age < kSelfLeastAge) return age == 0u;
+  if (self_word(set, kSelfHigh) == kSelfNone) return true;
   vec3 extent = vec3(self_extent(set, 0u), self_extent(set, 1u), self_extent(set, 2u));
   precise float margin = room.reach - room.distance;
   return length3(extent) > margin;
 }
 
-// Ways count from zero again, as far as neighbours have been looked up; at the end of a substep.
-inline void self_begin(SelfSet set) {
+// Neighbours are a substep older, and ways are measured anew; at the end of a substep.
+inline void self_begin(SelfSet set, SelfRoom room) {
+  uint age = self_is_stale(set, room) ? 0u : self_word(set, kSelfAge);
+  set_self_word(set, kSelfAge, age < kSelfLeastAge ? age + 1u : age);
   for (uint axis = 0u; axis < 3u; ++axis) {
     set_self_word(set, kSelfLow + axis, kSelfNone);
     set_self_word(set, kSelfHigh + axis, 0u);
   }
-  set_self_word(set, kSelfFound, 1u);
 }
 
 struct SelfCell {

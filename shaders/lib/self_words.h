@@ -13,8 +13,10 @@ namespace geocloth::shader {
 // Lowest x, y, z and highest x, y, z of how far points went since the neighbours were looked up; see ordered_bits().
 const uint kSelfLow = 0u;
 const uint kSelfHigh = 3u;
-const uint kSelfFound = 6u;  // 1: they have been looked up
+const uint kSelfAge = 6u;  // substeps since they were looked up, up to kSelfLeastAge; 0: never
 const uint kSelfHeader = 8u;
+
+const uint kSelfLeastAge = 2u;  // they are not looked up again before
 
 const uint kSelfNone = 0xFFFFFFFFu;     // end of a list, no point
 const uint kSelfMostNeighbors = 32u;    // the nearest ones are kept

@@ -46,7 +46,7 @@ TEST_F(VulkanSelfCollisionTest, AFoldOfSeveralCharts) {
 
 TEST_F(VulkanSelfCollisionTest, TilesBetweenThePasses) {
   Play tiles = folding(1, SolverPath::tiled);  // slow on a software device
-  tiles.frames = 13;                           // it touches itself after ten
+  tiles.frames = 13;  // it touches itself after ten
   EXPECT_EQ(expect_same_as_cpu(tiles).statistics.path, "tiled");
   Play tiny = folding(2, SolverPath::tiny);
   tiny.frames = 1;

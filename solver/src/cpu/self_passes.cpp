@@ -12,7 +12,6 @@
 namespace geocloth::cpu {
 namespace {
 
-using shader::kSelfFound;
 using shader::kSelfHigh;
 using shader::kSelfLow;
 using shader::kSelfNone;
@@ -108,7 +107,7 @@ void self_move(const PassContext& context, ClothState& state) {
   const SelfSet set{&state};
   const SelfRoom room = shader::self_room(context.cloth.params);
   for_each(context, static_cast<uint32_t>(state.pixel_count()), [&](uint32_t pixel) {
-    if (pixel == 0) shader::self_begin(set);
+    if (pixel == 0) shader::self_begin(set, room);
     const uint32_t point = self_word(set, shader::self_point_word(pixel));
     if (point == kSelfNone || !shader::self_is_pushed(set, room, point)) return;
     const shader::PointState after = shader::self_pushed(set, room, point, self_state(set, pixel));
