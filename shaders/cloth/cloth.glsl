@@ -62,8 +62,10 @@ uint own_entry() {
 bool is_here(uvec2 pixel) {
   return true;
 }
+// 0: params.fine is kFineOff in every frame, and what it would need is left out.
+layout(constant_id = 1) const uint kMayBeFine = 1u;
 uint fine_mode() {
-  return params.fine;
+  return kMayBeFine != 0u ? params.fine : kFineOff;
 }
 vec4 load_position(uvec2 pixel) {
   return imageLoad(position_image, texel(pixel));
@@ -89,11 +91,11 @@ vec3 load_anchor(uvec2 pixel) {
 
 // What constraints move: a point's position, or its offset (lib/fine.h); w: inverse mass.
 vec4 load_point(uvec2 pixel) {
-  return params.fine != kFineOff ? imageLoad(offset_image, texel(pixel)) : imageLoad(position_image, texel(pixel));
+  return fine_mode() != kFineOff ? imageLoad(offset_image, texel(pixel)) : imageLoad(position_image, texel(pixel));
 }
 
 void store_point(uvec2 pixel, vec3 moved, float mass_inverse) {
-  if (params.fine != kFineOff) {
+  if (fine_mode() != kFineOff) {
     imageStore(offset_image, texel(pixel), vec4(moved, mass_inverse));
   } else {
     imageStore(position_image, texel(pixel), vec4(moved, mass_inverse));
@@ -103,7 +105,7 @@ void store_point(uvec2 pixel, vec3 moved, float mass_inverse) {
 // From one point to another, which were loaded by load_point().
 vec3 way_between(uvec2 pa, vec4 a, uvec2 pb, vec4 b) {
   precise vec3 d = b.xyz - a.xyz;
-  if (params.fine != kFineOff) {
+  if (fine_mode() != kFineOff) {
     d = (imageLoad(previous_image, texel(pb)).xyz - imageLoad(previous_image, texel(pa)).xyz) + d;
   }
   return d;

@@ -12,7 +12,7 @@ float project_spring(uvec2 pa, uvec2 pb, float rest, float compliance, float sha
   precise float scaled = compliance * params.inverse_dt2;
   vec3 d = way_between(pa, a, pb, b);
   SpringMove move;
-  if (params.fine == kFineMomentum) {
+  if (fine_mode() == kFineMomentum) {
     move = spring_move_along(d, first_way_between(pa, pb), a.w, b.w, rest, scaled, share, multiplier);
   } else {
     move = spring_move(d, a.w, b.w, rest, scaled, share, multiplier);

@@ -89,7 +89,7 @@ std::span<const uint32_t> spirv(Pass pass) {
   return {};
 }
 
-/// springs.comp's specialization constant: which family's image it reads.
+/// springs.comp's first specialization constant: which family's image it reads.
 uint32_t family(Pass pass) {
   return pass == Pass::shear ? 1 : pass == Pass::bending ? 2 : 0;
 }
@@ -130,8 +130,9 @@ uint32_t list_count(const ClothResources& cloth, const PassStep& step, uint32_t 
 
 }  // namespace
 
-PassKernels::PassKernels(std::shared_ptr<const Context> context)
+PassKernels::PassKernels(std::shared_ptr<const Context> context, bool may_be_fine)
     : context_(std::move(context)),
+      may_be_fine_(may_be_fine),
       set_layout_(make_set_layout(*context_)),
       pipeline_layout_(make_pipeline_layout(*context_, *set_layout_)),
       inverse_mass_(context_, inverse_mass_comp, *pipeline_layout_) {}
@@ -139,7 +140,7 @@ PassKernels::PassKernels(std::shared_ptr<const Context> context)
 const Kernel& PassKernels::kernel(Pass pass) const {
   std::optional<Kernel>& kernel = kernels_[static_cast<size_t>(pass)];
   if (!kernel) {
-    const std::array<uint32_t, 1> specialization{family(pass)};
+    const std::array<uint32_t, 2> specialization{family(pass), may_be_fine_ ? 1U : 0U};
     kernel.emplace(context_, spirv(pass), *pipeline_layout_, specialization);
   }
   return *kernel;

@@ -17,7 +17,9 @@ namespace geocloth::vulkan {
 /// shared/layout.h) and one block of push constants, so that a pass is a pipeline, constants and a size.
 class PassKernels {
  public:
-  explicit PassKernels(std::shared_ptr<const Context> context);
+  /// @param may_be_fine  ClothParams::fine may be anything but kFineOff: else the passes have no code for it, which a
+  ///                     software device would go through with nothing to do
+  PassKernels(std::shared_ptr<const Context> context, bool may_be_fine);
 
   [[nodiscard]] vk::DescriptorSetLayout set_layout() const { return *set_layout_; }
 
@@ -36,6 +38,7 @@ class PassKernels {
            uint32_t groups_x, uint32_t groups_y) const;
 
   std::shared_ptr<const Context> context_;
+  bool may_be_fine_;
   vk::raii::DescriptorSetLayout set_layout_;
   vk::raii::PipelineLayout pipeline_layout_;
   [[nodiscard]] const Kernel& kernel(Pass pass) const;

@@ -87,7 +87,7 @@ VulkanBackend::Slot::Slot(const std::shared_ptr<const Context>& context, const P
 VulkanBackend::VulkanBackend(std::shared_ptr<const Context> context, SimulationData data)
     : context_(std::move(context)),
       data_(std::move(data)),
-      kernels_(context_),
+      kernels_(context_, data_.fine),
       tile_kernels_(context_, kernels_.set_layout()) {
   const TileLimits limits = tile_limits(*context_);
   cloths_.reserve(data_.cloths.size());
