@@ -2,6 +2,7 @@
 // Projections of springs and bends. Those of a group or a colour share no pixel, so they are written in place.
 #include "../lib/bend.h"
 #include "../lib/bend_groups.h"
+#include "../lib/span.h"
 #include "../lib/spring.h"
 #include "../lib/spring_groups.h"
 
@@ -65,6 +66,28 @@ void spring_at(uint family, uvec2 pa) {
                                : params.share_bending;
   uint slot = component * params.width * params.height + pa.y * params.width + pa.x;
   keep_multiplier(slot, project_spring(pa, pb, rest.x, rest.y, share, multiplier_so_far(slot)));
+}
+
+// The span of the group constants.group that starts at pixel pa; it is there where all its springs are.
+void span_at(uvec2 pa) {
+  bool down = span_component(constants.group) == 1u;
+  uvec2 next = down ? uvec2(0u, 1u) : uvec2(1u, 0u);
+  uvec2 pb = pa + next * kSpanPixels;
+  if (pb.x >= params.width || pb.y >= params.height || !is_here(pb)) return;
+  precise float rest = 0.0f;
+  for (uint i = 0u; i < kSpanPixels; ++i) {
+    vec4 springs = imageLoad(structural_image, texel(pa + next * i));
+    float own = down ? springs.z : springs.x;
+    if (own == 0.0f) return;
+    rest = rest + own;
+  }
+  vec4 a = load_point(pa);
+  vec4 b = load_point(pb);
+  precise float longest = rest * params.stretch_limit;
+  SpanMove move = span_move(way_between(pa, a, pb, b), a.w, b.w, longest);
+  if (!move.pulls) return;
+  store_point(pa, shifted(a.xyz, move.step, a.w), a.w);
+  store_point(pb, shifted(b.xyz, -move.step, b.w), b.w);
 }
 
 // The bend of the group constants.group over three pixels that starts at pixel pa.

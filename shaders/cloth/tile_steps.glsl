@@ -48,6 +48,13 @@ void run_bends() {
   }
 }
 
+void run_spans() {
+  for (uint i = gl_LocalInvocationIndex; i < region_size.x * region_size.y; i += gl_WorkGroupSize.x) {
+    uvec2 p = pixel_of_region(i);
+    if (span_starts(constants.group, p.x, p.y)) span_at(p);
+  }
+}
+
 void run_pixels(uint pass, bool pins_too) {
   for (uint i = gl_LocalInvocationIndex; i < region_size.x * region_size.y; i += gl_WorkGroupSize.x) {
     uvec2 p = pixel_of_region(i);
@@ -112,6 +119,8 @@ void run_steps() {
       run_springs();
     } else if (next.pass == kTileBends) {
       run_bends();
+    } else if (next.pass == kTileSpans) {
+      run_spans();
     } else if (next.pass == kTileNormals || next.pass == kTilePredict || next.pass == kTileLimit ||
                next.pass == kTileCollide || next.pass == kTileCheckColliders) {
       run_pixels(next.pass, next.pins != 0u);

@@ -30,6 +30,7 @@ const uint kTileLimit = 8u;
 const uint kTileCollide = 9u;
 const uint kTileCheckCopies = 10u;
 const uint kTileCheckColliders = 11u;
+const uint kTileSpans = 12u;
 
 // One pass, with what it would get as PassConstants.
 struct TileStep {

@@ -17,6 +17,7 @@ ScheduleOptions schedule_options(const SimulationData& data, uint32_t cloth, con
           .bending = c.bending,
           .fine = data.fine,
           .attachments = c.attachments && !f.pins.empty(),
+          .spans = c.attachments && !f.pins.empty() && !frame.shapes.empty(),
           .self_collision = f.params.self_points > 0,
           .collide = !frame.shapes.empty() || f.params.max_step > 0,
           .collide_cells = f.collide_cells && !frame.shapes.empty(),

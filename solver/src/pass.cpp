@@ -7,6 +7,7 @@
 
 #include "lib/bend_groups.h"
 #include "lib/cell_groups.h"
+#include "lib/span.h"
 #include "shared/layout.h"
 
 namespace geocloth {
@@ -23,13 +24,17 @@ void add_normals(std::vector<PassStep>& steps, const ScheduleOptions& options) {
   if (options.splits) steps.push_back({Pass::normals_stitch});
 }
 
-void add_bending(std::vector<PassStep>& steps, const ScheduleOptions& options, uint32_t relaxation) {
+void add_seam_bends(std::vector<PassStep>& steps, const ScheduleOptions& options, uint32_t relaxation) {
   if (options.bending == Bending::none) return;
   const bool springs = options.bending == Bending::springs;
   for (uint32_t color = 0; color < options.seam_colors; ++color) {
     steps.push_back({springs ? Pass::seam_bends : Pass::seam_curvature, color, relaxation});
   }
-  if (springs) {
+}
+
+void add_bending(std::vector<PassStep>& steps, const ScheduleOptions& options, uint32_t relaxation) {
+  if (options.bending == Bending::none) return;
+  if (options.bending == Bending::springs) {
     add_family(steps, Pass::bending, 2 * kGroupsPerFamily, relaxation);
   } else {
     for (uint32_t g = 0; g < shader::kBendGroups; ++g) steps.push_back({Pass::curvature, g, relaxation});
@@ -39,6 +44,10 @@ void add_bending(std::vector<PassStep>& steps, const ScheduleOptions& options, u
 void add_relaxation(std::vector<PassStep>& steps, const ScheduleOptions& options, uint32_t relaxation) {
   add_family(steps, Pass::shear, kGroupsPerFamily, relaxation);
   if (options.splits) steps.push_back({Pass::stitch, 0, relaxation});
+  add_seam_bends(steps, options, relaxation);
+  if (options.spans) {
+    for (uint32_t g = 0; g < shader::kSpanGroups; ++g) steps.push_back({Pass::spans, g, relaxation});
+  }
   add_bending(steps, options, relaxation);
   add_family(steps, Pass::structural, 0, relaxation);
   if (options.splits) steps.push_back({Pass::stitch, 0, relaxation});

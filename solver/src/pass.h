@@ -22,6 +22,7 @@ enum class Pass : uint8_t {
   seam_bends,       ///< per seam bend, one group for each colour
   curvature,        ///< per bend over three pixels in a row, groups 0..5 of lib/bend_groups.h
   seam_curvature,   ///< per seam bend, one group for each colour
+  spans,            ///< per span of lib/span.h, groups 0..3, only with attachments and colliders
   stitch,           ///< per split row: mass-weighted mean of the copies, written to every copy
   settle,           ///< per pixel: base and offset become the position, only with ClothParams::fine
   limit,            ///< per pixel: long-range attachment; copies are equal before it and so they are after it
@@ -43,7 +44,7 @@ struct PassInfo {
   std::string_view name;
   std::string_view shader;  ///< file in shaders/cloth/
 };
-inline constexpr std::array<PassInfo, 25> kPasses{{
+inline constexpr std::array<PassInfo, 26> kPasses{{
     {Pass::normals, "normals", "normals.comp"},
     {Pass::normals_stitch, "normals_stitch", "normals_stitch.comp"},
     {Pass::rescale, "rescale", "rescale.comp"},
@@ -55,6 +56,7 @@ inline constexpr std::array<PassInfo, 25> kPasses{{
     {Pass::seam_bends, "seam_bends", "seam_bends.comp"},
     {Pass::curvature, "curvature", "curvature.comp"},
     {Pass::seam_curvature, "seam_curvature", "seam_curvature.comp"},
+    {Pass::spans, "spans", "spans.comp"},
     {Pass::stitch, "stitch", "stitch.comp"},
     {Pass::settle, "settle", "settle.comp"},
     {Pass::limit, "limit", "limit.comp"},
@@ -99,6 +101,7 @@ struct ScheduleOptions {
   Bending bending = Bending::none;
   bool fine = false;         ///< constraints act on offsets
   bool attachments = false;  ///< max_stretch > 0 and pins
+  bool spans = false;        ///< attachments, which colliders bend: they pull too late
   bool self_collision = false;
   bool collide = false;        ///< colliders, or max_speed > 0
   bool collide_cells = false;  ///< a collider is so thin or so fast that it may slip through between pixels
@@ -112,8 +115,8 @@ struct ScheduleOptions {
 };
 
 /// The passes of one substep in their order:
-///   [rescale] [normals] predict pins { shear, stitch, bending or curvature, over seams first, structural, stitch } x
-///   relaxation [settle] limit [self_drift .. self_move] [collide_cells stitch] collide [check]
+///   [rescale] [normals] predict pins { shear, stitch, bends over seams, [spans], bending or curvature, structural,
+///   stitch } x relaxation [settle] limit [self_drift .. self_move] [collide_cells stitch] collide [check]
 [[nodiscard]] std::vector<PassStep> substep_schedule(const ScheduleOptions& options);
 
 /// The passes after the last substep of a frame: normals [measure_motion].

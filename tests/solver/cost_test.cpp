@@ -39,7 +39,7 @@ class Recorder final : public SolverBackend {
 };
 
 /// A cloth hung by its first row, behind a ball.
-BackendScene make_scene(const test::SheetOptions& sheet, const Material& material) {
+BackendScene make_scene(const test::SheetOptions& sheet, const Material& material, bool collider = true) {
   const ClothDesc cloth = test::describe(test::make_sheet(sheet), material);
   SolverSettings settings;
   settings.substeps = 6;
@@ -49,7 +49,8 @@ BackendScene make_scene(const test::SheetOptions& sheet, const Material& materia
     return std::make_unique<Recorder>(scene.frame);
   });
   solver.set_pins(0, test::pins_at_rest(*cloth.asset, "top"));
-  solver.set_colliders(std::vector<Collider>{{"ball", Sphere{{0, 0, 0.1F}, 0.15F}, 0.3F, {}}}, true);
+  const Collider ball{"ball", Sphere{{0, 0, 0.1F}, 0.15F}, 0.3F, {}};
+  if (collider) solver.set_colliders(std::vector{ball}, true);
   solver.step();
   return scene;
 }
@@ -117,10 +118,10 @@ TEST(Cost, ASubstepOfUncutClothGoesThroughMemoryOnce) {
   EXPECT_EQ(plan->parts().size(), 1U);
   EXPECT_EQ(sweeps_of(*plan), 1U);
   // Position, previous and carry both ways and the mass: 76 bytes. Four springs of 8 bytes and two bends of 12, an
-  // attachment of 8: 64 bytes. What blocks at the rows' ends add stays below a tenth.
+  // attachment of 8, two spans of 8: 80 bytes. What blocks at the rows' ends add stays below a tenth.
   const double per_pixel = static_cast<double>(plan->bytes_per_substep()) / (256 * 256);
-  EXPECT_GT(per_pixel, 0.98 * (76 + 64));
-  EXPECT_LT(per_pixel, 1.1 * (76 + 64));
+  EXPECT_GT(per_pixel, 0.98 * (76 + 80));
+  EXPECT_LT(per_pixel, 1.1 * (76 + 80));
 }
 
 TEST(Cost, SeamsPartASubstepIntoThreeSweeps) {
@@ -149,6 +150,8 @@ double image_bytes_per_pixel(const PassStep& step) {
       return 0.5 * 5 * kTexel;  // half the pixels: two ends both ways, rest data
     case Pass::curvature:
       return (1.0 / 3) * 9 * kTexel;  // a third: three points both ways, rest data of three
+    case Pass::spans:
+      return 0.5 * 12 * kTexel;  // half the pixels: two ends both ways, rest data of eight
     case Pass::limit:
       return 3 * kTexel + sizeof(shader::Attachment);
     case Pass::collide:
@@ -166,15 +169,15 @@ TEST(Cost, ThePlainPathIsOneDispatchForEachGroup) {
     for (const PassStep& step : steps) bytes += image_bytes_per_pixel(step);
     return std::pair{steps.size(), bytes};
   };
-  // predict, pins, 4 structural, 4 shear, 6 curvature, limit, collide.
-  EXPECT_EQ(count(attached(), 1).first, 18U);
-  EXPECT_NEAR(count(attached(), 1).second, 856, 1);
+  // predict, pins, 4 shear, 4 spans, 6 curvature, 4 structural, limit, collide.
+  EXPECT_EQ(count(attached(), 1).first, 22U);
+  EXPECT_NEAR(count(attached(), 1).second, 856 + 384, 1);
   Material springs = attached();
   springs.stiffness = springs.bend_stiffness = 1;
-  EXPECT_EQ(count(springs, 1).first, 16U);
+  EXPECT_EQ(count(springs, 1).first, 20U);
   // Two stitches and the colours of the bends over the seam.
   const BackendScene cut = make_scene({.nx = 64, .ny = 64, .charts_x = 2}, attached());
-  EXPECT_EQ(count(attached(), 2).first, 18U + 2 + cut.data.cloths.front().seam_colors());
+  EXPECT_EQ(count(attached(), 2).first, 22U + 2 + cut.data.cloths.front().seam_colors());
 }
 
 /// Of a dispatch, counting what its invocations load and store in images and lists of constants. A tile reads its
@@ -225,16 +228,19 @@ constexpr vulkan::TileLimits kGpu{
     .shared_bytes = 49152, .invocations = 1024, .subgroup = 32, .descriptors = true, .software = false};
 
 TEST(Cost, TilesAreTwoDispatchesForASubstepAndHalfTheBytes) {
-  const BackendScene uncut = make_scene({.nx = 64, .ny = 64}, attached());
+  const BackendScene uncut = make_scene({.nx = 64, .ny = 64}, attached(), false);
   const Cost plain = cost_of_substep(uncut, SolverPath::plain, kGpu);
   const Cost tiled = cost_of_substep(uncut, SolverPath::tiled, kGpu);
-  EXPECT_EQ(plain.dispatches, 18U);
+  EXPECT_EQ(plain.dispatches, 17U);
   EXPECT_EQ(tiled.dispatches, 2U);
   EXPECT_LT(tiled.bytes_per_pixel, 0.55 * plain.bytes_per_pixel);
+  // Spans, which come with colliders, reach too far for a tile.
+  const BackendScene on_ball = make_scene({.nx = 64, .ny = 64}, attached());
+  EXPECT_EQ(cost_of_substep(on_ball, SolverPath::tiled, kGpu).dispatches, 2U + 4U);
   // Seams: stitches, the colours of the bends over them, attachments and colliders by themselves.
   const BackendScene cut = make_scene({.nx = 64, .ny = 64, .charts_x = 2}, attached());
   const size_t colors = cut.data.cloths.front().seam_colors();
-  EXPECT_EQ(cost_of_substep(cut, SolverPath::tiled, kGpu).dispatches, 2 + 2 + 2 + colors);
+  EXPECT_EQ(cost_of_substep(cut, SolverPath::tiled, kGpu).dispatches, 2 + 4 + 2 + 2 + colors);
 }
 
 TEST(Cost, ATinyClothIsOneDispatchForAFrame) {

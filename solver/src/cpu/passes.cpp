@@ -10,6 +10,7 @@
 #include "cpu/collider_set.h"
 #include "cpu/curvature.h"
 #include "cpu/self_passes.h"
+#include "cpu/spans.h"
 #include "cpu/springs.h"
 #include "lib/cell_groups.h"
 #include "lib/collide_cell.h"
@@ -319,6 +320,8 @@ void run_pass(const PassStep& step, const PassContext& context, ClothState& stat
       return curvature(context, state, step);
     case Pass::seam_curvature:
       return seam_curvature(context, state, step);
+    case Pass::spans:
+      return spans(context, state, step);
     case Pass::stitch:
       return stitch(context, state);
     case Pass::settle:

@@ -9,6 +9,7 @@
 
 #include "cpu/cloth_state.h"
 #include "cpu/passes.h"
+#include "lib/span.h"
 
 namespace geocloth::cpu {
 
@@ -23,10 +24,14 @@ enum class RowKernel : uint8_t {
   springs_along_two,  ///< blocks over two of four columns and the next two: rest, inverse, compliance
   bends_across,       ///< blocks: rest, inverse, chord, compliance
   bends_along,        ///< blocks over every third column and the next two: rest, inverse, chord, compliance
+  spans,              ///< blocks of kSpanLanes at most: longest, inverse
   limit,              ///< blocks: longest; anchors
   collide,            ///< runs
   check_colliders     ///< runs
 };
+
+/// Springs over so many pixels share none when no more of them than that lie next to each other.
+inline constexpr uint32_t kSpanLanes = shader::kSpanPixels;
 
 /// Neighbouring pixels, first <= i < last.
 struct Run {

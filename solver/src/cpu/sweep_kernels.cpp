@@ -64,6 +64,9 @@ HWY_INLINE void run_row(D d, const SweepFrame& frame, const SweepOp& op, uint32_
     case RowKernel::bends_along:
       several ? bends_along<true>(d, op, state, first, last) : bends_along<false>(d, op, state, first, last);
       break;
+    case RowKernel::spans:
+      spans(hn::CappedTag<float, HWY_MIN(kSpanLanes, hn::MaxLanes(D()))>(), op, state, first, last);
+      break;
     case RowKernel::limit:
       limit(d, op, state, frame.anchors + size_t{3} * frame.anchor_count * substep, frame.anchor_count, first, last);
       break;

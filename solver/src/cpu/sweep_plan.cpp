@@ -14,6 +14,7 @@
 #include <optional>
 #include <utility>
 
+#include "cpu/spans.h"
 #include "cpu/springs.h"
 #include "lib/bend.h"
 #include "lib/bend_groups.h"
@@ -121,6 +122,8 @@ class SweepPlanner {
         return {0, (op.offset + 1) / width_};  // down-left: width - 1
       case RowKernel::bends_across:
         return {0, 2};
+      case RowKernel::spans:
+        return {0, op.offset / width_};
       default:
         return gives_back(op.kernel) ? Reach{0, 1} : Reach{};
     }
@@ -150,6 +153,8 @@ class SweepPlanner {
         return relaxed(step, &SweepPlanner::springs);
       case Pass::curvature:
         return relaxed(step, &SweepPlanner::bends);
+      case Pass::spans:
+        return spans(step.group);
       case Pass::limit:
         return limit();
       default:
@@ -325,6 +330,41 @@ class SweepPlanner {
     const float wb = state_.inverse_mass[a + 2 * size_t{offset}];
     const float w = wa * back * back + wm * 1.F + wb * chord * chord;
     return {state_.rest[component][a], 1.F / (w + compliance), chord};
+  }
+
+  SweepOp spans(uint32_t group) {
+    const uint32_t component = shader::span_component(group), lanes = std::min(lanes_, kSpanLanes);
+    const bool along = component == 0;
+    const uint32_t offset = shader::kSpanPixels * (along ? 1 : width_);
+    const uint32_t end = width_ - (along ? shader::kSpanPixels : 0);
+    const BlockShape shape{RowKernel::spans, lanes, 1, 0, 0, end, end};
+    RowStream& stream = new_stream();
+    for (uint32_t y = 0; y < height_; ++y) {
+      stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
+      if (!along && y + shader::kSpanPixels >= height_) continue;
+      const auto length_of = [&](uint32_t x) {
+        const size_t a = size_t{y} * width_ + x;
+        const bool moves = state_.inverse_mass[a] + state_.inverse_mass[a + offset] > 0;
+        return shader::span_starts(group, x, y) && moves ? span_length(state_, component, a) : 0.F;
+      };
+      cover_row(
+          shape, y, [&](uint32_t x) { return length_of(x) > 0; },
+          [&](uint32_t first) {
+            stream.pixel.push_back(first);
+            stream.constants.resize(stream.constants.size() + lanes, std::numeric_limits<float>::infinity());
+            stream.constants.resize(stream.constants.size() + lanes, 0.F);
+          },
+          [&](uint32_t lane, uint32_t x) {
+            const float length = length_of(x);
+            if (!(length > 0)) return;
+            const size_t a = size_t{y} * width_ + x;
+            float* block = &stream.constants[stream.constants.size() - 2 * size_t{lanes}];
+            block[lane] = length * cloth_.params.stretch_limit;
+            block[lanes + lane] = 1.F / (state_.inverse_mass[a] + state_.inverse_mass[a + offset]);
+          });
+    }
+    stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
+    return {.kernel = RowKernel::spans, .offset = offset, .stream = &stream};
   }
 
   /// Anchors stay where the pins put them during a substep, so they need not be looked up in the image.

@@ -35,6 +35,8 @@ std::optional<uint32_t> tile_pass(Pass pass) {
       return shader::kTileBends;
     case Pass::seam_curvature:
       return shader::kTileSeamCurvature;
+    case Pass::spans:
+      return shader::kTileSpans;
     case Pass::stitch:
       return shader::kTileStitch;
     case Pass::limit:
@@ -73,7 +75,8 @@ Way way_of(const PassStep& step) {
   }
 }
 
-/// Passes that only need points near their own, before and after the stitch of the shear springs.
+/// Passes that only need points near their own, before and after the stitch of the shear springs and the spans, which
+/// reach too far for a tile.
 bool is_in_first_tile(Pass pass) {
   return pass == Pass::predict || pass == Pass::pins || pass == Pass::shear;
 }

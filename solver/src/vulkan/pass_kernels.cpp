@@ -11,6 +11,7 @@
 #include "inverse_mass_comp.h"
 #include "lib/bend_groups.h"
 #include "lib/cell_groups.h"
+#include "lib/span.h"
 #include "lib/spring_groups.h"
 #include "limit_comp.h"
 #include "measure_motion_comp.h"
@@ -29,6 +30,7 @@
 #include "self_push_comp.h"
 #include "settle_comp.h"
 #include "shared/workgroup.h"
+#include "spans_comp.h"
 #include "springs_comp.h"
 #include "stitch_comp.h"
 
@@ -57,6 +59,8 @@ std::span<const uint32_t> spirv(Pass pass) {
       return curvature_comp;
     case Pass::seam_curvature:
       return seam_curvature_comp;
+    case Pass::spans:
+      return spans_comp;
     case Pass::stitch:
       return stitch_comp;
     case Pass::settle:
@@ -174,6 +178,8 @@ void PassKernels::dispatch(const vk::raii::CommandBuffer& commands, const ClothR
     case Pass::shear:
     case Pass::bending:
       return over_pixels(shader::group_extent(step.group, cloth.width, cloth.height));
+    case Pass::spans:
+      return over_pixels(shader::span_extent(step.group, cloth.width, cloth.height));
     case Pass::collide_cells:
       return over_pixels(shader::cell_extent(cloth.width, cloth.height));
     case Pass::curvature:

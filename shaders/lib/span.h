@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+// A span is what lies between a pixel and the one eight further on: its ends stay within its length. An attachment is
+// slack where a collider lies between a point and its pin, and there the structural springs carry all of the weight; a
+// spring over n pixels is n^2 times as stiff as they are for the same work, so one level of the pyramid of long springs
+// (Mueller 2008, "Hierarchical Position Based Dynamics") takes most of it. It only pulls, so folds are free, and its
+// ends are points of the cloth like all others, so that nothing is gained that was not there.
+#ifndef GEOCLOTH_LIB_SPAN_H
+#define GEOCLOTH_LIB_SPAN_H
+
+#include "vector.h"
+
+#ifdef __cplusplus
+namespace geocloth::shader {
+#endif
+
+const uint kSpanPixels = 8u;
+const uint kSpanGroups = 4u;  // 0, 1 to the right from columns with floor(x / 8) even, odd; 2, 3 down, by rows
+
+// Component of the structural springs that a group's spans are made of.
+inline uint span_component(uint group) {
+  return group / 2u;
+}
+
+// A span of the group may start at (x, y).
+inline bool span_starts(uint group, uint x, uint y) {
+  return (span_component(group) == 0u ? x : y) / kSpanPixels % 2u == group % 2u;
+}
+
+// Invocations (i, j) of a group over an image.
+inline uvec2 span_extent(uint group, uint width, uint height) {
+  bool right = span_component(group) == 0u;
+  uint lines = kSpanPixels * (((right ? width : height) + 2u * kSpanPixels - 1u) / (2u * kSpanPixels));
+  return uvec2(right ? lines : width, right ? height : lines);
+}
+
+// Pixel of invocation (i, j); it may lie outside the image.
+inline uvec2 span_pixel(uint group, uint i, uint j) {
+  bool right = span_component(group) == 0u;
+  uint n = right ? i : j;
+  uint line = 2u * kSpanPixels * (n / kSpanPixels) + n % kSpanPixels + kSpanPixels * (group % 2u);
+  return uvec2(right ? line : i, right ? j : line);
+}
+
+// The end a moves by step * wa, the end b by -step * wb.
+struct SpanMove {
+  bool pulls;
+  vec3 step;
+};
+
+// @param d       [m] from a to b
+// @param wa, wb  inverse masses [1/kg]
+inline SpanMove span_move(vec3 d, float wa, float wb, float longest) {
+  precise float l = length3(d);
+  precise float w = wa + wb;
+  bool pulls = l > longest && w > 0.0f;
+  precise float change = (l - longest) * (1.0f / (pulls ? w : 1.0f));
+  precise vec3 step = d * (change * (1.0f / (pulls ? l : 1.0f)));
+  SpanMove r;
+  r.pulls = pulls;
+  r.step = step;
+  return r;
+}
+
+#ifdef __cplusplus
+}  // namespace geocloth::shader
+#endif
+
+#endif

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// Spans on the cpu: shaders/cloth/spans.comp.
+
+#include "cpu/spans.h"
+
+#include <algorithm>
+
+#include "cpu/line.h"
+#include "lib/span.h"
+
+namespace geocloth::cpu {
+
+float span_length(const ClothState& state, uint32_t component, size_t pixel) {
+  const size_t next = component == 0 ? 1 : state.data.width;
+  float length = 0;
+  for (uint32_t i = 0; i < shader::kSpanPixels; ++i) {
+    const float own = state.rest[component][pixel + i * next];
+    if (own == 0) return 0;
+    length = length + own;
+  }
+  return length;
+}
+
+void spans(const PassContext& context, ClothState& state, const PassStep& step) {
+  const shader::ClothParams& params = context.cloth.params;
+  const uint32_t component = shader::span_component(step.group), width = state.data.width, height = state.data.height;
+  const uint32_t reach_x = component == 0 ? shader::kSpanPixels : 0, reach_y = shader::kSpanPixels - reach_x;
+  if (width <= reach_x || height <= reach_y) return;
+  const auto pull = [&](size_t pixel, auto mode) {
+    const float length = span_length(state, component, pixel);
+    if (!(length > 0)) return;
+    const PointLine a(state, pixel, params.fine), b(state, pixel + reach_x + size_t{reach_y} * width, params.fine);
+    const float wa = *a.inverse_mass, wb = *b.inverse_mass;
+    const shader::SpanMove move = shader::span_move(way_between(a, b, 0, mode), wa, wb, length * params.stretch_limit);
+    if (!move.pulls) return;
+    a.move(0, move.step, wa);
+    b.move(0, -move.step, wb);
+  };
+  context.threads.for_range(height - reach_y, std::max(1U, kPixelGrain / width), [&](uint32_t first, uint32_t last) {
+    with_fine(params.fine, [&](auto mode) {
+      for (uint32_t y = first; y < last; ++y)
+        for (uint32_t x = 0; x < width - reach_x; ++x)
+          if (shader::span_starts(step.group, x, y)) pull(size_t{y} * width + x, mode);
+    });
+  });
+}
+
+}  // namespace geocloth::cpu
