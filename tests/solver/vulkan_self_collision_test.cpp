@@ -44,9 +44,23 @@ TEST_F(VulkanSelfCollisionTest, AFoldOfSeveralCharts) {
   expect_same_as_cpu(folding(2));
 }
 
+/// A cut parts the copies of a seam: there are more points afterwards.
+TEST_F(VulkanSelfCollisionTest, AFoldThatIsCutAlongItsSeam) {
+  Play scene = folding(2);
+  scene.frames = 16;
+  scene.before_frame = [fall = scene.before_frame](Solver& solver, uint32_t frame) {
+    fall(solver, frame);
+    if (frame == 2) {
+      const CutResult cut = solver.cut(0, {Vec3{-1, 0.13F, -1}, Vec3{1, 0.13F, -1}, Vec3{0, 0.13F, 2}});
+      EXPECT_GT(cut.springs, 0U);
+    }
+  };
+  expect_same_as_cpu(scene);
+}
+
 TEST_F(VulkanSelfCollisionTest, TilesBetweenThePasses) {
   Play tiles = folding(1, SolverPath::tiled);  // slow on a software device
-  tiles.frames = 13;  // it touches itself after ten
+  tiles.frames = 13;                           // it touches itself after ten
   EXPECT_EQ(expect_same_as_cpu(tiles).statistics.path, "tiled");
   Play tiny = folding(2, SolverPath::tiny);
   tiny.frames = 1;
