@@ -2,6 +2,7 @@
 #pragma once
 
 #include "geocloth/parametrize/cut.h"
+#include "part_panels.h"
 
 namespace geocloth {
 
@@ -18,6 +19,7 @@ struct DevelopOptions {
   double cut_price = 0.025;          ///< least fall of the energy per length / sqrt(area) that a cut must bring
   double least_cut = 0;              ///< [m] shorter extensions are not made
   uint32_t max_cuts_per_chart = 40;  ///< bound on extensions and splits of one part
+  PartingOptions parting{};          ///< of charts that waste room in the image
   bool straight_cuts = true;         ///< cuts leave the mesh's edges where that shortens them
 };
 

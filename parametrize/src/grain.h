@@ -12,6 +12,21 @@ struct Grain {
 };
 [[nodiscard]] Grain grain_of(const Chart& chart);
 
+/// What triangles add to the upward direction of what they make up. All but the area are times the area.
+struct GrainSum {
+  double area = 0;         ///< in the plane
+  Point2 doubled{0, 0};    ///< the upward direction, its angle doubled, times slope
+  Point2 mean{0, 0};       ///< the same as it is
+  Point2 moment{0, 0};     ///< place
+  Point3 square{0, 0, 0};  ///< xx, xy and yy of the place
+
+  void add(const GrainSum& other, double times = 1);
+};
+[[nodiscard]] GrainSum grain_of_triangle(const Chart& chart, const Triangle& triangle);
+
+/// The direction that turn_upright() turns up.
+[[nodiscard]] Point2 upward(const GrainSum& sum);
+
 /// Turns the chart so that the surface's upward direction (+y in space) is up in the plane. Parts that hang head down
 /// are right as well: the thread has no head. The long side of a level chart is up, and that of a slender one (ribbons
 /// and trims, whose thread runs along them).

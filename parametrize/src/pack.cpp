@@ -22,10 +22,11 @@ namespace {
 
 constexpr double kMostBlocks = 1U << 18U;   // [blocks] an atlas is packed in blocks of pixels beyond this size
 constexpr uint64_t kMostWork = 30'000'000;  // [words looked at] no further arrangement is tried beyond
-constexpr double kLopsided = 0.05;          // what a lopsided atlas costs, per longer / shorter side - 1
-constexpr double kTurnPays = 0.97;          // half turns must bring the cost down to this share
+constexpr double kLopsided = 0.02;          // what a lopsided atlas costs, per longer / shorter side - 1
+constexpr double kTurnPays = 0.995;         // half turns must bring the cost down to this share
 constexpr double kWidthStep = 1.02;         // between widths tried
 constexpr int kNarrower = 20, kWider = 35;  // steps from the square root of the area
+constexpr int kQuickStride = 3;             // steps of the width, where speed matters more
 constexpr size_t kMostTries = 4000, kTriesPerPair = 40;  // few shapes have been through everything soon
 constexpr double kThreshold = 0.03;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -181,11 +182,23 @@ class Packer {
     }
   }
 
+  Packing pack_quickly() {
+    std::vector<std::vector<uint32_t>> order = orders();
+    order.resize(2);
+    for (const std::vector<uint32_t>& o : order) {
+      for (const uint32_t width : widths(kQuickStride)) {
+        Arrangement arrangement{o, {}, width};
+        try_arrangement(arrangement, best_cost_);
+      }
+    }
+    return best_;
+  }
+
   Packing pack() {
     const std::vector<uint8_t> all_upright(shape_.size(), 0);
     for (const std::vector<uint8_t>& turned : {all_upright, std::vector<uint8_t>{}}) {
       for (const std::vector<uint32_t>& order : orders()) {
-        for (const uint32_t width : widths()) {
+        for (const uint32_t width : widths(1)) {
           Arrangement arrangement{order, turned, width};
           if (!std::isfinite(best_cost_) || work_ < kMostWork / 2) try_arrangement(arrangement, best_cost_);
         }
@@ -201,7 +214,7 @@ class Packer {
   [[nodiscard]] uint32_t least_width() const { return widest_ / block_ + 1; }
 
   /// [blocks] the likeliest first, each once.
-  [[nodiscard]] std::vector<uint32_t> widths() const {
+  [[nodiscard]] std::vector<uint32_t> widths(int stride) const {
     std::vector<uint32_t> result;
     const double side = std::sqrt(blocks_);
     const auto add = [&](int steps) {
@@ -209,8 +222,8 @@ class Packer {
       const uint32_t width = std::max(wanted, least_width());
       if (std::find(result.begin(), result.end(), width) == result.end()) result.push_back(width);
     };
-    for (int steps = 1; steps <= kWider; ++steps) add(steps);
-    for (int steps = 0; steps >= -kNarrower; --steps) add(steps);
+    for (int steps = 1; steps <= kWider; steps += stride) add(steps);
+    for (int steps = 0; steps >= -kNarrower; steps -= stride) add(steps);
     return result;
   }
 
@@ -339,8 +352,8 @@ ChartShape chart_shape(const FlatChart& chart) {
   return shape;
 }
 
-Packing pack_shapes(std::span<const ChartShape> shape) {
-  return Packer(shape).pack();
+Packing pack_shapes(std::span<const ChartShape> shape, PackEffort effort) {
+  return effort == PackEffort::quick ? Packer(shape).pack_quickly() : Packer(shape).pack();
 }
 
 void pack_charts(FlatSurface& flat) {

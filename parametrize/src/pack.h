@@ -31,11 +31,14 @@ struct Packing {
   std::vector<uint8_t> turned;                  ///< per chart: non-zero when it lies turned by half a turn
 };
 
+/// How long to look for a good packing; `quick` is for comparing sets of shapes with each other.
+enum class PackEffort : uint8_t { quick, thorough };
+
 /// Packs shapes into a small and not too lopsided atlas: pixels of different shapes never are 8-neighbours, and a shape
 /// may lie in the hollow of another. Shapes are not mirrored and, so that the grain stays along v, turned by half a
 /// turn at most, and only where that saves a few per cent of the atlas. Deterministic.
 /// @throws Error(limit) when the atlas would exceed kMaxImageSide
-[[nodiscard]] Packing pack_shapes(std::span<const ChartShape> shape);
+[[nodiscard]] Packing pack_shapes(std::span<const ChartShape> shape, PackEffort effort = PackEffort::thorough);
 
 /// Packs the charts of a flat surface: sets its size and the charts' corners, and turns charts with their vertices.
 /// @param flat  complete but for width, height and the charts' corners

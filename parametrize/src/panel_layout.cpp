@@ -303,6 +303,7 @@ double rough_spacing(const CutSurface& cut, const FlattenOptions& options) {
 FlatSurface lay_out_panels(const CutSurface& cut, const FlattenOptions& options, const Progress& progress) {
   DevelopOptions develop_options;
   develop_options.least_cut = kLeastCut * rough_spacing(cut, options);
+  develop_options.parting.pixel = rough_spacing(cut, options);
   develop_options.straight_cuts = options.straight_cuts;
   return lay_out_developed(develop(cut, develop_options, progress), options, progress);
 }

@@ -52,6 +52,7 @@ Sheet find_sheet(const CutSurface& cut) {
   for (const uint32_t p : point) ++copies[p];
   for (const uint32_t p : point) sheet.tied.push_back(copies[p] > 1 ? 1 : 0);
   tie_ends_of_tied_edges(cut, point, sheet);
+  sheet.pinned.assign(point.size(), 0);
   return sheet;
 }
 
@@ -77,6 +78,9 @@ std::pair<RefinedMesh, CutLines> sewn_together(const CutSurface& cut, const Shee
   mesh.leaving.assign(mesh.position.size(), kNone);
   CutLines lines{std::vector<char>(mesh.opposite.size(), 0), std::vector<char>(mesh.opposite.size(), 0),
                  std::vector<char>(sheet.tied.begin(), sheet.tied.end())};
+  for (size_t v = 0; v < sheet.pinned.size(); ++v) {
+    if (sheet.pinned[v] != 0) lines.node[v] = 1;
+  }
   for (size_t i = 0; i < charts.size(); ++i) {
     const Chart& c = charts[i];
     for (uint32_t h = 0; h < c.opposite.size(); ++h) {

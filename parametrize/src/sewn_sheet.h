@@ -14,6 +14,7 @@ struct Sheet {
   std::vector<uint32_t> of_vertex;  ///< per vertex of the cut surface: its sheet vertex
   std::vector<uint8_t>
       tied;  ///< per sheet vertex: its point has other sheet vertices, so that it must stay on outlines
+  std::vector<uint8_t> pinned;  ///< per sheet vertex: seams that end there do so for a reason and stay
 };
 [[nodiscard]] Sheet find_sheet(const CutSurface& cut);
 

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Charts that spread wide leave half of the image empty: memory that every frame of a game reads for nothing. They are
+// parted where that helps, and only as far as seams and borders allow.
+#include "part_panels.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "chart_overlap.h"
+#include "develop.h"
+#include "grain.h"
+#include "parametrize/clean_surfaces.h"
+
+namespace geocloth {
+namespace {
+
+constexpr double kPi = 3.14159265358979;
+
+/// A wide skirt laid flat: a ring's sector that hangs in the plane z = 0.
+CleanSurface fan(double angle) {
+  CleanSurface sheet = test::disk(61, 13);
+  for (Point3& p : sheet.position) {
+    const double a = angle * (p[0] - 0.5), r = 1.5 - p[1];
+    p = {r * std::sin(a), -r * std::cos(a), 0};
+  }
+  return sheet;
+}
+
+struct Laid {
+  CutSurface cut;
+  Sheet sheet;
+  std::vector<Chart> charts;
+};
+
+Laid laid_flat(const CleanSurface& surface) {
+  Laid laid;
+  laid.cut = cut_to_disks(surface);
+  laid.sheet = find_sheet(laid.cut);
+  for (std::vector<uint32_t>& t : triangles_of_components(laid.cut)) {
+    laid.charts.push_back(extract_chart(laid.cut, std::move(t)));
+    for (const Point3& p : laid.charts.back().position) laid.charts.back().uv.push_back({p[0], p[1]});
+  }
+  return laid;
+}
+
+double area_of(const std::vector<Chart>& charts) {
+  double area = 0;
+  for (const Chart& c : charts) area += total_area(c);
+  return area;
+}
+
+TEST(PartPanels, NoClothOfAWideSkirtIsLost) {
+  Laid laid = laid_flat(fan(0.9 * kPi));
+  const double area = area_of(laid.charts);
+  const PartingOptions options{.pixel = std::sqrt(area) / 128};
+  ASSERT_TRUE(part_panels(laid.charts, laid.sheet, options));
+  EXPECT_GT(laid.charts.size(), 1U);
+  EXPECT_NEAR(area_of(laid.charts), area, 1e-9 * area) << "cloth was lost or doubled";
+  for (Chart& c : laid.charts) {
+    turn_upright(c);
+    EXPECT_FALSE(crossing_edges(c, outline_loop(c)));
+  }
+}
+
+TEST(PartPanels, ARectangleStaysWhole) {
+  Laid laid = laid_flat(test::disk(30, 20, 1.5, 1));
+  EXPECT_FALSE(part_panels(laid.charts, laid.sheet, {.pixel = std::sqrt(1.5) / 128}));
+  EXPECT_EQ(laid.charts.size(), 1U);
+}
+
+TEST(PartPanels, KeepsToItsBudgetsOfBorderAndSeam) {
+  const Laid laid = laid_flat(fan(0.9 * kPi));
+  const double pixel = std::sqrt(area_of(laid.charts)) / 128;
+  const auto is_parted = [&](const PartingOptions& options) {
+    Laid copy = laid;
+    return part_panels(copy.charts, copy.sheet, options);
+  };
+  EXPECT_TRUE(is_parted({.pixel = pixel}));
+  EXPECT_FALSE(is_parted({.pixel = 4 * pixel})) << "an image of 32 x 32 has no pixels to spare for more border";
+  EXPECT_FALSE(is_parted({.pixel = pixel, .most_seam = 0.2}));
+  EXPECT_FALSE(is_parted({.pixel = 0})) << "who asks for no packing gets none";
+}
+
+TEST(PartPanels, DoesNotDependOnTheUnit) {
+  CleanSurface metres = fan(0.8 * kPi), millimetres = metres;
+  for (Point3& p : millimetres.position) p = {1000 * p[0], 1000 * p[1], 1000 * p[2]};
+  Laid a = laid_flat(metres), b = laid_flat(millimetres);
+  const double pixel = std::sqrt(area_of(a.charts)) / 128;
+  part_panels(a.charts, a.sheet, {.pixel = pixel});
+  part_panels(b.charts, b.sheet, {.pixel = 1000 * pixel});
+  ASSERT_EQ(a.charts.size(), b.charts.size());
+  for (size_t i = 0; i < a.charts.size(); ++i) EXPECT_EQ(a.charts[i].global_triangle, b.charts[i].global_triangle);
+}
+
+/// The new seams end where they were chosen: if they slid to where they are shortest, the pieces would be others.
+TEST(PartPanels, AWideSkirtFillsTheImageBetter) {
+  const CleanSurface skirt = fan(0.9 * kPi);
+  const CutSurface cut = cut_to_disks(skirt);
+  const Laid laid = laid_flat(skirt);
+  DevelopOptions options;
+  const DevelopedSurface whole = develop(cut, options);
+  options.parting.pixel = std::sqrt(area_of(laid.charts)) / 128;
+  const DevelopedSurface parted = develop(cut, options);
+  EXPECT_EQ(whole.cut.component_count, 1U);
+  EXPECT_GT(parted.cut.component_count, 1U);
+  std::vector<Chart> charts;
+  for (std::vector<uint32_t>& t : triangles_of_components(parted.cut)) {
+    Chart c = extract_chart(parted.cut, std::move(t));
+    for (const uint32_t v : c.cut_vertex) c.uv.push_back(parted.uv[v]);
+    charts.push_back(std::move(c));
+  }
+  EXPECT_NEAR(area_of(charts), area_of(laid.charts), 1e-9);
+  EXPECT_GT(estimated_utilisation(charts, options.parting.pixel),
+            estimated_utilisation(laid.charts, options.parting.pixel) + 0.05);
+  for (const double e : parted.energy) EXPECT_LT(e, 4.001) << "a flat skirt in pieces is flat";
+}
+
+}  // namespace
+}  // namespace geocloth
