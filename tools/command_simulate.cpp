@@ -78,6 +78,7 @@ void read_frames(Simulation& simulation, std::vector<ClothSnapshot>& frames) {
   frames.resize(solver.cloth_count());
   for (uint32_t i = 0; i < solver.cloth_count(); ++i) {
     const ClothAsset& asset = *simulation.cloths()[i].asset;
+    frames[i].asset = simulation.cloths()[i].asset;
     solver.read_positions(i, frames[i].position);
     solver.read_normals(i, frames[i].normal);
     if (const uint64_t count = count_non_finite(asset, frames[i].position); count > 0) {

@@ -115,6 +115,7 @@ std::string SimulationRecorder::report(Simulation& simulation, std::span<const C
       {"substeps", scene.substeps},
       {"particles", statistics.particles},
       {"springs", statistics.springs},
+      {"asleep", statistics.asleep},
       {"ms_per_frame", {{"median", percentile(milliseconds, 0.5)}, {"p95", percentile(milliseconds, 0.95)}}},
       {"passes_ms", passes},
       {"springs_per_second", total_seconds > 0 ? projections / total_seconds : 0},

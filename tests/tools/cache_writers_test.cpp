@@ -238,6 +238,59 @@ TEST_F(CacheWriters, AnimatedGltfGivesBackEveryFrame) {
   }
 }
 
+/// The cloth without the last face of its first part and the parts after it.
+std::shared_ptr<const ClothAsset> opened(const ClothAsset& asset) {
+  ClothAsset cut = asset;
+  cut.source.part.resize(1);
+  cut.source.part[0].triangle_count = asset.source.part[0].triangle_count - 1;
+  cut.source.triangle.resize(cut.source.part[0].triangle_count);
+  return std::make_shared<const ClothAsset>(std::move(cut));
+}
+
+TEST_F(CacheWriters, FacesThatACutOpensVanishInThatFrame) {
+  const CacheDescription description{{sample()}, 30, 4};
+  const ClothAsset& asset = *description.cloths[0];
+  const std::shared_ptr<const ClothAsset> cut = opened(asset);
+  for (const char* name : {"a.glb", "a.obj"}) {
+    const auto writer = make_cache_writer(folder_ / name, description);
+    for (uint32_t frame = 0; frame <= 4; ++frame) {
+      ClothSnapshot state = waving_frame(asset, frame);
+      if (frame >= 3) state.asset = cut;  // cut when two frames were done
+      writer->add(std::span(&state, 1));
+    }
+    writer->finish();
+    writer->commit();
+  }
+  const auto data = bytes("a.glb");
+  const glb::Container file = glb::parse(data, "a.glb");
+  ASSERT_EQ(file.json["meshes"].size(), 2U);
+  const auto corners = [&](std::size_t mesh) {
+    std::size_t count = 0;
+    for (const auto& primitive : file.json["meshes"][mesh]["primitives"])
+      count += file.json["accessors"][primitive["indices"].get<std::size_t>()]["count"].get<std::size_t>();
+    return count;
+  };
+  EXPECT_EQ(corners(0), 3 * (asset.source.triangle.size() - cut->source.triangle.size()));
+  EXPECT_EQ(corners(1), 3 * cut->source.triangle.size());
+  const auto& animation = file.json["animations"][0];
+  ASSERT_EQ(animation["channels"].size(), 3U);
+  EXPECT_EQ(animation["channels"][1]["target"]["path"], "scale");
+  EXPECT_EQ(animation["channels"][1]["target"]["node"], 0);
+  const auto& sampler = animation["samplers"][animation["channels"][1]["sampler"].get<std::size_t>()];
+  EXPECT_EQ(sampler["interpolation"], "STEP");
+  EXPECT_EQ(vec3_accessor(file, sampler["output"]), (std::vector<Vec3>{{1, 1, 1}, {0, 0, 0}}));
+  EXPECT_FLOAT_EQ(file.json["accessors"][sampler["input"].get<std::size_t>()]["max"][0].get<float>(), 2 / 30.0F);
+
+  const auto faces = [&](const char* name) {
+    const std::string text = test::read_text(folder_ / name);
+    std::size_t count = 0;
+    for (std::size_t i = text.find("\nf "); i != std::string::npos; i = text.find("\nf ", i + 1)) ++count;
+    return count;
+  };
+  EXPECT_EQ(faces("a_0002.obj"), asset.source.triangle.size());
+  EXPECT_EQ(faces("a_0003.obj"), cut->source.triangle.size());
+}
+
 TEST_F(CacheWriters, SameFramesSameBytes) {
   for (const char* ending : {"glb", "obj", "pc2", "mdd", "exr"}) {
     write((std::string("a.") + ending).c_str(), {{sample()}, 60, 2});

@@ -236,6 +236,8 @@ Cache decode_gltf_cache(std::span<const std::byte> bytes, const std::string& nam
   std::vector<std::optional<SourceMaterial>> materials(all.begin(), all.end());
   Cache cache;
   for (const Json& json : reader.array(reader.root(), "meshes")) {
+    const Json* extras = Reader::find(json, "extras");
+    if (extras != nullptr && Reader::find(*extras, glb::kOpenFrom) != nullptr) continue;  // shares another's vertices
     MeshReader mesh(reader, materials);
     for (const Json& primitive : reader.array(json, "primitives")) mesh.add_primitive(primitive);
     if (mesh.frames.empty()) reader.refuse("a mesh has no primitives");

@@ -13,8 +13,10 @@ namespace geocloth {
 
 /// An animated .glb as `simulate` writes it.
 struct Cache {
-  std::vector<SourceMesh> cloths;  ///< at frame 0; one part per primitive, materials and images of each cloth its own
-  double frame_rate = 60;          ///< [1/s]; 60 when there is no animation
+  /// At frame 0, without the faces that a cut opens; one part per primitive, materials and images of each cloth its
+  /// own.
+  std::vector<SourceMesh> cloths;
+  double frame_rate = 60;                              ///< [1/s]; 60 when there is no animation
   std::vector<std::vector<std::vector<Vec3>>> frames;  ///< [frame][cloth][render vertex], frame 0 first [m]
 };
 

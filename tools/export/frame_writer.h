@@ -13,9 +13,10 @@ namespace geocloth {
 
 /// The state of one cloth at one frame, read back once for all writers that need it.
 struct ClothSnapshot {
-  std::vector<Vec3> position;         ///< [m] one per pixel
-  std::vector<Vec3> normal;           ///< one per pixel
-  std::vector<Vec3> source_position;  ///< [m] one per render vertex of the source mesh (evaluate_binding)
+  std::shared_ptr<const ClothAsset> asset;  ///< as cuts have left it; null: as it was in the first frame
+  std::vector<Vec3> position;               ///< [m] one per pixel
+  std::vector<Vec3> normal;                 ///< one per pixel
+  std::vector<Vec3> source_position;        ///< [m] one per render vertex of the source mesh (evaluate_binding)
 };
 
 /// One output of a simulation, fed frame by frame. Nothing stands under a final name before commit(); a writer that is

@@ -2,9 +2,12 @@
 // Animated glTF binary. A vertex cache becomes morph targets: frame 0 is the mesh, frame k its k-th target (deltas of
 // positions and normals), and one animation turns weight k up to 1 at frame k and down again, linearly, which gives
 // back every frame exactly and the line between two frames in between. three.js and Blender (as shape keys) play it.
-// Deltas go to a scratch file frame by frame; only the JSON waits in memory.
+// Deltas go to a scratch file frame by frame; only the JSON waits in memory. Faces that a cut opens are a mesh of their
+// own over the same vertices, whose node is scaled to nothing when the cut comes.
 #include <algorithm>
+#include <set>
 #include <string>
+#include <utility>
 
 #include "export/cache_writers.h"
 #include "geocloth/asset/error.h"
@@ -27,7 +30,9 @@ constexpr uint32_t kMaxFrames = 4096;
 /// each vertex and each of its targets once.
 class ClothNode {
  public:
-  ClothNode(const ClothAsset& asset, bool with_normals) : asset_(asset), with_normals_(with_normals) {
+  ClothNode(std::shared_ptr<const ClothAsset> cloth, bool with_normals)
+      : cloth_(std::move(cloth)), with_normals_(with_normals) {
+    const ClothAsset& asset = *cloth_;
     std::vector<uint32_t> local(asset.source.position.size());
     for (const SourcePart& part : asset.source.part) {
       Run& run = runs_.emplace_back();
@@ -39,7 +44,10 @@ class ClothNode {
       order_.erase(std::unique(begin, order_.end()), order_.end());
       run.count = static_cast<uint32_t>(order_.size()) - run.first;
       for (uint32_t i = 0; i < run.count; ++i) local[order_[run.first + i]] = i;
-      for (const Triangle& t : triangles) run.triangle.push_back({local[t[0]], local[t[1]], local[t[2]]});
+      for (const Triangle& t : triangles) {
+        run.triangle.push_back({local[t[0]], local[t[1]], local[t[2]]});
+        run.open_from.push_back(kNever);
+      }
       run.material = part.material;
       run.name = part.name;
     }
@@ -54,20 +62,19 @@ class ClothNode {
       first_normal_ = pick(normals_of(frame));
       normals = add_runs(builder, first_normal_);
     }
-    if (!asset_.source.uv.empty()) uvs = add_runs(builder, pick(asset_.source.uv));
-    const uint32_t first_material = builder.add_materials(asset_.source);
+    if (!cloth_->source.uv.empty()) uvs = add_runs(builder, pick(cloth_->source.uv));
+    const uint32_t first_material = builder.add_materials(cloth_->source);
     for (std::size_t i = 0; i < runs_.size(); ++i) {
       Json primitive = {{"attributes", {{"POSITION", positions[i]}}}, {"material", first_material + runs_[i].material}};
       if (!runs_[i].name.empty()) primitive["extras"] = {{"name", runs_[i].name}};
       if (with_normals_) primitive["attributes"]["NORMAL"] = normals[i];
       if (!uvs.empty()) primitive["attributes"]["TEXCOORD_0"] = uvs[i];
-      const uint32_t indices = builder.add_index_view(runs_[i].triangle, runs_[i].count);
-      primitive["indices"] = builder.add_index_accessor(indices, 0, runs_[i].triangle.size(), runs_[i].count);
       primitives_.push_back(std::move(primitive));
     }
   }
 
-  void add_target(glb::Builder& builder, const ClothSnapshot& frame) {
+  void add_target(glb::Builder& builder, const ClothSnapshot& frame, uint32_t number) {
+    if (frame.asset && frame.asset != cloth_) follow_cut(frame.asset, number - 1);
     const auto positions = add_runs(builder, difference(pick(frame.source_position), first_position_));
     std::vector<uint32_t> normals;
     if (with_normals_) normals = add_runs(builder, difference(pick(normals_of(frame)), first_normal_));
@@ -78,25 +85,67 @@ class ClothNode {
     }
   }
 
-  /// The mesh, once all frames are in.
-  [[nodiscard]] Json mesh(const std::vector<std::string>& target_names) const {
-    Json json = {{"name", asset_.name}, {"primitives", primitives_}};
+  /// Frames in which cuts come, kNever for what stays.
+  [[nodiscard]] std::set<uint32_t> groups() const {
+    std::set<uint32_t> frames;
+    for (const Run& run : runs_) frames.insert(run.open_from.begin(), run.open_from.end());
+    return frames;
+  }
+
+  /// The mesh of the faces that a cut opens in this frame (kNever: of those that stay), once all frames are in.
+  [[nodiscard]] Json mesh(glb::Builder& builder, uint32_t open_from,
+                          const std::vector<std::string>& target_names) const {
+    Json json = {{"name", cloth_->name}, {"primitives", Json::array()}};
+    for (std::size_t i = 0; i < runs_.size(); ++i) {
+      std::vector<Triangle> triangles;
+      for (std::size_t t = 0; t < runs_[i].triangle.size(); ++t) {
+        if (runs_[i].open_from[t] == open_from) triangles.push_back(runs_[i].triangle[t]);
+      }
+      if (triangles.empty()) continue;
+      const uint32_t indices = builder.add_index_view(triangles, runs_[i].count);
+      Json& primitive = json["primitives"].emplace_back(primitives_[i]);
+      primitive["indices"] = builder.add_index_accessor(indices, 0, triangles.size(), runs_[i].count);
+    }
     if (!target_names.empty()) {
       json["weights"] = std::vector<int>(target_names.size(), 0);
       json["extras"] = {{"targetNames", target_names}};  // what Blender calls the shape keys
     }
+    if (open_from != kNever) json["extras"][glb::kOpenFrom] = open_from;
     return json;
   }
 
-  [[nodiscard]] const std::string& name() const { return asset_.name; }
+  [[nodiscard]] const std::string& name() const { return cloth_->name; }
+
+  static constexpr uint32_t kNever = 0xFFFFFFFFU;
 
  private:
   struct Run {
     uint32_t first = 0, count = 0;  ///< in order_
     std::vector<Triangle> triangle;
+    std::vector<uint32_t> open_from;  ///< frame in which a cut opens each of them
     uint32_t material = 0;
     std::string name;
   };
+
+  /// The faces of the cut cloth are those of the old one in the same order, without some.
+  void follow_cut(const std::shared_ptr<const ClothAsset>& cut, uint32_t frame) {
+    auto kept = cut->source.triangle.begin();
+    for (Run& run : runs_) {
+      for (std::size_t t = 0; t < run.triangle.size(); ++t) {
+        if (run.open_from[t] != kNever) continue;
+        const Triangle& local = run.triangle[t];
+        const Triangle corners{order_[run.first + local[0]], order_[run.first + local[1]],
+                               order_[run.first + local[2]]};
+        if (kept != cut->source.triangle.end() && *kept == corners) {
+          ++kept;
+        } else {
+          run.open_from[t] = frame;
+        }
+      }
+    }
+    cloth_ = cut;
+    if (with_normals_) bound_normals_ = bind_normals(*cut);
+  }
 
   template <class T>
   [[nodiscard]] std::vector<T> pick(const std::vector<T>& values) const {
@@ -113,7 +162,7 @@ class ClothNode {
 
   [[nodiscard]] std::vector<Vec3> normals_of(const ClothSnapshot& frame) const {
     std::vector<Vec3> normals;
-    evaluate_bound_normals(asset_, bound_normals_, frame.position, frame.normal, normals);
+    evaluate_bound_normals(*cloth_, bound_normals_, frame.position, frame.normal, normals);
     return normals;
   }
 
@@ -129,7 +178,7 @@ class ClothNode {
     return accessors;
   }
 
-  const ClothAsset& asset_;
+  std::shared_ptr<const ClothAsset> cloth_;  ///< as the last cut left it
   bool with_normals_;
   std::vector<uint32_t> order_;  ///< render vertices, run by run
   std::vector<Run> runs_;
@@ -158,7 +207,7 @@ class GltfWriter final : public CacheWriter {
   GltfWriter(const std::filesystem::path& path, const CacheDescription& description)
       : description_(checked(description, path)), file_(path), scratch_(path), builder_(&scratch_) {
     const bool with_normals = motion_bytes(description_) <= kMaxNormalBytes;
-    for (const auto& cloth : description_.cloths) nodes_.emplace_back(*cloth, with_normals);
+    for (const auto& cloth : description_.cloths) nodes_.emplace_back(cloth, with_normals);
   }
 
   void add(std::span<const ClothSnapshot> cloths) override {
@@ -167,7 +216,7 @@ class GltfWriter final : public CacheWriter {
       if (frame == 0) {
         nodes_[i].add_first_frame(builder_, cloths[i]);
       } else {
-        nodes_[i].add_target(builder_, cloths[i]);
+        nodes_[i].add_target(builder_, cloths[i], frame);
       }
     }
     if (frame > 0) target_names_.push_back("frame " + std::to_string(frame));
@@ -176,12 +225,18 @@ class GltfWriter final : public CacheWriter {
   void finish() override {
     Json& root = builder_.root;
     root["scenes"] = Json::array({{{"nodes", Json::array()}}});
-    for (std::size_t i = 0; i < nodes_.size(); ++i) {
-      root["meshes"].push_back(nodes_[i].mesh(target_names_));
-      root["nodes"].push_back({{"name", nodes_[i].name()}, {"mesh", i}});
-      root["scenes"][0]["nodes"].push_back(i);
+    std::vector<uint32_t> open_from;  // of each node of the file
+    for (const ClothNode& cloth : nodes_) {
+      for (const uint32_t group : cloth.groups()) {
+        const std::size_t node = open_from.size();
+        const std::string part = group == ClothNode::kNever ? "" : " until cut in frame " + std::to_string(group);
+        root["meshes"].push_back(cloth.mesh(builder_, group, target_names_));
+        root["nodes"].push_back({{"name", cloth.name() + part}, {"mesh", node}});
+        root["scenes"][0]["nodes"].push_back(node);
+        open_from.push_back(group);
+      }
     }
-    if (!target_names_.empty()) root["animations"] = Json::array({animation()});
+    if (!target_names_.empty()) root["animations"] = Json::array({animation(open_from)});
     builder_.write(file_);
     file_.close();
   }
@@ -189,7 +244,8 @@ class GltfWriter final : public CacheWriter {
 
  private:
   /// Weight k is 1 at frame k and 0 at all others: a matrix of frames x targets, shared by all cloths.
-  Json animation() {
+  /// @param open_from  of each node, the frame in which a cut opens it
+  Json animation(const std::vector<uint32_t>& open_from) {
     const std::size_t targets = target_names_.size();
     std::vector<float> times, weights(targets * (targets + 1), 0.0F);
     for (std::size_t frame = 0; frame <= targets; ++frame) {
@@ -201,10 +257,25 @@ class GltfWriter final : public CacheWriter {
     Json json = {{"name", "simulation"},
                  {"samplers", Json::array({{{"input", input}, {"output", output}, {"interpolation", "LINEAR"}}})},
                  {"channels", Json::array()}};
-    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    for (std::size_t i = 0; i < open_from.size(); ++i) {
       json["channels"].push_back({{"sampler", 0}, {"target", {{"node", i}, {"path", "weights"}}}});
+      if (open_from[i] != ClothNode::kNever) vanish(json, i, open_from[i]);
     }
     return json;
+  }
+
+  /// A node is there until a frame, and of no size from then on.
+  void vanish(Json& animation, std::size_t node, uint32_t frame) {
+    std::vector<float> times{0};
+    std::vector<Vec3> scales{{1, 1, 1}};
+    if (frame > 0) times.push_back(static_cast<float>(frame / description_.frame_rate));
+    if (frame > 0) scales.emplace_back();
+    if (frame == 0) scales.front() = {};
+    const uint32_t input = builder_.add_accessor(std::span<const float>(times), builder_.add_array(times));
+    const uint32_t output = builder_.add_accessor(std::span<const Vec3>(scales), builder_.add_array(scales));
+    animation["channels"].push_back(
+        {{"sampler", animation["samplers"].size()}, {"target", {{"node", node}, {"path", "scale"}}}});
+    animation["samplers"].push_back({{"input", input}, {"output", output}, {"interpolation", "STEP"}});
   }
 
   CacheDescription description_;

@@ -55,17 +55,13 @@ class ObjWriter final : public CacheWriter {
   ObjWriter(std::filesystem::path path, const CacheDescription& description)
       : path_(std::move(path)), description_(description) {
     check_series_path(path_);
-    std::size_t first_point = 0, first_uv = 0;
-    for (const auto& cloth : description_.cloths) {
-      constant_.push_back(constant_text(*cloth, first_point, first_uv));
-      first_point += cloth->source.source_vertex_count;
-      first_uv += cloth->source.uv.size();
-    }
+    write_constant_text();
   }
 
   void add(std::span<const ClothSnapshot> cloths) override {
     const uint32_t frame = frame_++;
     if (!is_numbered_frame(frame, description_)) return;
+    follow_cuts(cloths);
     OutputFile& file = series_.open(numbered_path(path_, frame));
     for (std::size_t i = 0; i < cloths.size(); ++i) {
       const ClothAsset& asset = *description_.cloths[i];
@@ -83,6 +79,27 @@ class ObjWriter final : public CacheWriter {
   void commit() override { series_.commit(); }
 
  private:
+  void write_constant_text() {
+    constant_.clear();
+    std::size_t first_point = 0, first_uv = 0;
+    for (const auto& cloth : description_.cloths) {
+      constant_.push_back(constant_text(*cloth, first_point, first_uv));
+      first_point += cloth->source.source_vertex_count;
+      first_uv += cloth->source.uv.size();
+    }
+  }
+
+  /// Faces that a cut has opened are missing from then on; points stay, and so do their numbers.
+  void follow_cuts(std::span<const ClothSnapshot> cloths) {
+    bool cut = false;
+    for (std::size_t i = 0; i < cloths.size(); ++i) {
+      if (!cloths[i].asset || cloths[i].asset == description_.cloths[i]) continue;
+      description_.cloths[i] = cloths[i].asset;
+      cut = true;
+    }
+    if (cut) write_constant_text();
+  }
+
   std::filesystem::path path_;
   CacheDescription description_;
   std::vector<std::string> constant_;

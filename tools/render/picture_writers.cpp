@@ -35,7 +35,10 @@ Vec3 middle(Simulation& simulation) {
 class PictureWriter : public FrameWriter {
  public:
   PictureWriter(Simulation& simulation, const RenderOptions& options)
-      : PictureWriter(simulation, stage_simulation(simulation), options) {}
+      : options_(options),
+        stage_(stage_simulation(simulation)),
+        renderer_(stage_, options_, &simulation.solver()),
+        start_(stage_.follow ? middle(simulation) : Vec3{}) {}
 
   [[nodiscard]] bool needs_cloth_snapshots() const final { return !renderer_.draws_from_solver(); }
 
@@ -44,18 +47,28 @@ class PictureWriter : public FrameWriter {
     std::vector<ClothState> states;
     states.reserve(cloths.size());
     for (const ClothSnapshot& cloth : cloths) states.push_back({cloth.position, cloth.normal});
-    if (follow_) renderer_.follow(middle(simulation) - start_);
+    follow_cuts(simulation);
+    if (stage_.follow) renderer_.follow(middle(simulation) - start_);
     return renderer_.render(simulation.colliders(), states);
   }
 
  private:
-  PictureWriter(Simulation& simulation, const RenderScene& stage, const RenderOptions& options)
-      : renderer_(stage, options, &simulation.solver()),
-        follow_(stage.follow),
-        start_(follow_ ? middle(simulation) : Vec3{}) {}
+  /// A cloth that was cut has other faces to draw.
+  void follow_cuts(Simulation& simulation) {
+    bool cut = false;
+    for (size_t c = 0; c < stage_.cloths.size(); ++c) {
+      RenderCloth& cloth = stage_.cloths[c];
+      const std::shared_ptr<const ClothAsset>& asset = simulation.cloths()[c].asset;
+      if (cloth.asset == asset) continue;
+      cloth = make_render_cloth(asset, cloth.scale);
+      cut = true;
+    }
+    if (cut) renderer_ = Renderer(stage_, options_, &simulation.solver());
+  }
 
+  RenderOptions options_;
+  RenderScene stage_;
   Renderer renderer_;
-  bool follow_;
   Vec3 start_;  ///< middle of the garments in the first state [m]
 };
 
