@@ -1,14 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // geocloth bench: measures the solver on scenes of its own, in every size and number of substeps that is asked for.
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <thread>
+#include <tuple>
 #include <vector>
 
 #include <fmt/format.h>
+#include <hwy/targets.h>
 
 #include "bench/bench_report.h"
 #include "bench/bench_run.h"
@@ -34,9 +40,13 @@ struct Options {
   std::string device, scene;
   uint32_t threads = 0, size = 0, substeps = 0;  ///< 0: not given
   SolverPath path = SolverPath::automatic;
+  int64_t vectors = 0;  ///< widest ones that the cpu may use, of Highway's targets; 0: any
   bool quick = false, json = false, quiet = false;
   std::vector<std::filesystem::path> compare;
 };
+
+/// Scene, size, substeps, backend: what stretch follows from. Threads change no bit.
+using StretchCase = std::tuple<std::string_view, uint32_t, uint32_t, Backend>;
 
 struct Case {
   const BenchSceneKind* kind;
@@ -82,12 +92,19 @@ std::vector<Case> cases_of(const Options& options) {
   return cases;
 }
 
+/// Highway numbers better instruction sets lower.
+void use_vectors(int64_t widest) {
+  if (widest != 0) hwy::DisableTargets(widest - 1);
+}
+
 /// Lines appear as they are measured; with --json nothing but the JSON.
 void measure(const Options& options) {
+  use_vectors(options.vectors);
   const MachineInfo machine = measure_machine();
   const std::vector<Case> cases = cases_of(options);
   if (!options.json) fmt::print("{}\n{}\n", describe(machine), bench_table_head());
   std::vector<BenchResult> results;
+  std::map<StretchCase, StretchStatistics> stretches;
   BenchScene scene;
   ProgressDisplay progress("bench", options.quiet || !options.json);
   for (size_t i = 0; i < cases.size(); ++i) {
@@ -100,8 +117,12 @@ void measure(const Options& options) {
     settings.threads = c.threads;
     settings.substeps = c.substeps;
     settings.path = options.path;
-    results.push_back(
-        run_bench(std::string(c.kind->name), scene, settings, options.quick ? kQuickBudget : kFullBudget));
+    settings.frame_time = scene.frame_time;
+    const StretchCase same{c.kind->name, c.size, c.substeps, c.backend};
+    const auto known = stretches.find(same);
+    results.push_back(run_bench(std::string(c.kind->name), scene, settings, options.quick ? kQuickBudget : kFullBudget,
+                                known == stretches.end() ? std::nullopt : std::optional(known->second)));
+    stretches[same] = results.back().stretch;
     if (options.json) continue;
     fmt::print("{}\n", bench_table_line(results.back()));
     std::fflush(stdout);
@@ -128,6 +149,8 @@ CommandRun add_bench(CLI::App& app) {
        {"tiny", SolverPath::tiny}},
       "how the passes run, with the same results: plain one by one; tiled and tiny several at once in "
       "a GPU's shared memory, where the cloth fits; auto the fastest");
+  add_choice<int64_t>(app, "--vectors", options->vectors, {{"any", 0}, {"avx2", HWY_AVX2}, {"sse4", HWY_SSE4}},
+                      "the best instruction set that the cpu backend may use, to compare with machines that have less");
   add_number<uint32_t>(app, "--size", "N", options->size, kMinSize, kMaxSize, "points",
                        "side of the sheets; a garment has about N x N points", "the scene's own sizes");
   add_number<uint32_t>(app, "--substeps", "N", options->substeps, 1, kMaxSubsteps, "substeps", "of a frame",

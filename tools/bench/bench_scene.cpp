@@ -76,14 +76,16 @@ BenchScene make_swing(uint32_t size) {
   return {{cloth}, {hold_group(cloth, "top")}, {{"ball", ball, 0.3F, {}}}};
 }
 
-/// Zeller's cloth: structural and shear springs that are projected fully, one relaxation step, two corners held.
+/// Zeller's work in a frame: structural and shear springs that are projected fully, in one relaxation step. That
+/// carries 100 rows only when frames are short: with 1 ms the sheet is a quarter longer at the most, with 1/60 s twenty
+/// times as long.
 BenchScene make_zeller(uint32_t size) {
   Material material;
   material.stiffness = 1;
   material.verlet_damping = 0.99F;
   material.bend_warp = material.bend_weft = 0;
   const ClothDesc cloth{make_sheet(size, false), material, {}};
-  return {{cloth}, {hold_group(cloth, "corners")}, {}};
+  return {{cloth}, {hold_group(cloth, "top")}, {}, 1e-3};
 }
 
 /// Many small cloths in one solver.
@@ -153,7 +155,13 @@ const std::vector<BenchSceneKind>& bench_scene_kinds() {
        {1, 4, 8, 16, 30},
        {8},
        make_swing},
-      {"zeller", "structural and shear springs, one substep", {64, 100, 256}, {100}, {1}, {1}, make_zeller},
+      {"zeller",
+       "structural and shear springs, one substep in frames of 1 ms",
+       {64, 100, 256},
+       {100},
+       {1},
+       {1},
+       make_zeller},
       {"crowd", "32 sheets in one solver", {32, 64}, {32}, {8}, {8}, make_crowd},
       {"garment", "a T-shirt of two panels", {64, 128, 256}, {64}, {4, 8, 16}, {8}, make_garment},
   };

@@ -16,6 +16,7 @@ struct BenchScene {
   std::vector<ClothDesc> cloths;
   std::vector<std::vector<Pin>> pins;  ///< of each cloth
   std::vector<Collider> colliders;
+  double frame_time = 1.0 / 60;  ///< [s]
 };
 
 /// A scene that can be made in any size.
