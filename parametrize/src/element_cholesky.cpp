@@ -111,19 +111,23 @@ struct ElementCholesky::Impl {
     return f.own + static_cast<uint32_t>(found - f.boundary.begin());
   }
 
-  /// Where the scalars of a front are: from the first row of a column on down.
+  /// A front's columns: those of the factor, then those of what is left, which have no rows of own unknowns.
   struct Columns {
-    double *own, *rest;  // of the factor, of what is left
+    struct Column {
+      double* value;
+      size_t first_row;
+      double& operator[](size_t row) const { return value[row - first_row]; }
+    };
+    double *own, *rest;
     size_t own_count, rows;
     Columns(Front& f, MatrixXd& update)
         : own(f.factor.data()),
           rest(update.data()),
           own_count(static_cast<size_t>(f.factor.cols())),
           rows(static_cast<size_t>(f.factor.rows())) {}
-    /// @returns what, indexed by rows of the front, is the column
-    [[nodiscard]] double* operator[](size_t column) const {
-      if (column < own_count) return own + column * rows;
-      return rest + (column - own_count) * (rows - own_count) - own_count;
+    Column operator[](size_t column) const {
+      if (column < own_count) return {own + column * rows, 0};
+      return {rest + (column - own_count) * (rows - own_count), own_count};
     }
   };
 
@@ -153,7 +157,7 @@ struct ElementCholesky::Impl {
       const std::vector<uint32_t>& place = f.child_place[i];
       const double* value = left[i].data();
       for (size_t column = 0; column < place.size() * kWidth; ++column) {
-        double* into = columns[place[column / kWidth] * kWidth + column % kWidth];
+        const Columns::Column into = columns[place[column / kWidth] * kWidth + column % kWidth];
         const size_t b = column / kWidth;
         // The lower half of a block on the diagonal would do, but its upper half does no harm.
         for (size_t a = b; a < place.size(); ++a) {
