@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <benchmark/benchmark.h>
+#include <hwy/targets.h>
 
 #include "geocloth/solver/solver.h"
 #include "support/make_sheet.h"
@@ -24,6 +25,9 @@ constexpr float kSpacing = 0.01F;  // [m]
 struct Setup {
   uint32_t size = 100, substeps = 8, threads = 1, charts = 1;
   bool plain = false, curvature = false, attached = true, ball = false, wind = false, swing = false, bends = true;
+  uint32_t relaxation_steps = 1;
+  bool momentum = false, cells = false, parent = false;  ///< cells: triangles meet colliders too
+  bool avx2 = false;                                     ///< no better vectors than these
 };
 
 Solver make_solver(const Setup& setup, SolverStatistics& statistics) {
@@ -47,6 +51,8 @@ Solver make_solver(const Setup& setup, SolverStatistics& statistics) {
   settings.backend = Backend::cpu;
   settings.substeps = setup.substeps;
   settings.threads = setup.threads;
+  settings.relaxation_steps = setup.relaxation_steps;
+  settings.keep_momentum = setup.momentum;
   if (setup.plain) settings.path = SolverPath::plain;
   Solver solver(std::vector<ClothDesc>{{asset, material, {}}}, settings);
   std::vector<Pin> pins;
@@ -55,21 +61,30 @@ Solver make_solver(const Setup& setup, SolverStatistics& statistics) {
     pins.push_back({pixel, asset->rest_position[pixel]});
   }
   solver.set_pins(0, pins);
-  if (setup.ball || setup.swing) {
+  if (setup.ball || setup.swing || setup.cells) {
     const Vec3 center{0, -0.55F * side, setup.swing ? -0.5F * side : 3 * side};
-    solver.set_colliders(std::vector<Collider>{{"ball", Sphere{center, 0.15F * side}, 0.3F, {}}});
+    const float radius = setup.cells ? 0.5F * kSpacing : 0.15F * side;
+    solver.set_colliders(std::vector<Collider>{{"ball", Sphere{center, radius}, 0.3F, {}}});
   }
   if (setup.wind) solver.set_wind({{1, 0, 2}, 0.3F, 1, 1, 0.2F});
   statistics = solver.statistics();
   return solver;
 }
 
+/// Swings to and fro by a centimetre.
+void move_parent(Solver& solver, int frame) {
+  solver.set_parent(0, {{0.01F * std::sin(0.1F * static_cast<float>(frame)), 0, 0}, {}, 1}, {0.5F, 0.5F, 0.5F});
+}
+
 void run(benchmark::State& state, const Setup& setup) {
+  hwy::SetSupportedTargetsForTest(setup.avx2 ? HWY_AVX2 : 0);
   SolverStatistics statistics;
   Solver solver = make_solver(setup, statistics);
   // Long enough for the swinging sheet to lie on the ball.
   for (int frame = 0; frame < (setup.swing ? 60 : 3); ++frame) solver.step();
+  int frame = 0;
   for (auto _ : state) {
+    if (setup.parent) move_parent(solver, frame++);
     solver.step();
     solver.wait();
   }
@@ -86,11 +101,22 @@ const std::vector<std::pair<const char*, Setup>> kSetups{
     {"sheet/100/ball_far_away", {.ball = true}},
     {"sheet/100/swing", {.swing = true}},
     {"sheet/100/wind", {.wind = true}},
+    {"sheet/100/avx2", {.avx2 = true}},
+    {"sheet/100/swing/avx2", {.swing = true, .avx2 = true}},
+    {"sheet/100/relaxation_2", {.relaxation_steps = 2}},
+    {"sheet/100/substeps_80", {.substeps = 80}},
+    {"sheet/100/substeps_96_fine", {.substeps = 96}},
+    {"sheet/100/curvature/momentum", {.curvature = true, .momentum = true}},
+    {"sheet/100/collide_cells", {.cells = true}},
+    {"sheet/100/parent", {.parent = true}},
+    {"sheet/100/parent/ball_far_away", {.ball = true, .parent = true}},
+    {"sheet/100/parent/swing", {.swing = true, .parent = true}},
     {"sheet/100/two_threads", {.threads = 2}},
     {"sheet/100/charts_2x2", {.charts = 2}},
     {"sheet/100/zeller", {.substeps = 1, .attached = false, .bends = false}},
     {"sheet/64", {.size = 64}},
     {"sheet/256", {.size = 256}},
+    {"sheet/256/avx2", {.size = 256, .avx2 = true}},
     {"sheet/256/plain", {.size = 256, .plain = true}},
     {"sheet/256/two_threads", {.size = 256, .threads = 2}},
     {"sheet/1024", {.size = 1024, .substeps = 4}},
