@@ -55,6 +55,21 @@ ConvertOptions convert_options(const Options& options) {
   return result;
 }
 
+/// The largest parts by name; a garment with a hundred loose threads does not fill the screen.
+void print_carried(std::vector<CarriedPart> carried) {
+  constexpr size_t kNamed = 8;
+  std::stable_sort(carried.begin(), carried.end(),
+                   [](const CarriedPart& a, const CarriedPart& b) { return a.area_share > b.area_share; });
+  for (size_t i = 0; i < std::min(carried.size(), kNamed); ++i) {
+    fmt::print("  carried: part {} ({} faces): {}\n", carried[i].part, carried[i].faces, carried[i].why);
+  }
+  if (carried.size() <= kNamed) return;
+  double share = 0;
+  for (const CarriedPart& part : carried) share += part.area_share;
+  fmt::print("  carried: {} more, smaller ones; all {} are {:.2g} % of the area (--report R.json lists them)\n",
+             carried.size() - kNamed, carried.size(), 100 * share);
+}
+
 void print_summary(const Options& options, const ConvertResult& result) {
   const ClothAsset& asset = result.asset;
   const ConvertReport& report = result.report;
@@ -66,9 +81,7 @@ void print_summary(const Options& options, const ConvertResult& result) {
   for (const Repair& repair : report.repairs) {
     if (repair.count > 0) fmt::print("  repaired: {} {}\n", repair.count, repair.kind);
   }
-  for (const CarriedPart& carried : report.carried) {
-    fmt::print("  carried: part {} ({} faces): {}\n", carried.part, carried.faces, carried.why);
-  }
+  print_carried(report.carried);
   fmt::print("  accuracy: rms {:.2e} and largest {:.2e} of the diagonal; stretch L2 {:.3f}\n", report.quality.rms_error,
              report.quality.max_error, report.quality.l2_stretch);
 }

@@ -170,6 +170,20 @@ TEST(Convert, QuietSaysNothingOnStandardError) {
   EXPECT_THAT(result.err, IsEmpty());
 }
 
+TEST(Convert, ManyCarriedPartsAreSummedUp) {
+  const TemporaryFolder folder;
+  std::string mesh = kTriangles;
+  for (int i = 0; i < 30; ++i) {
+    for (const char* corner : {"0 2", "0.001 2", "0 2.001"}) mesh += "v " + std::to_string(2 + i) + " " + corner + "\n";
+    mesh += "f -3 -2 -1\n";
+  }
+  const ProgramResult result = run_program(
+      {"convert", folder.write("crumbs.obj", mesh), "-o", folder / "out.glb", "--resolution", "16", "--quiet"});
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("carried: 22 more, smaller ones; all 30 are"));
+  EXPECT_LT(std::count(result.out.begin(), result.out.end(), '\n'), 16) << result.out;
+}
+
 TEST(Convert, SameInputGivesTheSameBytes) {
   const TemporaryFolder folder;
   for (const char* name : {"a.glb", "b.glb"}) {
