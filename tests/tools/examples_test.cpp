@@ -33,14 +33,16 @@ std::vector<std::string> example_scenes() {
 
 /// The folder of an example as tools/examples.sh makes it.
 Scene lay_out(const std::string& name, const TemporaryFolder& folder) {
-  const Scene scene = read_scene(folder.write(name + ".json", read_text(kMeshes + "scenes/" + name + ".json")));
+  Scene scene = read_scene(folder.write(name + ".json", read_text(kMeshes + "scenes/" + name + ".json")));
   std::filesystem::create_directory(folder / "meshes");
   std::filesystem::copy(kMeshes + "defects", folder / "meshes/defects");
   std::set<std::string> assets;
   for (const SceneCloth& cloth : scene.cloths) assets.insert(cloth.asset.stem().string());
   for (const std::string& asset : assets) {
-    const ProgramResult result = run_program({"convert", kMeshes + "garments/" + asset + ".obj", "-o",
-                                              folder / (asset + ".glb"), "--resolution", "64", "--quiet"});
+    std::string mesh = kMeshes;
+    mesh.append("garments/").append(asset).append(".obj");
+    const ProgramResult result =
+        run_program({"convert", mesh, "-o", folder / (asset + ".glb"), "--resolution", "64", "--quiet"});
     EXPECT_EQ(result.status, 0) << result.err;
   }
   return scene;
