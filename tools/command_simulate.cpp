@@ -16,6 +16,7 @@
 #include "command.h"
 #include "export/cache_writer.h"
 #include "file_error.h"
+#include "geocloth/asset/error.h"
 #include "geocloth/asset/grid_mesh.h"
 #include "geocloth/asset/output_file.h"
 #include "geocloth/parametrize/import.h"
@@ -122,6 +123,17 @@ std::unique_ptr<FrameWriter> make_writer(const std::filesystem::path& path, Simu
   return make_cache_writer(path, simulation);
 }
 
+/// What stops a scene on its way is an error of the scene, at a time.
+void step(const Options& options, Simulation& simulation) {
+  try {
+    simulation.step();
+    simulation.solver().wait();
+  } catch (const Error& error) {
+    throw Error(error.code(),
+                fmt::format("{}: frame {}: {}", options.input.string(), simulation.frame(), error.what()));
+  }
+}
+
 void play(const Options& options, Simulation& simulation) {
   std::vector<std::unique_ptr<FrameWriter>> writers;
   for (const std::string& output : options.outputs)
@@ -146,8 +158,7 @@ void play(const Options& options, Simulation& simulation) {
     progress->show("frame", frames == 0 ? 1.0 : static_cast<double>(frame) / frames);
     if (frame == frames) break;
     const auto start = std::chrono::steady_clock::now();
-    simulation.step();
-    simulation.solver().wait();
+    step(options, simulation);
     recorder.add_frame_time(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
     if (report_file != nullptr) recorder.add_energy(simulation);
   }

@@ -19,7 +19,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 std::string number(double value) {
   std::array<char, 32> text{};
-  const int length = std::snprintf(text.data(), text.size(), "%g", value);
+  const int length = std::snprintf(text.data(), text.size(), "%.9g", value);
   return {text.data(), static_cast<size_t>(length)};
 }
 

@@ -319,6 +319,17 @@ TEST(Simulate, CheckOnlyReads) {
   EXPECT_THAT(folder.entries(), ElementsAre("scene.json"));
 }
 
+TEST(Simulate, WhatStopsASceneOnItsWayNamesTheSceneAndTheFrame) {
+  const TemporaryFolder folder;
+  const std::string scene = folder.write(
+      "scene.json",
+      scene_text("", R"(, "pins": [{"where": {"top": 0.1}, "motion": [{"time": 0, "translate": [0, 0, 0]},)"
+                     R"( {"time": 0.03, "translate": [0, 1e6, 0]}]}])"));
+  const ProgramResult result = run_program({"simulate", scene, "-o", folder / "out.obj", "-q", "--backend", "cpu"});
+  expect_one_line(result, "scene.json: frame 2: ");
+  EXPECT_THAT(folder.entries(), ElementsAre("scene.json"));
+}
+
 class BadScene : public testing::TestWithParam<std::pair<std::string, std::string>> {};
 
 TEST_P(BadScene, IsOneLineThatNamesTheElement) {
