@@ -11,38 +11,23 @@
 #include <utility>
 
 #include "geocloth/asset/error.h"
+#include "geocloth/asset/vec3d.h"
 #include "geocloth/solver/solid.h"
 
 namespace geocloth {
 namespace {
 
-struct P {
-  double x = 0, y = 0, z = 0;
-};
-P operator-(const P& a, const P& b) {
-  return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-double dot(const P& a, const P& b) {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-P cross(const P& a, const P& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-P p_of(const Vec3& v) {
-  return {v.x, v.y, v.z};
-}
-
 struct Face {
   std::array<uint32_t, 3> corner;
-  P normal;
+  Vec3d normal;
   double offset = 0;
-  [[nodiscard]] double height(const P& p) const { return dot(normal, p) - offset; }
+  [[nodiscard]] double height(const Vec3d& p) const { return dot(normal, p) - offset; }
 };
 
 class Hull {
  public:
   explicit Hull(std::span<const Vec3> points) {
-    for (const Vec3& v : points) points_.push_back(p_of(v));
+    for (const Vec3& v : points) points_.push_back(to_double(v));
     start();
     for (uint32_t next = farthest(); next != kNone; next = farthest()) add(next);
   }
@@ -68,17 +53,17 @@ class Hull {
   /// A tetrahedron of points that are far apart; sets the tolerance.
   void start() {
     if (points_.size() < 4) flat();
-    const P origin = points_[0];
-    const uint32_t a = largest([&](const P& p) { return dot(p - origin, p - origin); });
-    const uint32_t b = largest([&](const P& p) { return dot(p - points_[a], p - points_[a]); });
-    const P ab = points_[b] - points_[a];
-    const auto off_line = [&](const P& p) {
-      const P n = cross(ab, p - points_[a]);
+    const Vec3d origin = points_[0];
+    const uint32_t a = largest([&](const Vec3d& p) { return dot(p - origin, p - origin); });
+    const uint32_t b = largest([&](const Vec3d& p) { return dot(p - points_[a], p - points_[a]); });
+    const Vec3d ab = points_[b] - points_[a];
+    const auto off_line = [&](const Vec3d& p) {
+      const Vec3d n = cross(ab, p - points_[a]);
       return dot(n, n);
     };
     const uint32_t c = largest(off_line);
-    const P n = cross(ab, points_[c] - points_[a]);
-    const auto off_plane = [&](const P& p) { return std::abs(dot(n, p - points_[a])); };
+    const Vec3d n = cross(ab, points_[c] - points_[a]);
+    const auto off_plane = [&](const Vec3d& p) { return std::abs(dot(n, p - points_[a])); };
     const uint32_t d = largest(off_plane);
     const double size = std::sqrt(dot(ab, ab));
     tolerance_ = 1e-6 * size;
@@ -92,7 +77,7 @@ class Hull {
   }
 
   void add_face(uint32_t a, uint32_t b, uint32_t c) {
-    P n = cross(points_[b] - points_[a], points_[c] - points_[a]);
+    Vec3d n = cross(points_[b] - points_[a], points_[c] - points_[a]);
     const double l = std::sqrt(dot(n, n));
     if (l > 0) n = {n.x / l, n.y / l, n.z / l};
     faces_.push_back({{a, b, c}, n, dot(n, points_[a])});
@@ -131,7 +116,7 @@ class Hull {
       if (!seen.contains({edge.second, edge.first})) add_face(edge.first, edge.second, point);
   }
 
-  std::vector<P> points_;
+  std::vector<Vec3d> points_;
   std::vector<Face> faces_;
   double tolerance_ = 0;
 };
@@ -158,16 +143,17 @@ std::vector<Vec3> corners_behind(std::span<const Plane> planes) {
   for (size_t a = 0; a < planes.size(); ++a)
     for (size_t b = a + 1; b < planes.size(); ++b)
       for (size_t c = b + 1; c < planes.size(); ++c) {
-        const P na = p_of(planes[a].normal), nb = p_of(planes[b].normal), nc = p_of(planes[c].normal);
+        const Vec3d na = to_double(planes[a].normal), nb = to_double(planes[b].normal),
+                    nc = to_double(planes[c].normal);
         const double volume = dot(na, cross(nb, nc));
         if (std::abs(volume) < 1e-9) continue;
-        const double oa = dot(na, p_of(planes[a].point)), ob = dot(nb, p_of(planes[b].point)),
-                     oc = dot(nc, p_of(planes[c].point));
-        const P bc = cross(nb, nc), ca = cross(nc, na), ab = cross(na, nb);
-        const auto meet = [&](double P::*i) {
+        const double oa = dot(na, to_double(planes[a].point)), ob = dot(nb, to_double(planes[b].point)),
+                     oc = dot(nc, to_double(planes[c].point));
+        const Vec3d bc = cross(nb, nc), ca = cross(nc, na), ab = cross(na, nb);
+        const auto meet = [&](double Vec3d::*i) {
           return static_cast<float>((oa * bc.*i + ob * ca.*i + oc * ab.*i) / volume);
         };
-        const Vec3 corner{meet(&P::x), meet(&P::y), meet(&P::z)};
+        const Vec3 corner{meet(&Vec3d::x), meet(&Vec3d::y), meet(&Vec3d::z)};
         const float slack = 1e-5F * (1 + length(corner));
         const auto behind = [&](const Plane& p) { return dot(p.normal, corner - p.point) <= slack; };
         const auto known = [&](const Vec3& k) { return length(k - corner) <= slack; };

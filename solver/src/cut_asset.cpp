@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "geocloth/asset/grid_mesh.h"
+#include "geocloth/asset/vec3d.h"
 
 namespace geocloth {
 namespace {
@@ -19,71 +20,47 @@ namespace {
 /// A point as near to the plane, in spacings, lies on it.
 constexpr double kOnPlane = 0.02;
 
-struct Point {
-  double x = 0, y = 0, z = 0;
-};
-Point point(const Vec3& v) {
-  return {v.x, v.y, v.z};
-}
-Point operator-(const Point& a, const Point& b) {
-  return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-Point operator+(const Point& a, const Point& b) {
-  return {a.x + b.x, a.y + b.y, a.z + b.z};
-}
-Point operator*(const Point& a, double s) {
-  return {a.x * s, a.y * s, a.z * s};
-}
-double dot(const Point& a, const Point& b) {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-Point cross(const Point& a, const Point& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-double length(const Point& a) {
-  return std::sqrt(dot(a, a));
-}
-
 class Blade {
  public:
-  explicit Blade(const std::array<Vec3, 3>& corner) : corner_{point(corner[0]), point(corner[1]), point(corner[2])} {
-    const Point n = cross(corner_[1] - corner_[0], corner_[2] - corner_[0]);
+  explicit Blade(const std::array<Vec3, 3>& corner)
+      : corner_{to_double(corner[0]), to_double(corner[1]), to_double(corner[2])} {
+    const Vec3d n = cross(corner_[1] - corner_[0], corner_[2] - corner_[0]);
     normal_ = n * (1 / length(n));
   }
 
-  [[nodiscard]] double distance(const Point& p) const { return dot(p - corner_[0], normal_); }
+  [[nodiscard]] double distance(const Vec3d& p) const { return dot(p - corner_[0], normal_); }
 
   /// Whether the foot of a point lies in the triangle. Its border belongs to it, so that triangles side by side leave
   /// nothing between them.
-  [[nodiscard]] bool covers(const Point& p) const {
+  [[nodiscard]] bool covers(const Vec3d& p) const {
     constexpr double kBorder = 1e-6;  // of a side
     for (size_t i = 0; i < 3; ++i) {
-      const Point side = corner_[(i + 1) % 3] - corner_[i];
+      const Vec3d side = corner_[(i + 1) % 3] - corner_[i];
       if (dot(cross(side, p - corner_[i]), normal_) < -kBorder * dot(side, side)) return false;
     }
     return true;
   }
 
   /// Whether one of its sides goes through another triangle.
-  [[nodiscard]] bool pierces(const std::array<Point, 3>& t) const {
+  [[nodiscard]] bool pierces(const std::array<Vec3d, 3>& t) const {
     for (size_t i = 0; i < 3; ++i)
       if (goes_through(corner_[i], corner_[(i + 1) % 3], t)) return true;
     return false;
   }
 
  private:
-  static bool goes_through(const Point& a, const Point& b, const std::array<Point, 3>& t) {
-    const Point n = cross(t[1] - t[0], t[2] - t[0]);
+  static bool goes_through(const Vec3d& a, const Vec3d& b, const std::array<Vec3d, 3>& t) {
+    const Vec3d n = cross(t[1] - t[0], t[2] - t[0]);
     const double da = dot(a - t[0], n), db = dot(b - t[0], n);
     if (da == db || (da > 0) == (db > 0)) return false;
-    const Point q = a + (b - a) * (da / (da - db));
+    const Vec3d q = a + (b - a) * (da / (da - db));
     for (size_t i = 0; i < 3; ++i)
       if (dot(cross(t[(i + 1) % 3] - t[i], q - t[i]), n) < 0) return false;
     return true;
   }
 
-  std::array<Point, 3> corner_;
-  Point normal_;
+  std::array<Vec3d, 3> corner_;
+  Vec3d normal_;
 };
 
 /// Points with the side of the blade's plane that each is on.
@@ -92,13 +69,13 @@ class Sides {
   Sides(const Blade& blade, size_t count) : blade_(blade), points_(count), distance_(count), above_(count) {}
 
   void place(uint32_t i, const Vec3& p) {
-    points_[i] = point(p);
+    points_[i] = to_double(p);
     distance_[i] = blade_.distance(points_[i]);
     above_[i] = distance_[i] >= 0;
   }
   void set_above(uint32_t i, bool above) { above_[i] = above; }
 
-  [[nodiscard]] const Point& at(uint32_t i) const { return points_[i]; }
+  [[nodiscard]] const Vec3d& at(uint32_t i) const { return points_[i]; }
   [[nodiscard]] double distance(uint32_t i) const { return distance_[i]; }
   [[nodiscard]] bool above(uint32_t i) const { return above_[i]; }
   [[nodiscard]] bool covered(uint32_t i) const { return blade_.covers(points_[i]); }
@@ -120,7 +97,7 @@ class Sides {
 
  private:
   const Blade& blade_;
-  std::vector<Point> points_;
+  std::vector<Vec3d> points_;
   std::vector<double> distance_;
   std::vector<bool> above_;
 };
@@ -293,7 +270,7 @@ class Cutter {
       for (const uint32_t corner : {p, p - 1, p - cut_.width, p - cut_.width - 1}) {
         if (corner >= cut_.pixel_count()) continue;  // above or left of the image
         for (const Triangle& t : cell_triangles(cut_, corner)) {
-          const std::optional<std::array<double, 3>> weight = weights_in(t, point(vertex));
+          const std::optional<std::array<double, 3>> weight = weights_in(t, to_double(vertex));
           if (!weight || std::find(t.begin(), t.end(), p) == t.end()) continue;
           const double reach = std::min({(*weight)[0], (*weight)[1], (*weight)[2]});
           if (!(reach > nearest)) continue;
@@ -308,8 +285,8 @@ class Cutter {
   }
 
   /// Barycentric weights of a point's foot in the plane of a triangle.
-  [[nodiscard]] std::optional<std::array<double, 3>> weights_in(const Triangle& t, const Point& p) const {
-    const Point a = pixels_.at(t[0]), u = pixels_.at(t[1]) - a, v = pixels_.at(t[2]) - a, n = cross(u, v);
+  [[nodiscard]] std::optional<std::array<double, 3>> weights_in(const Triangle& t, const Vec3d& p) const {
+    const Vec3d a = pixels_.at(t[0]), u = pixels_.at(t[1]) - a, v = pixels_.at(t[2]) - a, n = cross(u, v);
     const double area2 = dot(n, n);
     if (!(area2 > 0)) return {};
     const double w1 = dot(cross(p - a, v), n) / area2, w2 = dot(cross(u, p - a), n) / area2;

@@ -15,6 +15,7 @@
 #include <tbb/parallel_for.h>
 
 #include "geocloth/asset/error.h"
+#include "geocloth/asset/vec3d.h"
 #include "geocloth/solver/solid.h"
 #include "surface_bounds.h"
 
@@ -24,28 +25,6 @@ namespace {
 constexpr uint32_t kLeafTriangles = 4;
 constexpr double kFarRatio = 2.5;   ///< a branch is a dipole from this many of its radii on
 constexpr uint32_t kRoomNodes = 3;  ///< around the body
-
-struct Vec3d {
-  double x = 0, y = 0, z = 0;
-};
-Vec3d operator+(const Vec3d& a, const Vec3d& b) {
-  return {a.x + b.x, a.y + b.y, a.z + b.z};
-}
-Vec3d operator-(const Vec3d& a, const Vec3d& b) {
-  return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-Vec3d operator*(double s, const Vec3d& a) {
-  return {s * a.x, s * a.y, s * a.z};
-}
-double dot(const Vec3d& a, const Vec3d& b) {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-Vec3d cross(const Vec3d& a, const Vec3d& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-double norm(const Vec3d& a) {
-  return std::sqrt(dot(a, a));
-}
 
 struct Corners {
   Vec3d a, b, c;
@@ -70,7 +49,7 @@ Vec3d closest_on_triangle(const Corners& t, const Vec3d& p) {
 /// Solid angle of a triangle / 4 pi (Van Oosterom and Strackee 1983).
 double winding_of_triangle(const Corners& t, const Vec3d& p) {
   const Vec3d a = t.a - p, b = t.b - p, c = t.c - p;
-  const double la = norm(a), lb = norm(b), lc = norm(c);
+  const double la = length(a), lb = length(b), lc = length(c);
   const double above = dot(a, cross(b, c));
   const double below = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
   return std::atan2(above, below) / (2 * std::numbers::pi);
@@ -83,7 +62,7 @@ class TriangleTree {
     triangles_.reserve(surface.triangle.size());
     const auto at = [&](uint32_t i) {
       const Vec3& p = surface.position[i];
-      return Vec3d{p.x, p.y, p.z};
+      return to_double(p);
     };
     for (const auto& t : surface.triangle) triangles_.push_back({at(t[0]), at(t[1]), at(t[2])});
     build(0, static_cast<uint32_t>(triangles_.size()));
@@ -119,7 +98,7 @@ class TriangleTree {
     while (top > 0) {
       const Node& node = nodes_[stack[--top]];
       const Vec3d d = node.center - p;
-      const double far = norm(d);
+      const double far = length(d);
       if (far > kFarRatio * node.radius) {
         sum += dot(node.area, d) / (4 * std::numbers::pi * far * far * far);
       } else if (node.count > 0) {
@@ -187,13 +166,13 @@ class TriangleTree {
       }
       const Vec3d area = 0.5 * cross(t.b - t.a, t.c - t.a);
       n.area = n.area + area;
-      n.center = n.center + norm(area) * middle(t);
-      weight += norm(area);
+      n.center = n.center + length(area) * middle(t);
+      weight += length(area);
     }
     n.center = weight > 0 ? (1 / weight) * n.center : 0.5 * (n.low + n.high);
     for (uint32_t i = first; i < last; ++i) {
       const Corners& t = triangles_[i];
-      for (const Vec3d& p : {t.a, t.b, t.c}) n.radius = std::max(n.radius, norm(p - n.center));
+      for (const Vec3d& p : {t.a, t.b, t.c}) n.radius = std::max(n.radius, length(p - n.center));
     }
     return n;
   }

@@ -11,6 +11,7 @@
 
 #include "geocloth/asset/error.h"
 #include "geocloth/asset/grid_mesh.h"
+#include "geocloth/asset/vec3d.h"
 
 namespace geocloth {
 namespace {
@@ -249,56 +250,35 @@ void check_vertex_groups(const ClothAsset& asset) {
   }
 }
 
-struct Double3 {
-  double x = 0, y = 0, z = 0;
-};
-Double3 to_double(const Vec3& a) {
-  return {a.x, a.y, a.z};
-}
-Double3 operator-(const Double3& a, const Double3& b) {
-  return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-Double3& operator+=(Double3& a, const Double3& b) {
-  return a = {a.x + b.x, a.y + b.y, a.z + b.z};
-}
-Double3 operator*(const Double3& a, double s) {
-  return {a.x * s, a.y * s, a.z * s};
-}
-double dot(const Double3& a, const Double3& b) {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-Double3 cross(const Double3& a, const Double3& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
 /// a / |a|, or `otherwise` when a has no direction.
-Double3 unit(const Double3& a, const Double3& otherwise) {
-  const double l = std::sqrt(dot(a, a));
+Vec3d unit(const Vec3d& a, const Vec3d& otherwise) {
+  const double l = length(a);
   return l > 0 ? a * (1 / l) : otherwise;
 }
-Vec3 to_float(const Double3& a) {
+Vec3 to_float(const Vec3d& a) {
   return {static_cast<float>(a.x), static_cast<float>(a.y), static_cast<float>(a.z)};
 }
 /// Some unit vector across the unit vector n.
-Double3 any_across(const Double3& n) {
-  return unit(cross(n, std::abs(n.x) < 0.5 ? Double3{1, 0, 0} : Double3{0, 1, 0}), {0, 0, 1});
+Vec3d any_across(const Vec3d& n) {
+  return unit(cross(n, std::abs(n.x) < 0.5 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}), {0, 0, 1});
 }
 
 /// The axes T, B, N at a bound vertex.
 struct Frame {
-  Double3 t, b, n;
-  [[nodiscard]] Double3 to_space(const Double3& local) const {
-    Double3 sum = t * local.x;
+  Vec3d t, b, n;
+  [[nodiscard]] Vec3d to_space(const Vec3d& local) const {
+    Vec3d sum = t * local.x;
     sum += b * local.y;
     return sum += n * local.z;
   }
 };
 
 Frame binding_frame(const Binding& binding, const std::vector<Vec3>& position, const std::vector<Vec3>& normal) {
-  Double3 direction;
+  Vec3d direction;
   for (std::size_t k = 0; k < 3; ++k) direction += to_double(normal[binding.pixel[k]]) * double{binding.weight[k]};
-  const Double3 n = unit(direction, to_double(normal[binding.pixel[0]]));
-  const Double3 edge = to_double(position[binding.pixel[1]]) - to_double(position[binding.pixel[0]]);
-  const Double3 t = unit(edge - n * dot(edge, n), any_across(n));
+  const Vec3d n = unit(direction, to_double(normal[binding.pixel[0]]));
+  const Vec3d edge = to_double(position[binding.pixel[1]]) - to_double(position[binding.pixel[0]]);
+  const Vec3d t = unit(edge - n * dot(edge, n), any_across(n));
   return {t, cross(n, t), n};
 }
 
@@ -338,10 +318,10 @@ uint32_t count_valid_pixels(const ClothAsset& asset) {
 void compute_normals(const ClothAsset& asset, const std::vector<Vec3>& position, std::vector<Vec3>& normal) {
   check_size("position", position.size(), asset.pixel_count());
   const std::vector<uint32_t> first_copy = first_copies(asset);
-  std::vector<Double3> sum(asset.pixel_count());
+  std::vector<Vec3d> sum(asset.pixel_count());
   for (const Triangle& t : pixel_triangles(asset)) {
-    const Double3 a = to_double(position[t[0]]), b = to_double(position[t[1]]), c = to_double(position[t[2]]);
-    const Double3 weighted = cross(b - a, c - a);
+    const Vec3d a = to_double(position[t[0]]), b = to_double(position[t[1]]), c = to_double(position[t[2]]);
+    const Vec3d weighted = cross(b - a, c - a);
     for (const uint32_t pixel : t) sum[first_copy[pixel]] += weighted;
   }
   normal.assign(asset.pixel_count(), Vec3{});
@@ -358,7 +338,7 @@ void evaluate_binding(const ClothAsset& asset, const std::vector<Vec3>& position
   out.resize(asset.binding.size());
   for (std::size_t i = 0; i < asset.binding.size(); ++i) {
     const Binding& binding = asset.binding[i];
-    Double3 point = binding_frame(binding, position, normal).to_space(to_double(binding.offset) * double{scale});
+    Vec3d point = binding_frame(binding, position, normal).to_space(to_double(binding.offset) * double{scale});
     for (std::size_t k = 0; k < 3; ++k) point += to_double(position[binding.pixel[k]]) * double{binding.weight[k]};
     out[i] = to_float(point);
   }
@@ -367,7 +347,7 @@ void evaluate_binding(const ClothAsset& asset, const std::vector<Vec3>& position
 Vec3 binding_offset(const Binding& binding, const std::vector<Vec3>& position, const std::vector<Vec3>& normal,
                     const Vec3& point, float scale) {
   const Frame frame = binding_frame(binding, position, normal);
-  Double3 rest = to_double(point);
+  Vec3d rest = to_double(point);
   for (std::size_t k = 0; k < 3; ++k) rest += to_double(position[binding.pixel[k]]) * -double{binding.weight[k]};
   rest = rest * (1 / double{scale});
   return to_float({dot(rest, frame.t), dot(rest, frame.b), dot(rest, frame.n)});
@@ -379,7 +359,7 @@ std::vector<Vec3> bind_normals(const ClothAsset& asset) {
   bound.reserve(asset.binding.size());
   for (std::size_t i = 0; i < asset.binding.size(); ++i) {
     const Frame frame = binding_frame(asset.binding[i], asset.rest_position, rest_normal);
-    const Double3 n = to_double(asset.source.normal[i]);
+    const Vec3d n = to_double(asset.source.normal[i]);
     bound.push_back(to_float({dot(n, frame.t), dot(n, frame.b), dot(n, frame.n)}));
   }
   return bound;

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// Vectors in double precision, for geometry that is worked out once.
+#pragma once
+
+#include <cmath>
+
+#include "geocloth/asset/vec.h"
+
+namespace geocloth {
+
+struct Vec3d {
+  double x = 0, y = 0, z = 0;
+};
+
+[[nodiscard]] inline Vec3d to_double(const Vec3& v) {
+  return {v.x, v.y, v.z};
+}
+[[nodiscard]] inline Vec3d operator+(const Vec3d& a, const Vec3d& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+inline Vec3d& operator+=(Vec3d& a, const Vec3d& b) {
+  return a = a + b;
+}
+[[nodiscard]] inline Vec3d operator-(const Vec3d& a, const Vec3d& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+[[nodiscard]] inline Vec3d operator*(const Vec3d& a, double s) {
+  return {a.x * s, a.y * s, a.z * s};
+}
+[[nodiscard]] inline Vec3d operator*(double s, const Vec3d& a) {
+  return a * s;
+}
+[[nodiscard]] inline double dot(const Vec3d& a, const Vec3d& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+[[nodiscard]] inline Vec3d cross(const Vec3d& a, const Vec3d& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+[[nodiscard]] inline double length(const Vec3d& a) {
+  return std::sqrt(dot(a, a));
+}
+
+}  // namespace geocloth
