@@ -1,19 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Colliders and pixels.
 #include "colliders.glsl"
+#include "point.glsl"
 
 // Largest speed, then all colliders with friction.
 void collide_at(uvec2 p) {
-  vec4 position = load_position(p);
-  if (position.w == 0.0f) return;
-  PointState point;
-  point.position = position.xyz;
-  point.previous = load_previous(p).xyz;
-  point.carry = load_carry(p).xyz;
-  PointState moved = collide(ColliderSet(0u), params, constants.substep, point);
-  store_position(p, vec4(moved.position, position.w));
-  store_previous(p, vec4(moved.previous, position.w));
-  store_carry(p, vec4(moved.carry, 0.0f));
+  float w = load_position(p).w;
+  if (w == 0.0f) return;
+  store_state(p, collide(ColliderSet(0u), params, constants.substep, load_state(p)), w);
 }
 
 // Pinned points go where the user puts them and are left out.

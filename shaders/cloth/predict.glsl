@@ -3,6 +3,7 @@
 #include "../lib/fine.h"
 #include "../lib/pin.h"
 #include "../lib/predict.h"
+#include "point.glsl"
 
 vec3 air_at(vec3 position) {
   precise vec3 air = params.wind.xyz;
@@ -25,29 +26,27 @@ void predict_at(uvec2 p) {
     predict_pinned(p, position);
     return;
   }
-  vec3 previous = load_previous(p).xyz;
-  vec3 carry = load_carry(p).xyz;
+  PointState point = load_state(p);
   vec3 acceleration = vec3(0.0f);
   if (params.air != 0u) {
-    precise vec3 velocity = ((position.xyz - previous) + carry) * params.inverse_dt;
+    precise vec3 velocity = way_of(point) * params.inverse_dt;
     vec3 normal = imageLoad(normal_image, texel(p)).xyz;
     acceleration = air_acceleration(params, air_at(position.xyz), velocity, normal);
   }
-  Predicted next;
+  PointState next;
   if (params.moving != 0u) {
-    next = predict_along(params, float(constants.substep), position.xyz, previous, carry, acceleration);
+    next = predict_along(params, float(constants.substep), point, acceleration);
   } else {
-    next = predict(params, position.xyz, previous, carry, acceleration);
+    next = predict(params, point, acceleration);
   }
-  store_previous(p, vec4(next.previous, position.w));
   if (fine_mode() != kFineOff) {
+    store_previous(p, vec4(next.previous, position.w));
     vec3 low = imageLoad(offset_image, texel(p)).xyz;
     imageStore(offset_image, texel(p), vec4(predicted_offset(next, low), position.w));
     store_carry(p, vec4(low, 0.0f));
     return;
   }
-  store_position(p, vec4(next.position, position.w));
-  store_carry(p, vec4(next.carry, 0.0f));
+  store_state(p, next, position.w);
 }
 
 // One step towards the target of pin i; a held one reaches it with the last substep of the frame.

@@ -4,12 +4,10 @@
 #extension GL_GOOGLE_include_directive : require
 #include "over_pixels.glsl"
 #include "../lib/predict.h"
+#include "point.glsl"
 
 void main() {
   uvec2 p = own_pixel();
   if (constants.substep != 0u || !in_image(p)) return;
-  vec4 position = load_position(p);
-  Predicted r = rescaled(position.xyz, load_previous(p).xyz, load_carry(p).xyz, params.gravity_step.w);
-  store_previous(p, vec4(r.previous, position.w));
-  store_carry(p, vec4(r.carry, 0.0f));
+  store_state(p, rescaled(load_state(p), params.gravity_step.w), load_position(p).w);
 }

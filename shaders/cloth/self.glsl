@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Self-collision: the buffers as lib/self_collide.h wants them.
-#include "../lib/point_state.h"
+#include "point.glsl"
 
 struct SelfSet {
   uint unused;
@@ -27,11 +27,7 @@ float self_inverse_mass(SelfSet set, uint pixel) {
 }
 
 PointState self_state(SelfSet set, uint pixel) {
-  PointState r;
-  r.position = load_position(pixel_at(pixel)).xyz;
-  r.previous = load_previous(pixel_at(pixel)).xyz;
-  r.carry = load_carry(pixel_at(pixel)).xyz;
-  return r;
+  return load_state(pixel_at(pixel));
 }
 
 #include "../lib/self_collide.h"

@@ -14,9 +14,5 @@ void main() {
   if (pixel == 0u) self_begin(set, room);
   uint point = self_words[self_point_word(pixel)];
   if (point == kSelfNone || !self_is_pushed(set, room, point)) return;
-  PointState moved = self_pushed(set, room, point, self_state(set, pixel));
-  float w = load_position(p).w;
-  store_position(p, vec4(moved.position, w));
-  store_previous(p, vec4(moved.previous, w));
-  store_carry(p, vec4(moved.carry, 0.0f));
+  store_state(p, self_pushed(set, room, point, self_state(set, pixel)), load_position(p).w);
 }

@@ -4,6 +4,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "over_pixels.glsl"
 #include "../lib/fine.h"
+#include "point.glsl"
 
 void main() {
   uvec2 p = own_pixel();
@@ -11,8 +12,6 @@ void main() {
   vec4 base = imageLoad(previous_image, texel(p));
   vec4 offset = imageLoad(offset_image, texel(p));
   Settled next = settle(base.xyz, offset.xyz, imageLoad(carry_image, texel(p)).xyz);
-  imageStore(position_image, texel(p), vec4(next.position, offset.w));
-  imageStore(previous_image, texel(p), vec4(next.previous, offset.w));
-  imageStore(carry_image, texel(p), vec4(next.carry, 0.0f));
+  store_state(p, next.point, offset.w);
   imageStore(offset_image, texel(p), vec4(next.low, offset.w));
 }

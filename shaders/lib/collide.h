@@ -101,7 +101,7 @@ inline PointState respond(PointState point, ColliderPose before, ColliderPose af
   vec3 n = rotate_to_world(after, contact.normal);
   precise vec3 on_surface = local + contact.normal * contact.depth;
   precise vec3 carried = to_world(after, on_surface) - to_world(before, on_surface);
-  precise vec3 displacement = (point.position - point.previous) + point.carry;
+  vec3 displacement = way_of(point);
   precise vec3 relative = displacement - carried;
   precise float along = dot3(relative, n);
   precise vec3 sliding = relative - n * along;
@@ -111,17 +111,11 @@ inline PointState respond(PointState point, ColliderPose before, ColliderPose af
 
   precise vec3 position = point.position + n * contact.depth - sliding * held;
   precise vec3 kept = carried + sliding * (1.0f - held) + n * max(along, 0.0f);
-  precise vec3 previous = position - kept;
-  precise vec3 carry = kept - (position - previous);
-  PointState r;
-  r.position = position;
-  r.previous = previous;
-  r.carry = carry;
-  return r;
+  return arrived(position, kept);
 }
 
 inline PointState limit_speed(PointState point, float max_step) {
-  precise vec3 displacement = (point.position - point.previous) + point.carry;
+  vec3 displacement = way_of(point);
   precise float way = length3(displacement);
   PointState r = point;
   if (way > max_step) {
@@ -181,13 +175,7 @@ inline PointState collide(ColliderSet set, ClothParams params, uint substep, Poi
   PointState after = push_out(set, params, substep, whole);
   precise vec3 taken = slow.previous - whole.previous;
   precise vec3 displacement = ((after.position - after.previous) - taken) + after.carry;
-  precise vec3 previous = after.position - displacement;
-  precise vec3 carry = displacement - (after.position - previous);
-  PointState r;
-  r.position = after.position;
-  r.previous = previous;
-  r.carry = carry;
-  return r;
+  return arrived(after.position, displacement);
 }
 
 // Largest depth [m] of a point below a collider's surface after a substep; 0 outside of all.

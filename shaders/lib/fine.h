@@ -17,15 +17,13 @@
 namespace geocloth::shader {
 #endif
 
-inline vec3 predicted_offset(Predicted next, vec3 low) {
-  precise vec3 r = low + ((next.position - next.previous) + next.carry);
+inline vec3 predicted_offset(PointState next, vec3 low) {
+  precise vec3 r = low + way_of(next);
   return r;
 }
 
 struct Settled {
-  vec3 position;
-  vec3 previous;
-  vec3 carry;
+  PointState point;
   vec3 low;
 };
 
@@ -33,12 +31,8 @@ inline Settled settle(vec3 base, vec3 offset, vec3 low) {
   precise vec3 position = base + offset;
   precise vec3 rest = offset - (position - base);
   precise vec3 way = offset - low;
-  precise vec3 previous = position - way;
-  precise vec3 carry = way - (position - previous);
   Settled r;
-  r.position = position;
-  r.previous = previous;
-  r.carry = carry;
+  r.point = arrived(position, way);
   r.low = rest;
   return r;
 }

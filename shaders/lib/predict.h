@@ -11,17 +11,12 @@
 
 #include "../shared/layout.h"
 #include "frame.h"
+#include "point_state.h"
 #include "vector.h"
 
 #ifdef __cplusplus
 namespace geocloth::shader {
 #endif
-
-struct Predicted {
-  vec3 position;
-  vec3 previous;
-  vec3 carry;
-};
 
 // One wave's share of the air's velocity at a point [m/s].
 inline vec3 gust_at(Wave wave, vec3 position) {
@@ -47,42 +42,32 @@ inline vec3 air_acceleration(ClothParams params, vec3 air, vec3 velocity, vec3 n
   return a;
 }
 
-// Compensated: `carry` is the part of the displacement that position - previous cannot show in single precision.
-inline Predicted advance(ClothParams params, vec3 start, vec3 kept_way, vec3 acceleration) {
+inline PointState advance(ClothParams params, vec3 start, vec3 kept_way, vec3 acceleration) {
   precise vec3 increment = kept_way + xyz(params.gravity_step) + acceleration * (params.dt * params.dt);
   precise vec3 next = start + increment;
   precise vec3 lost = increment - (next - start);
-  Predicted r;
+  PointState r;
   r.position = next;
   r.previous = start;
   r.carry = lost;
   return r;
 }
 
-inline Predicted predict(ClothParams params, vec3 position, vec3 previous, vec3 carry, vec3 acceleration) {
-  precise vec3 way = (position - previous) + carry;
-  precise vec3 kept = way * params.keep;
-  return advance(params, position, kept, acceleration);
+inline PointState predict(ClothParams params, PointState point, vec3 acceleration) {
+  precise vec3 kept = way_of(point) * params.keep;
+  return advance(params, point.position, kept, acceleration);
 }
 
 // The same on a moving parent.
-inline Predicted predict_along(ClothParams params, float substep, vec3 position, vec3 previous, vec3 carry,
-                               vec3 acceleration) {
-  precise vec3 way = (position - previous) + carry;
-  FramedStep framed = take_along(params, substep, position, way);
+inline PointState predict_along(ClothParams params, float substep, PointState point, vec3 acceleration) {
+  FramedStep framed = take_along(params, substep, point.position, way_of(point));
   return advance(params, framed.start, framed.way, acceleration);
 }
 
 // A point whose last displacement is `ratio` times as long, for a step of another length: its velocity stays.
-inline Predicted rescaled(vec3 position, vec3 previous, vec3 carry, float ratio) {
-  precise vec3 way = ((position - previous) + carry) * ratio;
-  precise vec3 before = position - way;
-  precise vec3 lost = way - (position - before);
-  Predicted r;
-  r.position = position;
-  r.previous = before;
-  r.carry = lost;
-  return r;
+inline PointState rescaled(PointState point, float ratio) {
+  precise vec3 way = way_of(point) * ratio;
+  return arrived(point.position, way);
 }
 
 #ifdef __cplusplus

@@ -323,15 +323,9 @@ inline PointState self_pushed(SelfSet set, SelfRoom room, uint point, PointState
                     uintBitsToFloat(self_word(set, word + 2u)));
   vec3 impulse = vec3(uintBitsToFloat(self_word(set, word + 3u)), uintBitsToFloat(self_word(set, word + 4u)),
                       uintBitsToFloat(self_word(set, word + 5u)));
-  precise vec3 kept = ((state.position - state.previous) + state.carry) + impulse;
+  precise vec3 kept = way_of(state) + impulse;
   precise vec3 position = state.position + shift;
-  precise vec3 previous = position - kept;
-  precise vec3 carry = kept - (position - previous);
-  PointState r;
-  r.position = position;
-  r.previous = previous;
-  r.carry = carry;
-  return r;
+  return arrived(position, kept);
 }
 
 #ifdef __cplusplus

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "backend.h"
+#include "lib/point_state.h"
 #include "shared/layout.h"
 
 namespace geocloth::cpu {
@@ -63,6 +64,12 @@ struct ClothState {
   ClothState(ClothData cloth_data, bool accumulate, bool fine);
 
   [[nodiscard]] size_t pixel_count() const { return static_cast<size_t>(data.width) * data.height; }
+  [[nodiscard]] shader::PointState point(size_t i) const { return {position.at(i), previous.at(i), carry.at(i)}; }
+  void set_point(size_t i, const shader::PointState& point) {
+    position.set(i, point.position);
+    previous.set(i, point.previous);
+    carry.set(i, point.carry);
+  }
   [[nodiscard]] size_t memory_bytes() const;  ///< of all arrays
   /// Takes over springs, cells, bends over seams and copies; positions stay.
   void set_topology(ClothData cloth_data);

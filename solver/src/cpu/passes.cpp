@@ -88,24 +88,21 @@ void predict(const PassContext& context, ClothState& state) {
       if (fine) state.carry.set(i, low);
       return;
     }
-    const vec3 previous = state.previous.at(i);
+    const shader::PointState point = state.point(i);
     vec3 acceleration(0, 0, 0);
     if (params.air != 0) {
-      const vec3 velocity = ((position - previous) + state.carry.at(i)) * params.inverse_dt;
+      const vec3 velocity = shader::way_of(point) * params.inverse_dt;
       acceleration = shader::air_acceleration(params, air_at(context, position), velocity, state.normal.at(i));
     }
-    const vec3 carry = state.carry.at(i);
-    const shader::Predicted next = params.moving != 0
-                                       ? shader::predict_along(params, static_cast<float>(context.substep), position,
-                                                               previous, carry, acceleration)
-                                       : shader::predict(params, position, previous, carry, acceleration);
-    state.previous.set(i, next.previous);
+    const shader::PointState next =
+        params.moving != 0 ? shader::predict_along(params, static_cast<float>(context.substep), point, acceleration)
+                           : shader::predict(params, point, acceleration);
     if (fine) {
+      state.previous.set(i, next.previous);
       state.offset.set(i, shader::predicted_offset(next, low));
       state.carry.set(i, low);
     } else {
-      state.position.set(i, next.position);
-      state.carry.set(i, next.carry);
+      state.set_point(i, next);
     }
   });
 }
@@ -113,11 +110,7 @@ void predict(const PassContext& context, ClothState& state) {
 void rescale(const PassContext& context, ClothState& state) {
   if (context.substep > 0) return;
   const float ratio = context.cloth.params.gravity_step.w;
-  for_pixels(context.threads, state, [&](uint32_t i) {
-    const shader::Predicted r = shader::rescaled(state.position.at(i), state.previous.at(i), state.carry.at(i), ratio);
-    state.previous.set(i, r.previous);
-    state.carry.set(i, r.carry);
-  });
+  for_pixels(context.threads, state, [&](uint32_t i) { state.set_point(i, shader::rescaled(state.point(i), ratio)); });
 }
 
 void pins(const PassContext& context, ClothState& state) {
@@ -141,9 +134,7 @@ void stitch(const PassContext& context, ClothState& state) {
 void settle(const PassContext& context, ClothState& state) {
   for_pixels(context.threads, state, [&](uint32_t i) {
     const shader::Settled next = shader::settle(state.previous.at(i), state.offset.at(i), state.carry.at(i));
-    state.position.set(i, next.position);
-    state.previous.set(i, next.previous);
-    state.carry.set(i, next.carry);
+    state.set_point(i, next.point);
     state.offset.set(i, next.low);
   });
 }
@@ -229,7 +220,7 @@ float longest_way(const PassContext& context, const ClothState& state) {
     float longest = 0;
     for (uint32_t i = first; i < last; ++i) {
       if (state.inverse_mass[i] == 0) continue;
-      const vec3 way = (state.position.at(i) - state.previous.at(i)) + state.carry.at(i);
+      const vec3 way = shader::way_of(state.point(i));
       longest = std::max(longest, shader::length3(way));
     }
     return longest;
@@ -280,11 +271,7 @@ void collide_pixels(const PassContext& context, ClothState& state, uint32_t firs
   const shader::ColliderSet set = colliders_of(context.frame);
   for (uint32_t i = first; i < last; ++i) {
     if (state.inverse_mass[i] == 0) continue;
-    const shader::PointState point{state.position.at(i), state.previous.at(i), state.carry.at(i)};
-    const shader::PointState after = shader::collide(set, context.cloth.params, context.substep, point);
-    state.position.set(i, after.position);
-    state.previous.set(i, after.previous);
-    state.carry.set(i, after.carry);
+    state.set_point(i, shader::collide(set, context.cloth.params, context.substep, state.point(i)));
   }
 }
 

@@ -110,10 +110,7 @@ void self_move(const PassContext& context, ClothState& state) {
     if (pixel == 0) shader::self_begin(set, room);
     const uint32_t point = self_word(set, shader::self_point_word(pixel));
     if (point == kSelfNone || !shader::self_is_pushed(set, room, point)) return;
-    const shader::PointState after = shader::self_pushed(set, room, point, self_state(set, pixel));
-    state.position.set(pixel, after.position);
-    state.previous.set(pixel, after.previous);
-    state.carry.set(pixel, after.carry);
+    state.set_point(pixel, shader::self_pushed(set, room, point, self_state(set, pixel)));
   });
 }
 

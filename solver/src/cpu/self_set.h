@@ -29,7 +29,7 @@ inline float self_inverse_mass(SelfSet set, uint pixel) {
   return set.state->inverse_mass[pixel];
 }
 inline PointState self_state(SelfSet set, uint pixel) {
-  return {set.state->position.at(pixel), set.state->previous.at(pixel), set.state->carry.at(pixel)};
+  return set.state->point(pixel);
 }
 
 }  // namespace geocloth::shader
