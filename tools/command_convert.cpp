@@ -15,6 +15,7 @@
 
 #include "command.h"
 #include "file_error.h"
+#include "file_names.h"
 #include "geocloth/asset/asset_file.h"
 #include "geocloth/asset/output_file.h"
 #include "geocloth/parametrize/convert.h"
@@ -153,6 +154,12 @@ void run(const Options& options) {
   print_summary(options, result);
 }
 
+std::vector<NamedFile> written_files(const Options& options) {
+  std::vector<NamedFile> files{{"--output", options.asset}};
+  for (const std::filesystem::path& report : options.reports) files.push_back({"--report", report});
+  return files;
+}
+
 CLI::Validator is_selection() {
   const auto check = [](const std::string& given) {
     const std::string framed = "," + given + ",";
@@ -193,6 +200,8 @@ CommandRun add_convert(CLI::App& app) {
       ->check(is_selection());
   app.callback([options, output] {
     if (options->parts != kListParts && output->count() == 0) throw CLI::RequiredError("--output");
+    const std::string clash = find_name_clash({{"the mesh", options->mesh}}, written_files(*options));
+    if (options->parts != kListParts && !clash.empty()) throw CLI::ValidationError(clash);
   });
   add_text(app, "--report", "R.html|R.json", options->reports,
            "write what came out: a page with pictures and the measures against their targets (.html), or topology, "

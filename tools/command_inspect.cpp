@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "command.h"
+#include "file_names.h"
 #include "geocloth/asset/asset_file.h"
 #include "geocloth/asset/grid_mesh.h"
 #include "geocloth/asset/output_file.h"
@@ -164,6 +165,13 @@ CommandRun add_inspect(CLI::App& app) {
       ->check(ends_with({".obj"}));
   add_text(app, "--pictures", "DIR", options->pictures,
            "write PNGs: geometry image, chart map with the split points, distortion", "default none");
+  app.final_callback([options] {
+    std::vector<NamedFile> writes;
+    if (!options->mesh.empty()) writes.push_back({"--mesh", options->mesh});
+    if (!options->charts.empty()) writes.push_back({"--charts", options->charts});
+    if (const std::string clash = find_name_clash({{"the asset", options->asset}}, writes); !clash.empty())
+      throw CLI::ValidationError(clash);
+  });
   return [options] { run(*options); };
 }
 

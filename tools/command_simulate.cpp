@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -16,6 +17,7 @@
 #include "command.h"
 #include "export/cache_writer.h"
 #include "file_error.h"
+#include "file_names.h"
 #include "geocloth/asset/error.h"
 #include "geocloth/asset/grid_mesh.h"
 #include "geocloth/asset/output_file.h"
@@ -50,6 +52,30 @@ Scene load_scene(const Options& options) {
   Scene scene = is_asset ? default_scene(options.input) : read_scene(options.input);
   if (options.frames_option->count() > 0) scene.frames = options.frames;
   return scene;
+}
+
+bool is_numbered(const std::filesystem::path& output) {
+  const std::string ending = CLI::detail::to_lower(output.extension().string());
+  return ending == ".obj" || ending == ".png" || ending == ".exr";
+}
+
+std::vector<NamedFile> written_files(const Options& options) {
+  std::vector<NamedFile> files;
+  for (const std::string& output : options.outputs) files.push_back({"--output", output, is_numbered(output)});
+  if (!options.report.empty()) files.push_back({"--report", options.report});
+  if (!options.last_state.empty()) files.push_back({"--last-state", options.last_state});
+  return files;
+}
+
+/// What the scene names is known once it is read.
+void check_files_of_scene(const Options& options, const Scene& scene) {
+  std::vector<NamedFile> read;
+  for (const SceneCloth& cloth : scene.cloths) read.push_back({"an asset of the scene", cloth.asset});
+  for (const SceneCollider& collider : scene.colliders) {
+    if (collider.mesh) read.push_back({"a collider of the scene", collider.mesh->file});
+  }
+  const std::string clash = find_name_clash(read, written_files(options));
+  if (!clash.empty()) throw Error(ErrorCode::invalid_argument, clash);
 }
 
 /// A collider's mesh may be of any kind that a garment may be.
@@ -175,8 +201,11 @@ void play(const Options& options, Simulation& simulation) {
 }
 
 void run(const Options& options) {
-  Simulation simulation = name_file_in_errors(
-      options.input, [&] { return Simulation(load_scene(options), solver_settings(options), read_body); });
+  Simulation simulation = name_file_in_errors(options.input, [&] {
+    Scene scene = load_scene(options);
+    check_files_of_scene(options, scene);
+    return Simulation(std::move(scene), solver_settings(options), read_body);
+  });
   if (options.check) {
     print_check(options, simulation);
   } else {
@@ -219,13 +248,9 @@ CommandRun add_simulate(CLI::App& app) {
       app.add_flag("--check", options->check, "only read the scene and its assets and say what is wrong [default off]");
   add_quiet(app, options->quiet);
   app.final_callback([options, output, report, last_state, check] {
-    for (std::size_t i = 0; i < options->outputs.size(); ++i) {
-      for (std::size_t k = 0; k < i; ++k) {
-        if (options->outputs[i] == options->outputs[k]) {
-          throw CLI::ValidationError("--output: " + options->outputs[i] + " is given twice");
-        }
-      }
-    }
+    if (const std::string clash = find_name_clash({{"the scene", options->input}}, written_files(*options));
+        !clash.empty())
+      throw CLI::ValidationError(clash);
     if (output->count() + report->count() + last_state->count() + check->count() == 0) {
       throw CLI::RequiredError("one of --output, --report, --last-state or --check");
     }

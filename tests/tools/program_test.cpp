@@ -310,6 +310,15 @@ TEST(Simulate, NothingIsLeftWhenTheSecondOutputFails) {
   EXPECT_THAT(folder.entries(), ElementsAre("scene.json"));
 }
 
+TEST(Simulate, AnOutputNeverReplacesTheAssetThatTheSceneNames) {
+  const TemporaryFolder folder;
+  const std::string garment = folder.write("garment.glb", read_text(sleeve_asset()));
+  const std::string scene = folder.write("scene.json", R"({"version": 1, "cloths": [{"asset": "garment.glb"}]})");
+  const ProgramResult result = run_program({"simulate", scene, "-o", garment, "--backend", "cpu", "-q"});
+  expect_one_line(result, "garment.glb would replace");
+  EXPECT_EQ(read_text(garment), read_text(sleeve_asset()));
+}
+
 TEST(Simulate, CheckOnlyReads) {
   const TemporaryFolder folder;
   const std::string scene = folder.write("scene.json", scene_text());
