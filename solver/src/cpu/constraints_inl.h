@@ -104,23 +104,16 @@ HWY_INLINE void project_bend(D d, const Ways<D>& ways, Points<D>& a, Vec<D> wa, 
 
 /// Blocks first .. last - 1: begin(block, state) and then finish(block, state). The roots of a block are under way
 /// while the block before is finished; one after the other, what waits for them fills the processor's queues, and all
-/// takes a third longer.
-/// @param apart  whether a block can begin before the one in front of it is finished
-template <class State, class Begin, class Finish, class Apart>
-HWY_INLINE void overlapped(uint32_t first, uint32_t last, const Begin& begin, const Finish& finish,
-                           const Apart& apart) {
+/// takes a third longer. Blocks may share pixels, but no constraint's: finish() reads what it writes.
+template <class State, class Begin, class Finish>
+HWY_INLINE void overlapped(uint32_t first, uint32_t last, const Begin& begin, const Finish& finish) {
   if (first >= last) return;
   State now, next;
   begin(first, now);
   for (uint32_t k = first + 1; k < last; ++k) {
-    if (HWY_LIKELY(apart(k))) {
-      begin(k, next);
-      finish(k - 1, now);
-      now.take(next);
-    } else {
-      finish(k - 1, now);
-      begin(k, now);
-    }
+    begin(k, next);
+    finish(k - 1, now);
+    now.take(next);
   }
   finish(last - 1, now);
 }
@@ -147,6 +140,28 @@ constexpr size_t bend_floats(size_t lanes, bool several) {
   return (several ? 4 : 3) * lanes;
 }
 
+/// Even and odd columns of two vectors: within 128 bits those of the first one, then those of the second one.
+template <class D>
+HWY_INLINE Vec<D> even_columns(D d, Vec<D> low, Vec<D> high) {
+#if HWY_ARCH_X86 && HWY_MAX_BYTES >= 32
+  if constexpr (hn::MaxLanes(D()) == 8) return Vec<D>{_mm256_shuffle_ps(low.raw, high.raw, 0x88)};
+#if HWY_MAX_BYTES >= 64
+  if constexpr (hn::MaxLanes(D()) == 16) return Vec<D>{_mm512_shuffle_ps(low.raw, high.raw, 0x88)};
+#endif
+#endif
+  if constexpr (hn::MaxLanes(D()) == 4) return hn::ConcatEven(d, high, low);
+}
+template <class D>
+HWY_INLINE Vec<D> odd_columns(D d, Vec<D> low, Vec<D> high) {
+#if HWY_ARCH_X86 && HWY_MAX_BYTES >= 32
+  if constexpr (hn::MaxLanes(D()) == 8) return Vec<D>{_mm256_shuffle_ps(low.raw, high.raw, 0xDD)};
+#if HWY_MAX_BYTES >= 64
+  if constexpr (hn::MaxLanes(D()) == 16) return Vec<D>{_mm512_shuffle_ps(low.raw, high.raw, 0xDD)};
+#endif
+#endif
+  if constexpr (hn::MaxLanes(D()) == 4) return hn::ConcatOdd(d, high, low);
+}
+
 /// Two vectors of neighbouring columns taken apart: 1 even and odd columns, 2 the first and the last two of four.
 template <class D>
 struct Ends {
@@ -156,7 +171,7 @@ template <size_t kColumns, class D>
 HWY_INLINE Ends<D> take_apart(D d, const float* p) {
   const auto low = hn::LoadU(d, p), high = hn::LoadU(d, p + hn::Lanes(d));
   if constexpr (kColumns == 1) {
-    return {hn::OddEven(hn::DupEven(high), low), hn::OddEven(high, hn::DupOdd(low))};
+    return {even_columns(d, low, high), odd_columns(d, low, high)};
   } else {
     const hn::Repartition<uint64_t, D> pairs;
     const auto low2 = hn::BitCast(pairs, low), high2 = hn::BitCast(pairs, high);
@@ -167,8 +182,8 @@ HWY_INLINE Ends<D> take_apart(D d, const float* p) {
 template <size_t kColumns, class D>
 HWY_INLINE void put_together(D d, Vec<D> a, Vec<D> b, float* p) {
   if constexpr (kColumns == 1) {
-    hn::StoreU(hn::OddEven(hn::DupEven(b), a), d, p);
-    hn::StoreU(hn::OddEven(b, hn::DupOdd(a)), d, p + hn::Lanes(d));
+    hn::StoreU(hn::InterleaveLower(d, a, b), d, p);
+    hn::StoreU(hn::InterleaveUpper(d, a, b), d, p + hn::Lanes(d));
   } else {
     const hn::Repartition<uint64_t, D> pairs;
     const auto a2 = hn::BitCast(pairs, a), b2 = hn::BitCast(pairs, b);
@@ -209,28 +224,8 @@ HWY_NOINLINE void springs_across(D d, const SweepOp& op, ClothState& state, uint
                        blocks.constants_of(k), Multipliers<kSeveral, D>(op, k, lanes), share);
         store(d, a, pa);
         store(d, b, pb);
-      },
-      [](uint32_t) { return true; });  // what two blocks share is read when it is written
+      });
 }
-
-/// Springs whose ends have been taken apart.
-template <class D>
-struct SpringsAlong {
-  Vec<D> ax, ay, az, bx, by, bz;
-  Ways<D> ways;
-
-  HWY_INLINE Points<D> a() const { return {ax, ay, az}; }
-  HWY_INLINE Points<D> b() const { return {bx, by, bz}; }
-  HWY_INLINE void take(const SpringsAlong& other) {
-    ax = other.ax;
-    ay = other.ay;
-    az = other.az;
-    bx = other.bx;
-    by = other.by;
-    bz = other.bz;
-    ways.take(other.ways);
-  }
-};
 
 template <size_t kColumns, bool kSeveral, class D>
 HWY_NOINLINE void springs_along(D d, const SweepOp& op, ClothState& state, uint32_t first, uint32_t last) {
@@ -238,32 +233,25 @@ HWY_NOINLINE void springs_along(D d, const SweepOp& op, ClothState& state, uint3
   const size_t lanes = hn::Lanes(d);
   const Blocks blocks(op, state, spring_floats(lanes, kSeveral));
   const PointBase& points = blocks.points;
-  overlapped<SpringsAlong<D>>(
+  overlapped<Ways<D>>(
       first, last,
-      [&](uint32_t k, SpringsAlong<D>& springs) HWY_ATTR {
+      [&](uint32_t k, Ways<D>& ways) HWY_ATTR {
         const PointRow p = points.at(blocks.pixel[k]);
         const Ends<D> x = take_apart<kColumns>(d, p.x), y = take_apart<kColumns>(d, p.y);
         const Ends<D> z = take_apart<kColumns>(d, p.z);
-        springs.ax = x.a;
-        springs.ay = y.a;
-        springs.az = z.a;
-        springs.bx = x.b;
-        springs.by = y.b;
-        springs.bz = z.b;
-        springs.ways.set(d, sub(springs.b(), springs.a()));
+        ways.set(d, Points<D>{hn::Sub(x.b, x.a), hn::Sub(y.b, y.a), hn::Sub(z.b, z.a)});
       },
-      [&](uint32_t k, const SpringsAlong<D>& springs) HWY_ATTR {
-        const size_t i = blocks.pixel[k];
-        const Ends<D> w = take_apart<kColumns>(d, points.inverse_mass + i);
-        Points<D> a = springs.a(), b = springs.b();
-        project_spring(d, springs.ways, a, w.a, b, w.b, blocks.constants_of(k), Multipliers<kSeveral, D>(op, k, lanes),
-                       share);
-        const PointRow p = points.at(i);
+      [&](uint32_t k, const Ways<D>& ways) HWY_ATTR {
+        const PointRow p = points.at(blocks.pixel[k]);
+        const Ends<D> x = take_apart<kColumns>(d, p.x), y = take_apart<kColumns>(d, p.y);
+        const Ends<D> z = take_apart<kColumns>(d, p.z);
+        const Ends<D> w = take_apart<kColumns>(d, points.inverse_mass + blocks.pixel[k]);
+        Points<D> a{x.a, y.a, z.a}, b{x.b, y.b, z.b};
+        project_spring(d, ways, a, w.a, b, w.b, blocks.constants_of(k), Multipliers<kSeveral, D>(op, k, lanes), share);
         put_together<kColumns>(d, a.x, b.x, p.x);
         put_together<kColumns>(d, a.y, b.y, p.y);
         put_together<kColumns>(d, a.z, b.z, p.z);
-      },
-      [&](uint32_t k) { return blocks.pixel[k] >= blocks.pixel[k - 1] + 2 * lanes; });
+      });
 }
 
 template <bool kSeveral, class D>
@@ -288,8 +276,7 @@ HWY_NOINLINE void bends_across(D d, const SweepOp& op, ClothState& state, uint32
         store(d, a, pa);
         store(d, middle, pm);
         store(d, b, pb);
-      },
-      [](uint32_t) { return true; });  // what two blocks share is read when it is written
+      });
 }
 
 /// Reads what it writes again, which costs less than to keep nine vectors more.
@@ -322,8 +309,7 @@ HWY_NOINLINE void bends_along(D d, const SweepOp& op, ClothState& state, uint32_
         hn::StoreInterleaved3(a.x, middle.x, b.x, d, p.x);
         hn::StoreInterleaved3(a.y, middle.y, b.y, d, p.y);
         hn::StoreInterleaved3(a.z, middle.z, b.z, d, p.z);
-      },
-      [](uint32_t) { return true; });  // what two blocks share is read when it is written
+      });
 }
 
 /// lib/span.h. Points well within their reach need no root.

@@ -38,7 +38,7 @@ uint32_t lane_of(RowKernel kernel, uint32_t column, uint32_t lanes) {
   const uint32_t c = high ? column - lanes : column;
   switch (kernel) {
     case RowKernel::springs_along:
-      return high ? c + 1 : c;
+      return c / 4 * 4 + c % 4 / 2 + (high ? 2 : 0);
     case RowKernel::springs_along_two:
       return c / 4 * 4 + c % 4 + (high ? 2 : 0);
     case RowKernel::bends_along:
