@@ -167,7 +167,7 @@ HWY_NOINLINE void collide(D d, const SweepFrame& frame, uint32_t substep, const 
   const PassContext& context = frame.contexts[substep];
   ClothState& state = *frame.state;
   if (frame.collide_all) return collide_pixels(context, state, run.first, run.last);
-  for_run(d, run, [&](uint32_t i, auto lanes) HWY_ATTR {
+  for_run(d, run, [&](uint32_t i, auto lanes) GEOCLOTH_LANES {
     const PointRow p = at(state.position, i), pp = at(state.previous, i), pc = at(state.carry, i);
     PointStates<D> points;
     points.position = load(d, p);
@@ -192,7 +192,7 @@ HWY_NOINLINE void check_colliders(D d, const SweepFrame& frame, uint32_t substep
   const PassContext& context = frame.contexts[substep];
   ClothState& state = *frame.state;
   float depth = frame.penetration[substep];
-  for_run(d, run, [&](uint32_t i, auto lanes) HWY_ATTR {
+  for_run(d, run, [&](uint32_t i, auto lanes) GEOCLOTH_LANES {
     const Points<D> position = load(d, at(state.position, i));
     const auto near = near_colliders(d, frame, substep, position, hn::Zero(d));
     if (hn::AllFalse(d, counted(d, lanes, near))) return;

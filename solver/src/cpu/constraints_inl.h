@@ -38,7 +38,8 @@ struct Multipliers<false, D> {
 template <bool kSeveral, class D>
 HWY_INLINE Vec<D> change_over_length(D d, Vec<D> l, Vec<D> rest, Vec<D> inverse, const float* compliance,
                                      const Multipliers<kSeveral, D>& multipliers, Vec<D> weight, bool weighted) {
-  const auto exists = hn::And(hn::Gt(inverse, hn::Zero(d)), hn::Gt(l, hn::Set(d, 1e-12F)));
+  // Where the inverse is 0 so are rest and compliance, and with them the change.
+  const auto exists = hn::Gt(l, hn::Set(d, 1e-12F));
   auto error = hn::Sub(l, rest);
   if constexpr (kSeveral) error = hn::Add(error, hn::Mul(hn::LoadU(d, compliance), multipliers.so_far(d)));
   const auto change = hn::Mul(weighted ? hn::Mul(weight, error) : error, inverse);
@@ -192,6 +193,73 @@ HWY_INLINE void put_together(D d, Vec<D> a, Vec<D> b, float* p) {
   }
 }
 
+/// Lanes whose bit is set from one vector, all others from another.
+template <uint32_t kBits, class D>
+HWY_INLINE Vec<D> lanes_from(D d, Vec<D> yes, Vec<D> no) {
+#if HWY_ARCH_X86 && HWY_MAX_BYTES >= 32
+  if constexpr (hn::MaxLanes(D()) == 8) return Vec<D>{_mm256_blend_ps(no.raw, yes.raw, kBits & 0xFF)};
+#endif
+  const hn::RebindToUnsigned<D> du;
+  const auto bit = hn::Shl(hn::Set(du, 1), hn::Iota(du, 0));
+  return hn::IfThenElse(hn::RebindMask(d, hn::TestBit(hn::Set(du, kBits), bit)), yes, no);
+}
+
+/// Three vectors of neighbouring columns taken apart into those whose number modulo 3 is 0, 1 and 2. A lane's three
+/// columns follow each other, and the first one is in the same lane of its vector: 4, 8 and 16 are no multiples of 3,
+/// so that the vectors' lanes of one residue complement each other.
+template <class D>
+class Thirds {
+ public:
+  explicit HWY_INLINE Thirds(D d)
+      : next_(turned(d, 1)),
+        after_next_(turned(d, 2)),
+        back_(turned(d, kLanes - 1)),
+        two_back_(turned(d, kLanes - 2)) {}
+
+  HWY_INLINE void take_apart(D d, const float* p, Vec<D>& a, Vec<D>& middle, Vec<D>& b) const {
+    const auto low = hn::LoadU(d, p), mid = hn::LoadU(d, p + kLanes), high = hn::LoadU(d, p + 2 * kLanes);
+    a = of_residue<0>(d, low, mid, high);
+    middle = hn::TableLookupLanes(of_residue<1>(d, low, mid, high), next_);
+    b = hn::TableLookupLanes(of_residue<2>(d, low, mid, high), after_next_);
+  }
+  HWY_INLINE void put_together(D d, Vec<D> a, Vec<D> middle, Vec<D> b, float* p) const {
+    const auto second = hn::TableLookupLanes(middle, back_), third = hn::TableLookupLanes(b, two_back_);
+    hn::StoreU(of_vector<0>(d, a, second, third), d, p);
+    hn::StoreU(of_vector<1>(d, a, second, third), d, p + kLanes);
+    hn::StoreU(of_vector<2>(d, a, second, third), d, p + 2 * kLanes);
+  }
+
+ private:
+  static constexpr uint32_t kLanes = hn::MaxLanes(D());
+  using Table = decltype(hn::SetTableIndices(D(), static_cast<const int32_t*>(nullptr)));
+
+  /// Lanes whose number is that modulo 3.
+  static constexpr uint32_t lanes_modulo_three(uint32_t residue) {
+    uint32_t bits = 0;
+    for (uint32_t lane = residue % 3; lane < kLanes; lane += 3) bits |= 1U << lane;
+    return bits;
+  }
+  template <uint32_t kResidue>
+  static HWY_INLINE Vec<D> of_residue(D d, Vec<D> low, Vec<D> mid, Vec<D> high) {
+    constexpr uint32_t kOfMid = lanes_modulo_three(kResidue + 2 * kLanes);  // -kLanes modulo 3
+    return lanes_from<lanes_modulo_three(kResidue)>(d, low, lanes_from<kOfMid>(d, mid, high));
+  }
+  template <uint32_t kVector>
+  static HWY_INLINE Vec<D> of_vector(D d, Vec<D> first, Vec<D> second, Vec<D> third) {
+    constexpr uint32_t kOfFirst = lanes_modulo_three(2 * kVector * kLanes);
+    constexpr uint32_t kOfSecond = lanes_modulo_three(1 + 2 * kVector * kLanes);
+    return lanes_from<kOfFirst>(d, first, lanes_from<kOfSecond>(d, second, third));
+  }
+  /// Lane i from lane i + by.
+  static HWY_INLINE Table turned(D d, uint32_t by) {
+    std::array<int32_t, kLanes> from{};
+    for (uint32_t i = 0; i < kLanes; ++i) from[i] = static_cast<int32_t>((i + by) % kLanes);
+    return hn::SetTableIndices(d, from.data());
+  }
+
+  Table next_, after_next_, back_, two_back_;
+};
+
 /// What the blocks of a row are read from and written to; see PointBase.
 struct Blocks {
   PointBase points;
@@ -212,11 +280,11 @@ HWY_NOINLINE void springs_across(D d, const SweepOp& op, ClothState& state, uint
   const PointBase& points = blocks.points;
   overlapped<Ways<D>>(
       first, last,
-      [&](uint32_t k, Ways<D>& ways) HWY_ATTR {
+      [&](uint32_t k, Ways<D>& ways) GEOCLOTH_LANES {
         const size_t i = blocks.pixel[k];
         ways.set(d, sub(load(d, points.at(i + offset)), load(d, points.at(i))));
       },
-      [&](uint32_t k, const Ways<D>& ways) HWY_ATTR {
+      [&](uint32_t k, const Ways<D>& ways) GEOCLOTH_LANES {
         const size_t i = blocks.pixel[k], j = i + offset;
         const PointRow pa = points.at(i), pb = points.at(j);
         Points<D> a = load(d, pa), b = load(d, pb);
@@ -235,13 +303,13 @@ HWY_NOINLINE void springs_along(D d, const SweepOp& op, ClothState& state, uint3
   const PointBase& points = blocks.points;
   overlapped<Ways<D>>(
       first, last,
-      [&](uint32_t k, Ways<D>& ways) HWY_ATTR {
+      [&](uint32_t k, Ways<D>& ways) GEOCLOTH_LANES {
         const PointRow p = points.at(blocks.pixel[k]);
         const Ends<D> x = take_apart<kColumns>(d, p.x), y = take_apart<kColumns>(d, p.y);
         const Ends<D> z = take_apart<kColumns>(d, p.z);
         ways.set(d, Points<D>{hn::Sub(x.b, x.a), hn::Sub(y.b, y.a), hn::Sub(z.b, z.a)});
       },
-      [&](uint32_t k, const Ways<D>& ways) HWY_ATTR {
+      [&](uint32_t k, const Ways<D>& ways) GEOCLOTH_LANES {
         const PointRow p = points.at(blocks.pixel[k]);
         const Ends<D> x = take_apart<kColumns>(d, p.x), y = take_apart<kColumns>(d, p.y);
         const Ends<D> z = take_apart<kColumns>(d, p.z);
@@ -261,12 +329,12 @@ HWY_NOINLINE void bends_across(D d, const SweepOp& op, ClothState& state, uint32
   const PointBase& points = blocks.points;
   overlapped<Ways<D>>(
       first, last,
-      [&](uint32_t k, Ways<D>& ways) HWY_ATTR {
+      [&](uint32_t k, Ways<D>& ways) GEOCLOTH_LANES {
         const size_t i = blocks.pixel[k];
         ways.set(d, bend_way(d, load(d, points.at(i)), load(d, points.at(i + offset)),
                              load(d, points.at(i + 2 * offset)), blocks.constants_of(k)));
       },
-      [&](uint32_t k, const Ways<D>& ways) HWY_ATTR {
+      [&](uint32_t k, const Ways<D>& ways) GEOCLOTH_LANES {
         const size_t i = blocks.pixel[k], m = i + offset, j = m + offset;
         const PointRow pa = points.at(i), pm = points.at(m), pb = points.at(j);
         Points<D> a = load(d, pa), middle = load(d, pm), b = load(d, pb);
@@ -279,36 +347,35 @@ HWY_NOINLINE void bends_across(D d, const SweepOp& op, ClothState& state, uint32
       });
 }
 
-/// Reads what it writes again, which costs less than to keep nine vectors more.
 template <bool kSeveral, class D>
 HWY_NOINLINE void bends_along(D d, const SweepOp& op, ClothState& state, uint32_t first, uint32_t last) {
   const size_t lanes = hn::Lanes(d);
   const Blocks blocks(op, state, bend_floats(lanes, kSeveral));
   const PointBase& points = blocks.points;
-  const auto load_three = [&](uint32_t k, Points<D>& a, Points<D>& middle, Points<D>& b) HWY_ATTR {
+  const Thirds<D> thirds(d);
+  const auto load_three = [&](uint32_t k, Points<D>& a, Points<D>& middle, Points<D>& b) GEOCLOTH_LANES {
     const PointRow p = points.at(blocks.pixel[k]);
-    hn::LoadInterleaved3(d, p.x, a.x, middle.x, b.x);
-    hn::LoadInterleaved3(d, p.y, a.y, middle.y, b.y);
-    hn::LoadInterleaved3(d, p.z, a.z, middle.z, b.z);
+    thirds.take_apart(d, p.x, a.x, middle.x, b.x);
+    thirds.take_apart(d, p.y, a.y, middle.y, b.y);
+    thirds.take_apart(d, p.z, a.z, middle.z, b.z);
   };
   overlapped<Ways<D>>(
       first, last,
-      [&](uint32_t k, Ways<D>& ways) HWY_ATTR {
+      [&](uint32_t k, Ways<D>& ways) GEOCLOTH_LANES {
         Points<D> a, middle, b;
         load_three(k, a, middle, b);
         ways.set(d, bend_way(d, a, middle, b, blocks.constants_of(k)));
       },
-      [&](uint32_t k, const Ways<D>& ways) HWY_ATTR {
-        const size_t i = blocks.pixel[k];
+      [&](uint32_t k, const Ways<D>& ways) GEOCLOTH_LANES {
         Points<D> a, middle, b;
         load_three(k, a, middle, b);
         Vec<D> wa, wm, wb;
-        hn::LoadInterleaved3(d, points.inverse_mass + i, wa, wm, wb);
+        thirds.take_apart(d, points.inverse_mass + blocks.pixel[k], wa, wm, wb);
         project_bend(d, ways, a, wa, middle, wm, b, wb, blocks.constants_of(k), Multipliers<kSeveral, D>(op, k, lanes));
-        const PointRow p = points.at(i);
-        hn::StoreInterleaved3(a.x, middle.x, b.x, d, p.x);
-        hn::StoreInterleaved3(a.y, middle.y, b.y, d, p.y);
-        hn::StoreInterleaved3(a.z, middle.z, b.z, d, p.z);
+        const PointRow p = points.at(blocks.pixel[k]);
+        thirds.put_together(d, a.x, middle.x, b.x, p.x);
+        thirds.put_together(d, a.y, middle.y, b.y, p.y);
+        thirds.put_together(d, a.z, middle.z, b.z, p.z);
       });
 }
 
@@ -329,7 +396,7 @@ HWY_NOINLINE void spans(D d, const SweepOp& op, ClothState& state, uint32_t firs
     const Points<D> step = scale(d, way, hn::Mul(change, hn::Div(hn::Set(d, 1.F), l)));
     const Points<D> a2 = add(a, scale(d, step, hn::LoadU(d, &state.inverse_mass[i])));
     const Points<D> b2 = sub(b, scale(d, step, hn::LoadU(d, &state.inverse_mass[j])));
-    const auto choose = [&](const Points<D>& moved, const Points<D>& before) HWY_ATTR {
+    const auto choose = [&](const Points<D>& moved, const Points<D>& before) GEOCLOTH_LANES {
       return Points<D>{hn::IfThenElse(pulls, moved.x, before.x), hn::IfThenElse(pulls, moved.y, before.y),
                        hn::IfThenElse(pulls, moved.z, before.z)};
     };

@@ -14,6 +14,12 @@
 
 #include "cpu/sweep.h"
 
+/// Of a lambda with vectors: for the instruction set at hand, and part of whoever calls it. A call would take every
+/// vector through memory.
+#ifndef GEOCLOTH_LANES
+#define GEOCLOTH_LANES HWY_ATTR __attribute__((always_inline))
+#endif
+
 HWY_BEFORE_NAMESPACE();
 namespace geocloth::cpu::HWY_NAMESPACE {
 #if HWY_TARGET != HWY_SCALAR

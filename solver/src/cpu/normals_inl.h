@@ -24,8 +24,9 @@ template <size_t kCorner, class D, class Lanes>
 HWY_INLINE Points<D> corner_normal(D d, Lanes mask, ClothState& state, size_t i) {
   const hn::RebindToUnsigned<D> du;
   const auto bits = load(du, mask, &state.data.cell[i]);
-  const auto has = [&](uint32_t bit)
-                       HWY_ATTR { return hn::RebindMask(d, hn::Ne(hn::And(bits, hn::Set(du, bit)), hn::Zero(du))); };
+  const auto has = [&](uint32_t bit) GEOCLOTH_LANES {
+    return hn::RebindMask(d, hn::Ne(hn::And(bits, hn::Set(du, bit)), hn::Zero(du)));
+  };
   const size_t width = state.data.width;
   const Points<D> p0 = load(d, mask, at(state.position, i)), p1 = load(d, mask, at(state.position, i + 1));
   const Points<D> p2 = load(d, mask, at(state.position, i + width));
@@ -50,7 +51,7 @@ HWY_NOINLINE void normals(D d, ClothState& state, const Run& run) {
   if (run.first % width == 0) normal_pixels(state, run.first, run.first + 1);
   if (run.last % width == 0) normal_pixels(state, run.last - 1, run.last);
   const Run inner{run.first + (run.first % width == 0 ? 1 : 0), run.last - (run.last % width == 0 ? 1 : 0)};
-  for_run(d, inner, [&](uint32_t i, auto mask) HWY_ATTR {
+  for_run(d, inner, [&](uint32_t i, auto mask) GEOCLOTH_LANES {
     const Points<D> sum =
         add(add(add(corner_normal<3>(d, mask, state, i - 1 - width), corner_normal<2>(d, mask, state, i - width)),
                 corner_normal<1>(d, mask, state, i - 1)),

@@ -97,7 +97,7 @@ HWY_NOINLINE void predict(D d, const PassContext& context, ClothState& state, co
   const Points<D> gravity = set(d, params.gravity_step.x, params.gravity_step.y, params.gravity_step.z);
   const auto keep = hn::Set(d, params.keep), dt2 = hn::Set(d, params.dt * params.dt);
   // Masked stores are slow: the last vector of a run gives back what follows the run as it was.
-  for_run(d, run, [&](uint32_t i, auto lanes) HWY_ATTR {
+  for_run(d, run, [&](uint32_t i, auto lanes) GEOCLOTH_LANES {
     const PointRow p = at(state.position, i), pp = at(state.previous, i), pc = at(state.carry, i);
     const Points<D> position = load(d, p), previous = load(d, pp), carry = load(d, pc);
     const Points<D> way = add(sub(position, previous), carry);

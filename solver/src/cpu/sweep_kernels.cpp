@@ -139,11 +139,11 @@ HWY_INLINE void with_lanes(uint32_t lanes, const Body& body) {
 
 void run_sweep_here(uint32_t lanes, const SweepFrame& frame, uint32_t substep, const SweepBand& band,
                     const Progress* ahead, Progress* own) {
-  with_lanes(lanes, [&](auto d) HWY_ATTR { sweep_rows(d, frame, substep, band, ahead, own); });
+  with_lanes(lanes, [&](auto d) GEOCLOTH_LANES { sweep_rows(d, frame, substep, band, ahead, own); });
 }
 
 void run_normals_here(uint32_t lanes, ClothState& state, std::span<const Run> runs) {
-  with_lanes(lanes, [&](auto d) HWY_ATTR {
+  with_lanes(lanes, [&](auto d) GEOCLOTH_LANES {
     for (const Run& run : runs) normals(d, state, run);
   });
 }

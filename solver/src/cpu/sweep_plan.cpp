@@ -32,7 +32,8 @@ struct BlockShape {
   uint32_t end;            ///< a block ends before this column
 };
 
-/// Lane of the constraint that starts `column` columns after its block; see take_apart() in sweep_kernels.cpp.
+/// Lane of the constraint that starts `column` columns after its block; see even_columns() and Thirds in
+/// constraints_inl.h.
 uint32_t lane_of(RowKernel kernel, uint32_t column, uint32_t lanes) {
   const bool high = column >= lanes;
   const uint32_t c = high ? column - lanes : column;
@@ -42,7 +43,7 @@ uint32_t lane_of(RowKernel kernel, uint32_t column, uint32_t lanes) {
     case RowKernel::springs_along_two:
       return c / 4 * 4 + c % 4 + (high ? 2 : 0);
     case RowKernel::bends_along:
-      return column / 3;
+      return column % lanes;
     default:
       return column;
   }
