@@ -24,14 +24,13 @@ float project_spring(uvec2 pa, uvec2 pb, float rest, float compliance, float sha
 }
 
 // @return the new multiplier
-float project_bend(uvec2 pa, uvec2 pm, uvec2 pb, float middle_share, float chord, float rest, float compliance,
-                   float multiplier) {
+float project_bend(uvec2 pa, uvec2 pm, uvec2 pb, float chord, float rest, float compliance, float multiplier) {
   vec4 a = load_point(pa);
   vec4 m = load_point(pm);
   vec4 b = load_point(pb);
   precise float scaled = compliance * params.inverse_dt2;
-  BendMove move = bend_move(way_between(pm, m, pa, a), a.w, m.w, way_between(pm, m, pb, b), b.w, middle_share, chord,
-                            rest, scaled, multiplier);
+  BendMove move = bend_move(way_between(pm, m, pa, a), a.w, m.w, way_between(pm, m, pb, b), b.w, chord, rest, scaled,
+                            multiplier);
   precise float weight_a = a.w * (1.0f - chord);
   precise float weight_b = b.w * chord;
   store_point(pa, shifted(a.xyz, -move.step, weight_a), a.w);
@@ -100,7 +99,7 @@ void bend_at(uvec2 pa) {
   float chord = chord_share(of_component(component, imageLoad(structural_image, texel(pa))).x,
                             of_component(component, imageLoad(structural_image, texel(pm))).x);
   uint slot = component * params.width * params.height + pa.y * params.width + pa.x;
-  keep_multiplier(slot, project_bend(pa, pm, pb, 1.0f, chord, rest.x, rest.y, multiplier_so_far(slot)));
+  keep_multiplier(slot, project_bend(pa, pm, pb, chord, rest.x, rest.y, multiplier_so_far(slot)));
 }
 
 uint slot_of_seam_bend(uint i) {
@@ -117,6 +116,25 @@ void seam_bend_at(uint i) {
 void seam_curvature_at(uint i) {
   SeamSpring bend = seam_bends[i];
   uint slot = slot_of_seam_bend(i);
-  keep_multiplier(slot, project_bend(pixel_at(bend.a), pixel_at(bend.middle), pixel_at(bend.b), bend.middle_share,
-                                     bend.chord, bend.rest, bend.compliance, multiplier_so_far(slot)));
+  uvec2 pa = pixel_at(bend.a);
+  uvec2 pm = pixel_at(bend.middle);
+  uvec2 pb = pixel_at(bend.b);
+  uvec2 pc = pixel_at(bend.beside);
+  vec4 a = load_point(pa);
+  vec4 m = load_point(pm);
+  vec4 b = load_point(pb);
+  vec4 c = load_point(pc);
+  precise float scaled = bend.compliance * params.inverse_dt2;
+  BendMove move = turned_bend_move(way_between(pm, m, pa, a), a.w, m.w, way_between(pm, m, pb, b), b.w,
+                                   way_between(pm, m, pc, c), c.w, bend.middle_share, bend.chord, bend.turn, bend.rest,
+                                   scaled, multiplier_so_far(slot));
+  precise float weight_a = a.w * (1.0f - bend.chord);
+  precise float weight_m = m.w * (1.0f - bend.turn);
+  precise float weight_b = b.w * bend.chord;
+  precise float weight_c = c.w * bend.turn;
+  store_point(pa, shifted(a.xyz, -move.step, weight_a), a.w);
+  store_point(pm, shifted(m.xyz, move.step, weight_m), m.w);
+  store_point(pb, shifted(b.xyz, -move.step, weight_b), b.w);
+  if (bend.turn != 0.0f) store_point(pc, shifted(c.xyz, move.step, weight_c), c.w);
+  keep_multiplier(slot, move.multiplier);
 }

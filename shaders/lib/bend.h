@@ -6,6 +6,14 @@
 //
 // The energy B A curvature^2 / 2 of the area A with the rigidity B is that of the constraint |e| = rest with the
 // compliance (h1 h2)^2 / (4 B A). The three impulses lie along e and add up to nothing, and so do their moments.
+//
+//   a -- h1 -- m                     Where the row turns within the flat sheet, e would not vanish there, and cloth
+//   that
+//             / \  \                 is soft beside its rigidity would be pulled out of shape. A fourth point c beside
+//            c   \    h2              the middle takes the turn up: e = (1 - f) a + f b - g c - (1 - g) m with f and g
+//                 b                  so chosen that at rest e has no part within the sheet. |e| = u curvature with u =
+//                                    ((1 - f) |a - m|^2 + f |b - m|^2 - g |c - m|^2) / 2, and the compliance is
+//                                    u^2 / (B A).
 #ifndef GEOCLOTH_LIB_BEND_H
 #define GEOCLOTH_LIB_BEND_H
 
@@ -28,20 +36,11 @@ inline float chord_share(float h1, float h2) {
   return f;
 }
 
-// @param to_a, to_b    [m] from the middle to the ends
-// @param wa, wm, wb    inverse masses [1/kg]
-// @param middle_share  share of the middle point's mass that this copy of it carries, 1 without a seam: the whole point
-//                      is what yields, and the copy is moved so far that the stitch moves the point right
-// @param chord         f above
-// @param rest          [m] |e| at rest
-// @param compliance    [m/N] divided by dt^2; 0: no bend, the three stay
+// @param e  [m] as above
+// @param w  inverse masses [1/kg], each times the square of its point's weight in e
 // @param multiplier    sum of the multipliers of earlier relaxation steps of this substep
-inline BendMove bend_move(vec3 to_a, float wa, float wm, vec3 to_b, float wb, float middle_share, float chord,
-                          float rest, float compliance, float multiplier) {
-  precise float back = 1.0f - chord;
-  precise vec3 e = to_a * back + to_b * chord;
+inline BendMove bend_move_along(vec3 e, float w, float rest, float compliance, float multiplier) {
   precise float l = length3(e);
-  precise float w = wa * back * back + wm * middle_share + wb * chord * chord;
   bool bent = compliance > 0.0f && l > 1e-12f;
   precise float error = (l - rest) + compliance * multiplier;
   precise float change = bent ? error * (1.0f / (bent ? w + compliance : 1.0f)) : 0.0f;
@@ -51,6 +50,34 @@ inline BendMove bend_move(vec3 to_a, float wa, float wm, vec3 to_b, float wb, fl
   r.step = step;
   r.multiplier = sum;
   return r;
+}
+
+// @param to_a, to_b  [m] from the middle to the ends
+// @param wa, wm, wb  inverse masses [1/kg]
+// @param chord       f above
+// @param rest        [m] |e| at rest
+// @param compliance  [m/N] divided by dt^2; 0: no bend, the three stay
+inline BendMove bend_move(vec3 to_a, float wa, float wm, vec3 to_b, float wb, float chord, float rest, float compliance,
+                          float multiplier) {
+  precise float back = 1.0f - chord;
+  precise vec3 e = to_a * back + to_b * chord;
+  precise float w = wa * back * back + wm + wb * chord * chord;
+  return bend_move_along(e, w, rest, compliance, multiplier);
+}
+
+// With a fourth point, which moves by step * (wc * turn); the middle moves by step * (wm * (1 - turn)).
+// @param to_c          [m] from the middle to it
+// @param middle_share  share of the middle point's mass that this copy of it carries, 1 without a seam: the whole point
+//                      is what yields, and the copy is moved so far that the stitch moves the point right
+// @param turn          g above; 0: it is left out
+inline BendMove turned_bend_move(vec3 to_a, float wa, float wm, vec3 to_b, float wb, vec3 to_c, float wc,
+                                 float middle_share, float chord, float turn, float rest, float compliance,
+                                 float multiplier) {
+  precise float back = 1.0f - chord;
+  precise float kept = 1.0f - turn;
+  precise vec3 e = to_a * back + to_b * chord - to_c * turn;
+  precise float w = wa * back * back + wm * middle_share * kept * kept + wb * chord * chord + wc * turn * turn;
+  return bend_move_along(e, w, rest, compliance, multiplier);
 }
 
 #ifdef __cplusplus

@@ -156,7 +156,8 @@ struct SeamSpring {
   float compliance;    // [m/N]
   float chord;         // for the curvature: share of b in the chord at the middle
   float middle_share;  // and share of the middle point's mass that its pixel carries
-  float unused0;
+  float turn;          // and g of lib/bend.h; 0: `beside` is left out
+  uint beside;         // pixel of its fourth point
 };
 
 // A point of the cloth for self-collision: a valid pixel, of copies the first.
@@ -210,7 +211,7 @@ struct PassConstants {
 static_assert(sizeof(ClothParams) == 256 && offsetof(ClothParams, whole) == 128 &&
               offsetof(ClothParams, gravity_step) == 16 && offsetof(ClothParams, dt) == 48);
 static_assert(sizeof(Wave) == 32 && sizeof(Substep) == 16 + 32 * kWindWaves);
-static_assert(sizeof(PinTarget) == 48 && sizeof(Attachment) == 8 && sizeof(SeamSpring) == 32 &&
+static_assert(sizeof(PinTarget) == 48 && sizeof(Attachment) == 8 && sizeof(SeamSpring) == 36 &&
               sizeof(SelfPoint) == 32);
 static_assert(sizeof(ColliderShape) == 64 && sizeof(ColliderPose) == 48 && sizeof(PassConstants) == 24);
 }  // namespace geocloth::shader

@@ -21,9 +21,12 @@
 namespace geocloth {
 namespace {
 
-/// Strain that straightening a grid line may cause. Where a line has a kink, at a ragged outline, a cloth that is soft
-/// beside its rigidity would be pulled out of shape: there the turn is part of the rest curvature.
+/// Strain that straightening a grid line may cause. Where a line has a kink, in a square or at a ragged outline, a
+/// cloth that is soft beside its rigidity would be pulled out of shape: there a fourth point takes the turn up.
 constexpr double kLargestPull = 0.005;
+
+/// Of a bend with a fourth point: the least share of its curvature that it still sees, and of either end in the chord.
+constexpr double kLeastSeen = 0.5, kLeastChord = 0.1;
 
 /// Diagonals with less than this share of the material's rigidity are left out.
 constexpr double kLeastShare = 0.01;
@@ -54,9 +57,9 @@ class BendBuilder {
     if (springs) {
       add_seam_springs();
     } else {
-      std::vector<shader::SeamSpring> listed = diagonal_bends();
-      add_seam_bends(listed);
-      color(listed);
+      add_diagonal_bends();
+      add_seam_bends();
+      color(listed_);
     }
     if (data_.springs_per_sweep > before_) data_.bending = springs ? Bending::springs : Bending::curvature;
   }
@@ -82,12 +85,16 @@ class BendBuilder {
     const double rigidity = rigidities_at(middle)[component == kRowBend ? kWeft : kWarp];
     const shader::SeamSpring bend =
         make_bend(a, middle, b, rest_.pixel_area(middle), rigidity, kink(a, component - kRowBend));
-    if (bend.compliance > 0) store(a, component, bend.rest, bend.compliance);
+    if (!(bend.compliance > 0)) return;
+    if (bend.turn != 0) {
+      listed_.push_back(bend);
+    } else {
+      store(a, component, bend.rest, bend.compliance);
+    }
   }
 
-  [[nodiscard]] std::vector<shader::SeamSpring> diagonal_bends() const {
-    std::vector<shader::SeamSpring> bends;
-    if (material_.bend_bias < 0) return bends;
+  void add_diagonal_bends() {
+    if (material_.bend_bias < 0) return;
     for (uint32_t p = 0; p < asset_.pixel_count(); ++p) {
       const Rigidities rigidity = rigidities_at(p);
       for (const uint32_t direction : {kWarp + 1, kWarp + 2}) {
@@ -95,10 +102,9 @@ class BendBuilder {
         const uint32_t a = p - way(direction), b = p + way(direction);
         const shader::SeamSpring bend =
             make_bend(a, p, b, rest_.pixel_area(p), rigidity[direction], kink(a, direction));
-        if (bend.compliance > 0) bends.push_back(bend);
+        if (bend.compliance > 0) listed_.push_back(bend);
       }
     }
-    return bends;
   }
 
   using Rigidities = std::array<double, kBendDirections>;
@@ -171,9 +177,9 @@ class BendBuilder {
     bend.a = a;
     bend.middle = middle;
     bend.b = b;
+    bend.beside = middle;
     const double h1 = rest_.rest_length(a, middle), h2 = rest_.rest_length(middle, b);
     if (!(h1 > 0 && h2 > 0 && area > 0 && rigidity > 0)) return bend;
-    const double chord = h1 / (h1 + h2);
     const double scale = h1 / static_cast<double>(length(asset_.rest_position[a] - asset_.rest_position[middle]));
     const Vec3 e = to_chord(a, middle, b);
     const double whole = scale * static_cast<double>(length(e));
@@ -182,28 +188,83 @@ class BendBuilder {
     // [N/m] if rest were out_of_plane
     const double pull = 2 * rigidity * (2 * scale * kink / (h1 * h2)) / (0.5 * (h1 + h2));
     const double softest = std::min(material_.stretch_warp, material_.stretch_weft);
-    const bool straighten = within > out_of_plane && pull <= kLargestPull * softest;
-    const double compliance = h1 * h2 * h1 * h2 / (4 * rigidity * area);
-    bend.rest = static_cast<float>(straighten ? out_of_plane : whole);
+    const bool turns = within > out_of_plane, straighten = turns && pull <= kLargestPull * softest;
+    const Turn turn = turns && !straighten ? take_up_turn(a, middle, b) : Turn{};
+    const bool taken_up = turn.weight != 0;
+    const double seen = taken_up ? scale * scale * turn.seen : 0.5 * h1 * h2;
+    const double compliance = seen * seen / (rigidity * area);
+    bend.rest = static_cast<float>(straighten ? out_of_plane : taken_up ? scale * turn.rest : whole);
     bend.compliance = static_cast<float>(std::clamp(compliance, static_cast<double>(std::numeric_limits<float>::min()),
                                                     static_cast<double>(std::numeric_limits<float>::max())));
-    bend.chord = static_cast<float>(chord);
+    bend.chord = static_cast<float>(taken_up ? turn.chord : h1 / (h1 + h2));
     bend.middle_share = 1;
+    if (taken_up) {
+      bend.turn = static_cast<float>(turn.weight);
+      bend.beside = turn.beside;
+    }
     return bend;
+  }
+
+  /// The fourth point of a bend, see lib/bend.h; lengths without the cloth's scale.
+  struct Turn {
+    uint32_t beside = 0;
+    double chord = 0, weight = 0;  ///< f and g; weight 0: no neighbour can take the turn up
+    double seen = 0;               ///< [m^2] u
+    double rest = 0;               ///< [m]
+  };
+  [[nodiscard]] Turn take_up_turn(uint32_t a, uint32_t middle, uint32_t b) const {
+    const Vec3 x = normalized(within_sheet(a, middle, b)), y = cross(normal_[middle], x);
+    const Vec3& at = asset_.rest_position[middle];
+    struct Flat {
+      double x, y, out, square;
+    };
+    const auto seen_from_middle = [&](uint32_t p) {
+      const Vec3 d = asset_.rest_position[p] - at;
+      return Flat{dot(d, x), dot(d, y), dot(d, normal_[middle]), dot(d, d)};
+    };
+    const Flat pa = seen_from_middle(a), pb = seen_from_middle(b);
+    Turn best;
+    double most = 0;
+    for_neighbors(middle, [&](uint32_t p) {
+      if (p == a || p == b) return;
+      const Flat c = seen_from_middle(p);
+      const double along = std::abs(c.x) / std::sqrt(c.square);
+      const double determinant = c.x * (pb.y - pa.y) - c.y * (pb.x - pa.x);
+      if (!(along > most) || determinant == 0) return;
+      Turn turn{p, (pa.x * c.y - c.x * pa.y) / determinant, (pa.x * pb.y - pb.x * pa.y) / determinant, 0, 0};
+      const double f = turn.chord, g = turn.weight;
+      turn.seen = 0.5 * ((1 - f) * pa.square + f * pb.square - g * c.square);
+      turn.rest = std::abs((1 - f) * pa.out + f * pb.out - g * c.out);
+      if (!(turn.seen >= 0.5 * kLeastSeen * std::sqrt(pa.square * pb.square))) return;
+      if (!(f >= kLeastChord && f <= 1 - kLeastChord)) return;
+      most = along;
+      best = turn;
+    });
+    return best;
+  }
+
+  /// Pixels that a structural or a shear spring joins to p.
+  template <class Visit>
+  void for_neighbors(uint32_t p, const Visit& visit) const {
+    for (uint32_t direction = 0; direction < kBendDirections; ++direction) {
+      const auto bit = static_cast<uint8_t>(1U << direction);
+      if ((asset_.spring_mask[p] & bit) != 0) visit(p + way(direction));
+      if (p >= way(direction) && (asset_.spring_mask[p - way(direction)] & bit) != 0) visit(p - way(direction));
+    }
   }
 
   void add_seam_springs() {
     std::vector<shader::SeamSpring> springs;
     for (const SeamBend& bend : asset_.seam_bends) {
       const double rest = rest_.rest_length(bend.a, bend.b);
-      if (rest > 0) springs.push_back({bend.a, bend.middle, bend.b, static_cast<float>(rest), 0, 0, 1, 0});
+      if (rest > 0) springs.push_back({bend.a, bend.middle, bend.b, static_cast<float>(rest), 0, 0, 1, 0, bend.middle});
     }
     color(springs);
   }
 
   /// The area of a bend over a seam is that of a pixel in a row with it. Where the row itself runs along another seam,
   /// there may be a bend for each of that seam's sides: they share it.
-  void add_seam_bends(std::vector<shader::SeamSpring>& bends) const {
+  void add_seam_bends() {
     const std::vector<uint32_t> point = first_copies(asset_);
     std::vector<double> point_area(asset_.pixel_count(), 0);
     for (uint32_t p = 0; p < asset_.pixel_count(); ++p) point_area[point[p]] += rest_.pixel_area(p);
@@ -220,7 +281,7 @@ class BendBuilder {
                                           length(within_sheet(seam.a, seam.middle, seam.b)));
       if (!(bend.compliance > 0)) continue;
       bend.middle_share = static_cast<float>(std::min(1.0, rest_.pixel_area(seam.middle) / area));
-      bends.push_back(bend);
+      listed_.push_back(bend);
     }
   }
 
@@ -245,13 +306,13 @@ class BendBuilder {
     std::vector<std::vector<uint32_t>> colors_at(asset_.pixel_count());
     std::vector<std::vector<shader::SeamSpring>> by_color;
     for (const shader::SeamSpring& bend : bends) {
-      const std::array pixels{bend.a, bend.middle, bend.b};
+      const std::array pixels{bend.a, bend.middle, bend.b, bend.beside};
       uint32_t color = 0;
       const auto used = [&](uint32_t p) {
         return std::find(colors_at[p].begin(), colors_at[p].end(), color) != colors_at[p].end();
       };
       while (std::any_of(pixels.begin(), pixels.end(), used)) ++color;
-      for (const uint32_t p : pixels) colors_at[p].push_back(color);
+      for (const uint32_t p : pixels) colors_at[p].push_back(color);  // of three pixels the middle twice
       if (color == by_color.size()) by_color.emplace_back();
       by_color[color].push_back(bend);
     }
@@ -268,7 +329,8 @@ class BendBuilder {
   const Material& material_;
   const RestShape& rest_;
   ClothData& data_;
-  std::vector<Vec3> normal_;  ///< at rest, only with a rigidity
+  std::vector<Vec3> normal_;                ///< at rest, only with a rigidity
+  std::vector<shader::SeamSpring> listed_;  ///< bends that have no place in the images
   uint64_t before_ = data_.springs_per_sweep;
 };
 

@@ -28,12 +28,16 @@ double spring_energy(const Vec3& a, const Vec3& b, float rest, float compliance)
 }
 
 /// Energy of one bend (lib/bend.h); a compliance of 0 is none.
-double bend_energy(const Vec3& a, const Vec3& middle, const Vec3& b, double chord, float rest, float compliance) {
+/// @param beside  with the weight `turn`
+double bend_energy(const Vec3& a, const Vec3& middle, const Vec3& b, const Vec3& beside, double chord, double turn,
+                   float rest, float compliance) {
   if (!(compliance > 0)) return 0;
-  const auto out = [chord](float pa, float pm, float pb) {
-    return (1 - chord) * (static_cast<double>(pa) - pm) + chord * (static_cast<double>(pb) - pm);
+  const auto out = [chord, turn](float pa, float pm, float pb, float pc) {
+    const double m = pm;
+    return (1 - chord) * (pa - m) + chord * (pb - m) - turn * (pc - m);
   };
-  const double e = std::hypot(out(a.x, middle.x, b.x), out(a.y, middle.y, b.y), out(a.z, middle.z, b.z));
+  const double e = std::hypot(out(a.x, middle.x, b.x, beside.x), out(a.y, middle.y, b.y, beside.y),
+                              out(a.z, middle.z, b.z, beside.z));
   return 0.5 * (e - static_cast<double>(rest)) * (e - static_cast<double>(rest)) / static_cast<double>(compliance);
 }
 
@@ -43,16 +47,16 @@ double curvature_energy(const ClothData& data, std::span<const Vec3> x) {
     const shader::vec4& bend = data.springs[2][p];
     if (bend.y > 0) {
       const double h1 = data.springs[0][p].x, h2 = data.springs[0][p + 1].x;
-      energy += bend_energy(x[p], x[p + 1], x[p + 2], h1 / (h1 + h2), bend.x, bend.y);
+      energy += bend_energy(x[p], x[p + 1], x[p + 2], x[p], h1 / (h1 + h2), 0, bend.x, bend.y);
     }
     if (bend.w > 0) {
       const uint32_t middle = p + data.width;
       const double h1 = data.springs[0][p].z, h2 = data.springs[0][middle].z;
-      energy += bend_energy(x[p], x[middle], x[middle + data.width], h1 / (h1 + h2), bend.z, bend.w);
+      energy += bend_energy(x[p], x[middle], x[middle + data.width], x[p], h1 / (h1 + h2), 0, bend.z, bend.w);
     }
   }
   for (const shader::SeamSpring& s : data.seam_bends) {
-    energy += bend_energy(x[s.a], x[s.middle], x[s.b], static_cast<double>(s.chord), s.rest, s.compliance);
+    energy += bend_energy(x[s.a], x[s.middle], x[s.b], x[s.beside], s.chord, s.turn, s.rest, s.compliance);
   }
   return energy;
 }

@@ -50,6 +50,37 @@ TEST(Bending, GridLinesThatAreNotStraightDoNotPullAFlatSheetOutOfShape) {
   EXPECT_LT(drift(test::describe(make_sheet(options), material)), 0.02 * spacing);
 }
 
+/// Elastic energy [J] that it takes to roll a knit of 20 cm a little; its grid points are moved by a share of the
+/// spacing.
+double rolled_energy(float jitter, bool across) {
+  constexpr double kRadius = 0.5;
+  Material material;
+  material.stretch_warp = material.stretch_weft = 10;
+  material.shear = 3;
+  material.bend_warp = material.bend_weft = 6e-5F;
+  const ClothDesc cloth = test::describe(
+      test::make_sheet({.nx = 33, .ny = 33, .width = 0.2F, .height = 0.2F, .charts_x = 2, .jitter = jitter}), material);
+  std::vector<Vec3> x = cloth.asset->rest_position;
+  for (Vec3& p : x) {
+    const double angle = static_cast<double>(across ? p.x : p.y) / kRadius;
+    const auto along = static_cast<float>(kRadius * std::sin(angle));
+    p = {across ? along : p.x, across ? p.y : along, static_cast<float>(kRadius * (1 - std::cos(angle)))};
+  }
+  const std::vector<Vec3> still(x.size());
+  return measure_energy(cloth, {}, x, still).elastic -
+         measure_energy(cloth, {}, cloth.asset->rest_position, still).elastic;
+}
+
+// Before a fourth point took up what a grid line turns within the sheet, kinked bends yielded to small curvatures.
+TEST(Bending, IsAsStiffOnAGridWhoseLinesAreNotStraight) {
+  for (const bool across : {false, true}) {
+    const double straight = rolled_energy(0, across);
+    EXPECT_NEAR(straight, 0.5 * 6e-5 / (0.5 * 0.5) * 0.2 * 0.2, 0.05 * straight);  // B A curvature^2 / 2
+    EXPECT_NEAR(rolled_energy(0.1F, across), straight, 0.05 * straight);
+    EXPECT_NEAR(rolled_energy(0.2F, across), straight, 0.15 * straight);
+  }
+}
+
 /// Height / width of a strip of 20 cm that is clamped at one end, Gamma = w L^3 / B = 5, cut into charts.
 double droop(uint32_t charts_x, uint32_t charts_y) {
   constexpr uint32_t kCells = 12;

@@ -22,12 +22,12 @@ struct BendLine {
 
 /// Projects the bend over point i of three lines. @return the new multiplier
 template <uint32_t fine>
-inline float project_bend(const PointLine& a, const PointLine& middle, const PointLine& b, size_t i, float middle_share,
-                          float chord, float rest, float compliance, float multiplier, Fine<fine> mode) {
+inline float project_bend(const PointLine& a, const PointLine& middle, const PointLine& b, size_t i, float chord,
+                          float rest, float compliance, float multiplier, Fine<fine> mode) {
   const float wa = a.inverse_mass[i], wm = middle.inverse_mass[i], wb = b.inverse_mass[i];
   const shader::BendMove move =
-      shader::bend_move(way_between(middle, a, i, mode), wa, wm, way_between(middle, b, i, mode), wb, middle_share,
-                        chord, rest, compliance, multiplier);
+      shader::bend_move(way_between(middle, a, i, mode), wa, wm, way_between(middle, b, i, mode), wb, chord, rest,
+                        compliance, multiplier);
   a.move(i, -move.step, wa * (1.F - chord));
   middle.move(i, move.step, wm);
   b.move(i, -move.step, wb * chord);
@@ -40,7 +40,7 @@ void project_line(const BendLine line, uint32_t count, float inverse_dt2, float 
   for (size_t k = 0; k < count; ++k) {
     const size_t i = k * stride;
     const float sum = accumulate ? kept_multiplier * line.multiplier[i] : 0.F;
-    const float next = project_bend(line.a, line.middle, line.b, i, 1.F, shader::chord_share(line.h1[i], line.h2[i]),
+    const float next = project_bend(line.a, line.middle, line.b, i, shader::chord_share(line.h1[i], line.h2[i]),
                                     line.rest[i], line.compliance[i] * inverse_dt2, sum, mode);
     if constexpr (accumulate) line.multiplier[i] = next;
   }
@@ -95,8 +95,16 @@ void seam_curvature(const PassContext& context, ClothState& state, const PassSte
   const float inverse_dt2 = context.cloth.params.inverse_dt2;
   const uint32_t fine = context.cloth.params.fine;
   for_seam_list(context, state, step, [&](const shader::SeamSpring& s, float multiplier, auto mode) {
-    return project_bend(PointLine(state, s.a, fine), PointLine(state, s.middle, fine), PointLine(state, s.b, fine), 0,
-                        s.middle_share, s.chord, s.rest, s.compliance * inverse_dt2, multiplier, mode);
+    const PointLine a(state, s.a, fine), m(state, s.middle, fine), b(state, s.b, fine), c(state, s.beside, fine);
+    const float wa = a.inverse_mass[0], wm = m.inverse_mass[0], wb = b.inverse_mass[0], wc = c.inverse_mass[0];
+    const shader::BendMove move = shader::turned_bend_move(
+        way_between(m, a, 0, mode), wa, wm, way_between(m, b, 0, mode), wb, way_between(m, c, 0, mode), wc,
+        s.middle_share, s.chord, s.turn, s.rest, s.compliance * inverse_dt2, multiplier);
+    a.move(0, -move.step, wa * (1.F - s.chord));
+    m.move(0, move.step, wm * (1.F - s.turn));
+    b.move(0, -move.step, wb * s.chord);
+    if (s.turn != 0) c.move(0, move.step, wc * s.turn);
+    return move.multiplier;
   });
 }
 

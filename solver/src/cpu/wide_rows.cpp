@@ -45,6 +45,7 @@ ClothData WideRows::widened(const ClothData& data) const {
     s.a = pixel(s.a);
     s.middle = pixel(s.middle);
     s.b = pixel(s.b);
+    s.beside = pixel(s.beside);
   }
   for (uint32_t& p : r.split_pixel) p = pixel(p);
   for (shader::SelfPoint& p : r.self.points) p.pixel = pixel(p.pixel);
