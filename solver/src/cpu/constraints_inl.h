@@ -415,19 +415,18 @@ HWY_NOINLINE void limit(D d, const SweepOp& op, ClothState& state, const float* 
   const PointBase points(state);
   const RowStream& stream = *op.stream;
   const uint32_t* const pixel = stream.pixel.data();
-  const int32_t* const first_anchor = stream.first_anchor.data();
+  const uint32_t* const first_anchor = stream.first_anchor.data();
+  const int32_t* const anchor_of = stream.anchors.data();
   const float* const longest_of = stream.constants.data();
   const float *const x = anchors, *const y = x + count, *const z = y + count;
   for (uint32_t k = first; k < last; ++k) {
     const PointRow p = points.at(pixel[k]);
     const Points<D> position = load(d, p);
-    Points<D> anchor;
-    if (const int32_t start = first_anchor[k]; start >= 0) {
-      anchor = {hn::LoadU(d, x + start), hn::LoadU(d, y + start), hn::LoadU(d, z + start)};
-    } else {
-      const auto index = hn::LoadU(di, stream.anchors.data() + k * lanes);
-      anchor = {hn::GatherIndex(d, x, index), hn::GatherIndex(d, y, index), hn::GatherIndex(d, z, index)};
-    }
+    const uint32_t start = first_anchor[k];
+    const auto own = hn::IndicesFromVec(d, hn::LoadU(di, anchor_of + k * lanes));
+    const Points<D> anchor{hn::TableLookupLanes(hn::LoadU(d, x + start), own),
+                           hn::TableLookupLanes(hn::LoadU(d, y + start), own),
+                           hn::TableLookupLanes(hn::LoadU(d, z + start), own)};
     const auto longest = hn::LoadU(d, longest_of + k * lanes);
     const Points<D> way = sub(position, anchor);
     const auto l2 = dot(d, way, way);

@@ -45,9 +45,9 @@ struct RowStream {
   std::vector<uint32_t> row_first;  ///< height + 1 entries: the row's blocks, runs or pins
   std::vector<uint32_t> pixel;      ///< first pixel of a block
   Floats constants;
-  std::vector<float> multipliers;     ///< of constraints with several relaxation steps, for each lane
-  std::vector<int32_t> anchors;       ///< limit: index into the pins for each lane
-  std::vector<int32_t> first_anchor;  ///< limit: of a block whose lanes' anchors follow each other, else -1
+  std::vector<float> multipliers;      ///< of constraints with several relaxation steps, for each lane
+  std::vector<uint32_t> first_anchor;  ///< limit: of as many as a block has lanes
+  std::vector<int32_t> anchors;        ///< limit: for each lane the one of those that holds it
   std::vector<Run> runs;
 };
 
@@ -89,7 +89,7 @@ struct SweepFrame {
   const PassContext* contexts = nullptr;  ///< one for each substep
   ClothState* state = nullptr;
   const Sweep* sweep = nullptr;
-  const float* anchors = nullptr;  ///< for each substep x, y, z of every pin, each `anchor_count` long
+  const float* anchors = nullptr;  ///< for each substep x, y, z of every anchor, each `anchor_count` long
   uint32_t anchor_count = 0;
   const ColliderGuard* guards = nullptr;  ///< for each substep one for each collider
   bool collide_all = false;               ///< no point is certainly untouched, or points change without being touched

@@ -11,6 +11,7 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -368,47 +369,69 @@ class SweepPlanner {
     return {.kernel = RowKernel::spans, .offset = offset, .stream = &stream};
   }
 
+  /// Pixels of a row are held by anchors of neighbouring columns, more or less: in that order a vector's lanes choose
+  /// from as many anchors as it has lanes.
+  void order_anchors() {
+    const auto column_first = [&](uint32_t k) {
+      const uint32_t pixel = cloth_.pins[k].pixel.x;
+      return std::pair(pixel % width_, pixel);
+    };
+    std::vector<uint32_t> pins(cloth_.pins.size());
+    std::iota(pins.begin(), pins.end(), 0U);
+    std::sort(pins.begin(), pins.end(), [&](uint32_t a, uint32_t b) { return column_first(a) < column_first(b); });
+    plan_->anchor_of_pin_.resize(pins.size());
+    for (uint32_t n = 0; n < pins.size(); ++n) plan_->anchor_of_pin_[pins[n]] = n;
+  }
+
   /// Anchors stay where the pins put them during a substep, so they need not be looked up in the image.
   SweepOp limit() {
-    std::vector<int32_t> pin_of(state_.pixel_count(), -1);
+    order_anchors();
+    std::vector<int32_t> anchor_at(state_.pixel_count(), -1);
     for (size_t k = 0; k < cloth_.pins.size(); ++k) {
       const uint32_t pixel = cloth_.pins[k].pixel.x;
       if (state_.inverse_mass[pixel] > 0) continue;  // drawn along softly: nobody's anchor
-      pin_of[pixel] = static_cast<int32_t>(k);
+      anchor_at[pixel] = static_cast<int32_t>(plan_->anchor_of_pin_[k]);
     }
     const auto anchor_of = [&](size_t i) {
       const uint32_t anchor = state_.attachments[i].anchor;
-      return anchor == shader::kNoAnchor || state_.inverse_mass[i] == 0 ? -1 : pin_of[anchor];
+      return anchor == shader::kNoAnchor || state_.inverse_mass[i] == 0 ? -1 : anchor_at[anchor];
     };
     RowStream& stream = new_stream();
     const BlockShape shape{RowKernel::limit, lanes_, 1, 0, 0, width_, width_};
+    std::vector<int32_t> anchors(lanes_, -1);  // of the block that is laid out
     for (uint32_t y = 0; y < height_; ++y) {
       stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
+      uint32_t block = 0;
       cover_row(
           shape, y, [&](uint32_t x) { return anchor_of(size_t{y} * width_ + x) >= 0; },
           [&](uint32_t first) {
-            stream.pixel.push_back(first);
-            stream.constants.resize(stream.constants.size() + lanes_, std::numeric_limits<float>::infinity());
-            stream.anchors.resize(stream.anchors.size() + lanes_, 0);
+            add_limits(stream, block, anchors);
+            block = first;
           },
-          [&](uint32_t lane, uint32_t x) {
-            const size_t i = size_t{y} * width_ + x;
-            stream.constants[stream.constants.size() - lanes_ + lane] =
-                state_.attachments[i].reach * cloth_.params.stretch_limit;
-            stream.anchors[stream.anchors.size() - lanes_ + lane] = anchor_of(i);
-          });
+          [&](uint32_t lane, uint32_t x) { anchors[lane] = anchor_of(size_t{y} * width_ + x); });
+      add_limits(stream, block, anchors);
     }
     stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
-    for (size_t k = 0; k < stream.pixel.size(); ++k) stream.first_anchor.push_back(first_anchor(stream, k));
     return SweepOp{.kernel = RowKernel::limit, .stream = &stream};
   }
 
-  /// Of a block whose lanes' anchors follow each other.
-  [[nodiscard]] int32_t first_anchor(const RowStream& stream, size_t block) const {
-    const int32_t* anchors = &stream.anchors[block * lanes_];
-    for (uint32_t lane = 1; lane < lanes_; ++lane)
-      if (anchors[lane] != anchors[0] + static_cast<int32_t>(lane)) return -1;
-    return anchors[0];
+  /// Lays out one block for each range of anchors that its lanes need, and takes them out of the list.
+  void add_limits(RowStream& stream, uint32_t pixel, std::vector<int32_t>& anchors) const {
+    for (;;) {
+      int32_t first = std::numeric_limits<int32_t>::max();
+      for (const int32_t anchor : anchors)
+        if (anchor >= 0) first = std::min(first, anchor);
+      if (first == std::numeric_limits<int32_t>::max()) return;
+      stream.pixel.push_back(pixel);
+      stream.first_anchor.push_back(static_cast<uint32_t>(first));
+      for (uint32_t lane = 0; lane < lanes_; ++lane) {
+        const bool taken = anchors[lane] >= 0 && anchors[lane] - first < static_cast<int32_t>(lanes_);
+        stream.constants.push_back(taken ? state_.attachments[pixel + lane].reach * cloth_.params.stretch_limit
+                                         : std::numeric_limits<float>::infinity());
+        stream.anchors.push_back(taken ? anchors[lane] - first : 0);
+        if (taken) anchors[lane] = -1;
+      }
+    }
   }
 
   const ClothState& state_;

@@ -22,6 +22,8 @@ class SweepPlan {
 
   [[nodiscard]] uint32_t lanes() const { return lanes_; }
   [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
+  /// Place of each pin among the anchors; none without attachments.
+  [[nodiscard]] const std::vector<uint32_t>& anchor_of_pin() const { return anchor_of_pin_; }
   [[nodiscard]] size_t memory_bytes() const;
   /// What a substep reads and writes of state and constants when every sweep goes through memory once.
   [[nodiscard]] size_t bytes_per_substep() const;
@@ -31,6 +33,7 @@ class SweepPlan {
   uint32_t lanes_ = 0;
   std::vector<std::unique_ptr<RowStream>> streams_;
   std::vector<Part> parts_;
+  std::vector<uint32_t> anchor_of_pin_;
 };
 
 /// Runs of valid pixels, row by row: those that have a mass while nothing is pinned.

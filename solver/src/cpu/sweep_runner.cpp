@@ -99,16 +99,17 @@ void SweepRunner::run_in_bands(const SweepFrame& frame, const Threads& threads, 
 
 void SweepRunner::place_anchors(const ClothState& state) {
   const std::vector<shader::PinTarget>& pins = contexts_.front().cloth.pins;
-  const size_t count = pins.size();
-  anchors_.resize(3 * count * contexts_.size());
+  const std::vector<uint32_t>& anchor_of_pin = plan_->anchor_of_pin();
+  const size_t count = anchor_of_pin.size();
+  anchors_.resize(3 * count * contexts_.size() + plan_->lanes());  // vectors reach over the last one
   for (size_t k = 0; k < count; ++k) {
     shader::vec3 position = state.position.at(pins[k].pixel.x);
     for (size_t s = 0; s < contexts_.size(); ++s) {
       position = pinned_position(contexts_[s], pins[k], position, position);
-      float* const of_substep = &anchors_[3 * count * s];
-      of_substep[k] = position.x;
-      of_substep[count + k] = position.y;
-      of_substep[2 * count + k] = position.z;
+      float* const of_substep = &anchors_[3 * count * s + anchor_of_pin[k]];
+      of_substep[0] = position.x;
+      of_substep[count] = position.y;
+      of_substep[2 * count] = position.z;
     }
   }
 }
@@ -161,7 +162,7 @@ bool SweepRunner::run(const FrameInput& frame, const ClothFrame& cloth, const Sc
                    &state,
                    nullptr,
                    anchors_.data(),
-                   static_cast<uint32_t>(cloth.pins.size()),
+                   static_cast<uint32_t>(plan_->anchor_of_pin().size()),
                    guards_.data(),
                    cloth.params.max_step > 0 || cloth.params.moving != 0,
                    std::all_of(frame.shapes.begin(), frame.shapes.end(), is_simple)};
