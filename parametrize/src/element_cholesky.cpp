@@ -11,35 +11,37 @@
 #include <atomic>
 #include <vector>
 
-#include <Eigen/Cholesky>
 #include <tbb/parallel_for.h>
 
+#include "dense_front.h"
 #include "dissection.h"
 
 namespace geocloth {
 namespace {
 
-using Eigen::Index;
-using Eigen::MatrixXd;
-
 constexpr size_t kWorthATask = 4'000;  // unknowns below a node
+
+/// Unknowns that follow each other in a child's boundary and in the parent's front as well.
+struct Run {
+  uint32_t from, to, count;
+};
 
 struct Front {
   uint32_t first = 0;              // of its own unknowns, by elimination
   uint32_t own = 0;                // how many they are; in the front they come first
   std::vector<uint32_t> boundary;  // unknowns that it touches and leaves to others, ascending by elimination
   std::vector<uint32_t> child;
-  std::vector<std::vector<uint32_t>> child_place;  // per child and unknown of its boundary: where that is in this front
-  size_t below = 0;                                // unknowns of this node and of those below
+  std::vector<std::vector<Run>> child_run;  // per child: where its boundary's unknowns are in this front
+  size_t below = 0;                         // unknowns of this node and of those below
   std::vector<uint32_t> triangle;
   std::vector<std::array<uint32_t, 3>> corner;  // per triangle: where its corners are in the front, or kNone
-  MatrixXd factor;                              // columns of the own unknowns
+  DenseFront matrix;
 };
 
 }  // namespace
 
 struct ElementCholesky::Impl {
-  Index width = 1;
+  size_t width = 1;
   std::vector<uint32_t> turn;  // per unknown: when it is eliminated
   std::vector<Front> front;
   std::vector<uint32_t> root;
@@ -76,15 +78,14 @@ struct ElementCholesky::Impl {
       f.below = f.own;
       for (const uint32_t c : f.child) {
         f.below += front[c].below;
-        std::vector<uint32_t>& places = f.child_place.emplace_back();
-        places.reserve(front[c].boundary.size());
-        for (const uint32_t b : front[c].boundary) places.push_back(place_in(f, b));
+        f.child_run.push_back(runs_in(f, front[c].boundary));
       }
       for (const uint32_t t : f.triangle) {
         std::array<uint32_t, 3> corners = turns_of(triangle[t]);
         for (uint32_t& c : corners) c = c == kNone ? kNone : place_in(f, c);
         f.corner.push_back(corners);
       }
+      f.matrix.set_size(f.own * width, f.boundary.size() * width);
     }
   }
 
@@ -111,6 +112,19 @@ struct ElementCholesky::Impl {
     return f.own + static_cast<uint32_t>(found - f.boundary.begin());
   }
 
+  static std::vector<Run> runs_in(const Front& f, const std::vector<uint32_t>& unknowns) {
+    std::vector<Run> runs;
+    for (uint32_t i = 0; i < unknowns.size(); ++i) {
+      const uint32_t to = place_in(f, unknowns[i]);
+      if (!runs.empty() && runs.back().to + runs.back().count == to) {
+        ++runs.back().count;
+      } else {
+        runs.push_back({i, to, 1});
+      }
+    }
+    return runs;
+  }
+
   /// A front's columns: those of the factor, then those of what is left, which have no rows of own unknowns.
   struct Columns {
     struct Column {
@@ -118,23 +132,18 @@ struct ElementCholesky::Impl {
       size_t first_row;
       double& operator[](size_t row) const { return value[row - first_row]; }
     };
-    double *own, *rest;
-    size_t own_count, rows;
-    Columns(Front& f, MatrixXd& update)
-        : own(f.factor.data()),
-          rest(update.data()),
-          own_count(static_cast<size_t>(f.factor.cols())),
-          rows(static_cast<size_t>(f.factor.rows())) {}
+    DenseFront& own;
+    DenseFront::Rest& rest;
     Column operator[](size_t column) const {
-      if (column < own_count) return {own + column * rows, 0};
-      return {rest + (column - own_count) * (rows - own_count), own_count};
+      if (column < own.own()) return {own.column(column), 0};
+      return {rest.value.data() + (column - own.own()) * rest.stride, own.own()};
     }
   };
 
   template <size_t kWidth>
-  static void add_triangles(Front& f, std::span<const double> element, MatrixXd& update) {
+  static void add_triangles(Front& f, std::span<const double> element, DenseFront::Rest& rest) {
     constexpr size_t kSize = 3 * kWidth;
-    const Columns columns(f, update);
+    const Columns columns{f.matrix, rest};
     for (size_t i = 0; i < f.triangle.size(); ++i) {
       const double* value = element.data() + f.triangle[i] * (kSize * (kSize + 1) / 2);
       std::array<size_t, kSize> at{};
@@ -150,80 +159,73 @@ struct ElementCholesky::Impl {
     }
   }
 
-  template <size_t kWidth>
-  static void add_children(Front& f, std::vector<MatrixXd>& left, MatrixXd& update) {
-    const Columns columns(f, update);
+  /// Only the lower half counts; a little of the upper half does no harm.
+  void add_children(Front& f, std::vector<DenseFront::Rest>& left, DenseFront::Rest& rest) const {
+    const Columns columns{f.matrix, rest};
     for (size_t i = 0; i < left.size(); ++i) {
-      const std::vector<uint32_t>& place = f.child_place[i];
-      const double* value = left[i].data();
-      for (size_t column = 0; column < place.size() * kWidth; ++column) {
-        const Columns::Column into = columns[place[column / kWidth] * kWidth + column % kWidth];
-        const size_t b = column / kWidth;
-        // The lower half of a block on the diagonal would do, but its upper half does no harm.
-        for (size_t a = b; a < place.size(); ++a) {
-          for (size_t k = 0; k < kWidth; ++k) into[place[a] * kWidth + k] += value[a * kWidth + k];
+      const std::vector<Run>& runs = f.child_run[i];
+      for (size_t r = 0; r < runs.size(); ++r) {
+        for (size_t c = 0; c < runs[r].count * width; ++c) {
+          const double* from = left[i].value.data() + (runs[r].from * width + c) * left[i].stride;
+          const Columns::Column into = columns[runs[r].to * width + c];
+          for (size_t k = c; k < runs[r].count * width; ++k)
+            into[runs[r].to * width + k] += from[runs[r].from * width + k];
+          for (size_t s = r + 1; s < runs.size(); ++s) {
+            double* to = &into[runs[s].to * width];
+            const double* value = from + runs[s].from * width;
+            for (size_t k = 0; k < runs[s].count * width; ++k) to[k] += value[k];
+          }
         }
-        value += place.size() * kWidth;
       }
-      left[i].resize(0, 0);
+      left[i].value = {};
     }
   }
 
-  /// Eliminates a node and all below it. @returns what it leaves to its parent (lower half)
-  MatrixXd eliminate(uint32_t number, std::span<const double> element, double diagonal, std::atomic<bool>& definite) {
+  /// Eliminates a node and all below it. @returns what it leaves to its parent
+  DenseFront::Rest eliminate(uint32_t number, std::span<const double> element, double diagonal,
+                             std::atomic<bool>& definite) {
     Front& f = front[number];
-    std::vector<MatrixXd> left(f.child.size());
+    std::vector<DenseFront::Rest> left(f.child.size());
     const auto eliminate_child = [&](size_t i) { left[i] = eliminate(f.child[i], element, diagonal, definite); };
     if (f.below > kWorthATask) {
       tbb::parallel_for(size_t{0}, f.child.size(), eliminate_child);
     } else {
       for (size_t i = 0; i < f.child.size(); ++i) eliminate_child(i);
     }
-    const Index own = f.own * width, rest = static_cast<Index>(f.boundary.size()) * width;
-    f.factor.setZero(own + rest, own);
-    MatrixXd update = MatrixXd::Zero(rest, rest);
-    f.factor.topRows(own).diagonal().setConstant(diagonal);
+    DenseFront::Rest rest = f.matrix.clear();
+    for (size_t k = 0; k < f.matrix.own(); ++k) f.matrix.column(k)[k] = diagonal;
     if (width == 1) {
-      add_triangles<1>(f, element, update);
-      add_children<1>(f, left, update);
+      add_triangles<1>(f, element, rest);
     } else {
-      add_triangles<2>(f, element, update);
-      add_children<2>(f, left, update);
+      add_triangles<2>(f, element, rest);
     }
-    if (own == 0) return update;
-    Eigen::Ref<MatrixXd> top = f.factor.topRows(own);
-    const Eigen::LLT<Eigen::Ref<MatrixXd>> square(top);  // in place
-    if (square.info() != Eigen::Success) definite = false;
-    if (rest == 0 || !definite) return update;
-    auto below = f.factor.bottomRows(rest);
-    top.triangularView<Eigen::Lower>().transpose().solveInPlace<Eigen::OnTheRight>(below);
-    update.selfadjointView<Eigen::Lower>().rankUpdate(below, -1);
-    return update;
+    add_children(f, left, rest);
+    if (!definite || !f.matrix.eliminate(rest)) definite = false;
+    return rest;
   }
 
-  [[nodiscard]] MatrixXd gathered(const Front& f, const MatrixXd& x) const {
-    MatrixXd result(static_cast<Index>(f.boundary.size()) * width, x.cols());
-    for (size_t i = 0; i < f.boundary.size(); ++i) {
-      result.middleRows(static_cast<Index>(i) * width, width) = x.middleRows(f.boundary[i] * width, width);
-    }
-    return result;
-  }
-
-  void solve(MatrixXd& x) const {
-    for (const Front& f : front) {
-      const Index own = f.own * width;
-      auto mine = x.middleRows(f.first * width, own);
-      f.factor.topRows(own).triangularView<Eigen::Lower>().solveInPlace(mine);
-      const MatrixXd change = f.factor.bottomRows(f.factor.rows() - own) * mine;
+  /// One right side, by turns.
+  void solve(std::vector<double>& x) const {
+    std::vector<double> part;  // of a front
+    const auto gather = [&](const Front& f) {
+      part.assign(f.matrix.stride(), 0.0);
+      std::copy_n(x.data() + f.first * width, f.matrix.own(), part.data());
       for (size_t i = 0; i < f.boundary.size(); ++i) {
-        x.middleRows(f.boundary[i] * width, width) -= change.middleRows(static_cast<Index>(i) * width, width);
+        std::copy_n(x.data() + f.boundary[i] * width, width, part.data() + (f.own + i) * width);
+      }
+    };
+    for (const Front& f : front) {
+      gather(f);
+      f.matrix.solve_forwards(part.data());
+      std::copy_n(part.data(), f.matrix.own(), x.data() + f.first * width);
+      for (size_t i = 0; i < f.boundary.size(); ++i) {
+        std::copy_n(part.data() + (f.own + i) * width, width, x.data() + f.boundary[i] * width);
       }
     }
     for (auto f = front.rbegin(); f != front.rend(); ++f) {
-      const Index own = f->own * width;
-      auto mine = x.middleRows(f->first * width, own);
-      mine -= f->factor.bottomRows(f->factor.rows() - own).transpose() * gathered(*f, x);
-      f->factor.topRows(own).triangularView<Eigen::Lower>().transpose().solveInPlace(mine);
+      gather(*f);
+      f->matrix.solve_backwards(part.data());
+      std::copy_n(part.data(), f->matrix.own(), x.data() + f->first * width);
     }
   }
 };
@@ -231,7 +233,7 @@ struct ElementCholesky::Impl {
 ElementCholesky::ElementCholesky(std::span<const Triangle> triangle, std::span<const int32_t> unknown,
                                  std::span<const Point2> place, Eigen::Index width)
     : impl_(std::make_unique<Impl>()) {
-  impl_->width = width;
+  impl_->width = static_cast<size_t>(width);
   impl_->analyse(triangle, unknown, place);
 }
 
@@ -245,15 +247,18 @@ bool ElementCholesky::factorise(std::span<const double> element, double diagonal
   return definite;
 }
 
-void ElementCholesky::solve(MatrixXd& right) const {
-  const Index width = impl_->width;
-  MatrixXd x(right.rows(), right.cols());
-  for (size_t u = 0; u < impl_->turn.size(); ++u) {
-    x.middleRows(impl_->turn[u] * width, width) = right.middleRows(static_cast<Index>(u) * width, width);
-  }
-  impl_->solve(x);
-  for (size_t u = 0; u < impl_->turn.size(); ++u) {
-    right.middleRows(static_cast<Index>(u) * width, width) = x.middleRows(impl_->turn[u] * width, width);
+void ElementCholesky::solve(Eigen::MatrixXd& right) const {
+  const size_t width = impl_->width;
+  std::vector<double> x(impl_->turn.size() * width);
+  for (Eigen::Index column = 0; column < right.cols(); ++column) {
+    double* side = right.col(column).data();
+    for (size_t u = 0; u < impl_->turn.size(); ++u) {
+      std::copy_n(side + u * width, width, x.data() + impl_->turn[u] * width);
+    }
+    impl_->solve(x);
+    for (size_t u = 0; u < impl_->turn.size(); ++u) {
+      std::copy_n(x.data() + impl_->turn[u] * width, width, side + u * width);
+    }
   }
 }
 

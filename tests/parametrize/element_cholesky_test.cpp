@@ -8,6 +8,7 @@
 
 #include <Eigen/Cholesky>
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 #include <tbb/global_control.h>
 
 #include "dissection.h"
@@ -114,6 +115,19 @@ TEST(ElementCholeskyTest, OneThreadGivesTheBitsOfMany) {
   const Eigen::MatrixXd many = solution(p);
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   EXPECT_EQ((many - solution(p)).cwiseAbs().maxCoeff(), 0);
+}
+
+/// A garment is laid out alike on every computer.
+TEST(ElementCholeskyTest, EveryInstructionSetGivesTheSameBits) {
+  const Problem p = make_problem(60, 2);
+  const Eigen::MatrixXd best = solution(p);
+  for (const int64_t target : {int64_t{HWY_SSE4}, int64_t{HWY_AVX2}, int64_t{HWY_AVX3}, int64_t{HWY_NEON}}) {
+    if ((hwy::SupportedTargets() & target) == 0) continue;
+    hwy::SetSupportedTargetsForTest(target);
+    const Eigen::MatrixXd here = solution(p);
+    hwy::SetSupportedTargetsForTest(0);
+    EXPECT_EQ((best - here).cwiseAbs().maxCoeff(), 0) << hwy::TargetName(target);
+  }
 }
 
 TEST(ElementCholeskyTest, AnIndefiniteMatrixIsRefusedAndTheSolverGoesOn) {
