@@ -13,6 +13,7 @@
 #include <cmath>
 #include <exception>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <optional>
 #include <string>
@@ -34,9 +35,11 @@ namespace {
 
 constexpr size_t kTrialWork = 40'000;  // triangles that trials of a cut may have together
 constexpr size_t kLeastTrials = 1;
+constexpr size_t kSmall = 1'500;        // triangles of a chart in which all places are tried every time
 constexpr double kMostStrain = 4.055;   // energy of a triangle with s1 / s2 of about 1.15
 constexpr double kMostStrained = 0.05;  // of a chart's area
-constexpr uint32_t kTrialSteps = 6;
+constexpr uint32_t kStartSteps = 80, kTrialSteps = 6;
+constexpr double kStartTolerance = 1e-4;
 constexpr double kNarrow = 0.3;  // of the least cut: what counts as a slit too narrow for pixels
 constexpr double kApart = 0.15;  // between the places tried, by the root of the area
 
@@ -104,18 +107,27 @@ double strained_area(const Chart& chart) {
 
 class Developer {
  public:
-  Developer(const CutSurface& cut, const DevelopOptions& options, const Taste& taste)
-      : cut_(cut), options_(options), taste_(taste) {}
+  Developer(const DevelopOptions& options, const Taste& taste) : options_(options), taste_(taste) {}
 
-  /// Lays one component out; returns its charts.
-  std::vector<Chart> develop_component(std::vector<uint32_t> triangles) {
+  /// A component in the plane without cuts of its own: where all tastes start.
+  static Chart laid_out(const CutSurface& cut, std::vector<uint32_t> triangles) {
+    Chart chart = extract_chart(cut, std::move(triangles));
+    embed(chart);
+    minimise(chart, kStartSteps, kStartTolerance);
+    return chart;
+  }
+
+  /// Cuts a component that is laid out until it lies well; returns its charts.
+  std::vector<Chart> develop_component(const Chart& component) {
     cuts_left_ = options_.max_cuts_per_chart;
     std::vector<Chart> done, open;
-    open.push_back(extract_chart(cut_, std::move(triangles)));
+    open.push_back(component);
+    bool is_piece = false;
     while (!open.empty()) {
       Chart chart = std::move(open.back());
       open.pop_back();
-      if (chart.uv.empty()) embed(chart);
+      if (is_piece) minimise(chart, kStartSteps, kStartTolerance);
+      is_piece = true;
       relax(chart);
       std::vector<Chart> pieces = without_overlap(chart);
       if (pieces.empty()) {
@@ -128,12 +140,13 @@ class Developer {
   }
 
  private:
-  /// Minimises the energy and opens cuts while they pay.
+  /// Opens cuts while they pay.
   void relax(Chart& chart) {
-    double energy = minimise(chart, 80, 1e-4);
+    double energy = SymmetricDirichlet(chart.position, chart.triangle, {}).energy(chart.uv);
+    Falls falls;
     while (cuts_left_ > 0 &&
            (energy > options_.target_energy || strained_area(chart) > kMostStrained * total_area(chart))) {
-      std::optional<Trial> best = best_cut(chart, energy);
+      std::optional<Trial> best = best_cut(chart, energy, falls);
       if (!best) break;
       chart = std::move(best->chart);
       energy = minimise(chart, 20, 5e-5);
@@ -142,32 +155,77 @@ class Developer {
     minimise(chart, 30, 1e-6);
   }
 
+  /// By how much the energy fell in trials of cuts that were not made, by the cut vertex where they end. Other cuts
+  /// change that little.
+  struct Fall {
+    double energy, length;
+  };
+  using Falls = std::map<uint32_t, Fall>;
+
   struct Trial {
-    Chart chart;
-    double energy = 0;
-    double worth = 0;  // as the taste has it
+    std::vector<uint32_t> path;
+    double length = 0;
+    double fall = 0;        // of the energy
+    bool is_known = false;  // from a round before
+    Chart chart;            // empty until the cut is tried
+    double gain = 0;        // beyond the price
+    double worth = 0;       // as the taste has it
   };
 
-  /// Of several places, the cut that brings most for its length; nothing when none pays.
-  [[nodiscard]] std::optional<Trial> best_cut(const Chart& chart, double energy) const {
+  /// Of several places, the cut that brings most for its length; nothing when none pays. What a cut brought in a round
+  /// before is believed, in charts where trials are dear, until that makes it the best one.
+  [[nodiscard]] std::optional<Trial> best_cut(const Chart& chart, double energy, Falls& falls) const {
     const size_t count = std::clamp<size_t>(kTrialWork / chart.triangle.size(), kLeastTrials, taste_.places);
     const Distances way_out = distances(chart, outline_loop(chart), on_outline(chart), taste_.crease_discount);
     const std::vector<double> per_triangle =
         SymmetricDirichlet(chart.position, chart.triangle, {}).energy_per_triangle(chart.uv);
-    const std::vector<uint32_t> worst = worst_vertices(chart, per_triangle, way_out, options_.least_cut, count);
-    std::vector<std::optional<Trial>> trials(worst.size());
-    tbb::parallel_for(size_t{0}, worst.size(), [&](size_t i) {
-      const std::vector<uint32_t> path = way_out.path_from(worst[i]);
-      const double length = path_length(chart, path);
-      Trial trial{opened(chart, path)};
-      trial.energy = minimise(trial.chart, kTrialSteps, 5e-5);
-      const double gain = energy - trial.energy - options_.cut_price * length / std::sqrt(total_area(chart));
-      trial.worth = worth(energy, trial.energy, length, gain);
-      if (gain > 0) trials[i] = std::move(trial);
-    });
+    const double side = std::sqrt(total_area(chart));
+    const auto judge = [&](Trial& trial) {
+      trial.gain = trial.fall - options_.cut_price * trial.length / side;
+      trial.worth = worth(energy, energy - trial.fall, trial.length, trial.gain);
+    };
+    const auto try_out = [&](Trial& trial) {
+      trial.chart = opened(chart, trial.path);
+      trial.fall = energy - minimise(trial.chart, kTrialSteps, 5e-5);
+      judge(trial);
+    };
+    std::vector<Trial> trials;
+    for (const uint32_t v : worst_vertices(chart, per_triangle, way_out, options_.least_cut, count)) {
+      Trial& trial = trials.emplace_back();
+      trial.path = way_out.path_from(v);
+      trial.length = path_length(chart, trial.path);
+      if (chart.triangle.size() < kSmall) continue;
+      const auto known = falls.find(chart.cut_vertex[v]);
+      if (known == falls.end() || known->second.length != trial.length) continue;
+      trial.fall = known->second.energy;
+      trial.is_known = true;
+      judge(trial);
+    }
+    const auto try_where = [&](const auto& wanted) {
+      std::vector<size_t> untried;
+      for (size_t i = 0; i < trials.size(); ++i) {
+        if (trials[i].chart.triangle.empty() && wanted(trials[i])) untried.push_back(i);
+      }
+      tbb::parallel_for(size_t{0}, untried.size(), [&](size_t i) { try_out(trials[untried[i]]); });
+      return !untried.empty();
+    };
+    try_where([](const Trial& t) { return !t.is_known; });
+    const auto better = [](const Trial& a, const Trial& b) {
+      return (a.gain > 0) != (b.gain > 0) ? b.gain > 0 : a.worth < b.worth;
+    };
     std::optional<Trial> best;
-    for (std::optional<Trial>& t : trials) {
-      if (t && (!best || t->worth > best->worth)) best = std::move(t);
+    while (!trials.empty() && !best) {
+      Trial& leading = *std::max_element(trials.begin(), trials.end(), better);
+      if (!(leading.gain > 0)) {  // what was believed must not end the search
+        if (!try_where([](const Trial&) { return true; })) break;
+      } else if (leading.chart.triangle.empty()) {
+        try_out(leading);
+      } else {
+        best = std::move(leading);
+      }
+    }
+    for (const Trial& t : trials) {
+      if (!t.path.empty()) falls[chart.cut_vertex[t.path.front()]] = {t.fall, t.length};
     }
     return best;
   }
@@ -203,7 +261,6 @@ class Developer {
     return separated(opened(chart, path));
   }
 
-  const CutSurface& cut_;
   DevelopOptions options_;
   Taste taste_;
   uint32_t cuts_left_ = 0;
@@ -283,15 +340,18 @@ std::vector<Chart> develop_sheet(const CutSurface& cut, const Sheet& sheet,
   size_t triangles = 0;
   for (const std::vector<uint32_t>& c : components) triangles += c.size();
   const size_t count = tastes_for(triangles);
+  std::vector<Chart> start(components.size());
+  tbb::parallel_for(size_t{0}, start.size(), [&](size_t c) { start[c] = Developer::laid_out(cut, components[c]); });
   std::vector<std::vector<Chart>> layouts(count);
   std::vector<double> cost(count, std::numeric_limits<double>::infinity());
   std::vector<std::exception_ptr> failed(count);
   tbb::parallel_for(size_t{0}, count, [&](size_t i) {
     try {
-      for (const std::vector<uint32_t>& c : components) {
-        for (Chart& chart : Developer(cut, options, kTastes.at(i)).develop_component(c)) {
-          layouts[i].push_back(std::move(chart));
-        }
+      std::vector<std::vector<Chart>> charts(start.size());
+      tbb::parallel_for(size_t{0}, start.size(),
+                        [&](size_t c) { charts[c] = Developer(options, kTastes.at(i)).develop_component(start[c]); });
+      for (std::vector<Chart>& of_component : charts) {
+        for (Chart& chart : of_component) layouts[i].push_back(std::move(chart));
       }
       merge_charts(layouts[i], sheet,
                    {.most_energy = options.target_energy,

@@ -127,17 +127,14 @@ struct ElementCholesky::Impl {
 
   /// A front's columns: those of the factor, then those of what is left, which have no rows of own unknowns.
   struct Columns {
-    struct Column {
-      double* value;
-      size_t first_row;
-      double& operator[](size_t row) const { return value[row - first_row]; }
-    };
     DenseFront& own;
     DenseFront::Rest& rest;
-    Column operator[](size_t column) const {
-      if (column < own.own()) return {own.column(column), 0};
-      return {rest.value.data() + (column - own.own()) * rest.stride, own.own()};
+    /// Row `row` of a column that has it; the columns beside it are step() away.
+    [[nodiscard]] double* at(size_t row, size_t column) const {
+      if (column < own.own()) return own.column(column) + row;
+      return rest.value.data() + (column - own.own()) * rest.stride + (row - own.own());
     }
+    [[nodiscard]] size_t step(size_t column) const { return column < own.own() ? own.stride() : rest.stride; }
   };
 
   template <size_t kWidth>
@@ -146,38 +143,48 @@ struct ElementCholesky::Impl {
     const Columns columns{f.matrix, rest};
     for (size_t i = 0; i < f.triangle.size(); ++i) {
       const double* value = element.data() + f.triangle[i] * (kSize * (kSize + 1) / 2);
-      std::array<size_t, kSize> at{};
-      for (size_t k = 0; k < kSize; ++k) {
-        const uint32_t corner = f.corner[i][k / kWidth];
-        at[k] = corner == kNone ? kNone : corner * kWidth + k % kWidth;
-      }
-      for (size_t p = 0; p < kSize; ++p) {
-        for (size_t q = 0; q <= p; ++q, ++value) {
-          if (at[p] != kNone && at[q] != kNone) columns[std::min(at[p], at[q])][std::max(at[p], at[q])] += *value;
+      for (size_t k = 0; k < 3; ++k) {
+        for (size_t l = 0; l <= k; ++l) {
+          const size_t p = f.corner[i][k], q = f.corner[i][l];
+          if (p == kNone || q == kNone) continue;
+          // A block of the element's matrix, as it is or turned over.
+          const size_t low = std::min(p, q) * kWidth, high = std::max(p, q) * kWidth;
+          double* const into = columns.at(high, low);
+          const size_t step = columns.step(low);
+          for (size_t a = 0; a < kWidth; ++a) {
+            const double* const row = value + (k * kWidth + a) * (k * kWidth + a + 1) / 2 + l * kWidth;
+            for (size_t b = 0; b < (k == l ? a + 1 : kWidth); ++b) into[p < q ? a * step + b : b * step + a] += row[b];
+          }
         }
       }
     }
   }
 
-  /// Only the lower half counts; a little of the upper half does no harm.
-  void add_children(Front& f, std::vector<DenseFront::Rest>& left, DenseFront::Rest& rest) const {
+  /// Only the lower half counts.
+  template <size_t kWidth>
+  static void add_children(Front& f, std::vector<DenseFront::Rest>& left, DenseFront::Rest& rest) {
     const Columns columns{f.matrix, rest};
     for (size_t i = 0; i < left.size(); ++i) {
       const std::vector<Run>& runs = f.child_run[i];
       for (size_t r = 0; r < runs.size(); ++r) {
-        for (size_t c = 0; c < runs[r].count * width; ++c) {
-          const double* from = left[i].value.data() + (runs[r].from * width + c) * left[i].stride;
-          const Columns::Column into = columns[runs[r].to * width + c];
-          for (size_t k = c; k < runs[r].count * width; ++k)
-            into[runs[r].to * width + k] += from[runs[r].from * width + k];
-          for (size_t s = r + 1; s < runs.size(); ++s) {
-            double* to = &into[runs[s].to * width];
-            const double* value = from + runs[s].from * width;
-            for (size_t k = 0; k < runs[s].count * width; ++k) to[k] += value[k];
+        for (size_t c = 0; c < runs[r].count * kWidth; ++c) {
+          const double* const from = left[i].value.data() + (runs[r].from * kWidth + c) * left[i].stride;
+          const size_t column = runs[r].to * kWidth + c;
+          double* const into = columns.at(column, column) - column;
+          for (size_t s = r, skipped = c / kWidth; s < runs.size(); ++s, skipped = 0) {
+            add<kWidth>(from + (runs[s].from + skipped) * kWidth, runs[s].count - skipped,
+                        into + (runs[s].to + skipped) * kWidth);
           }
         }
       }
       left[i].value = {};
+    }
+  }
+
+  template <size_t kWidth>
+  static void add(const double* __restrict from, size_t count, double* __restrict into) {
+    for (size_t k = 0; k < count; ++k) {
+      for (size_t a = 0; a < kWidth; ++a) into[k * kWidth + a] += from[k * kWidth + a];
     }
   }
 
@@ -196,10 +203,11 @@ struct ElementCholesky::Impl {
     for (size_t k = 0; k < f.matrix.own(); ++k) f.matrix.column(k)[k] = diagonal;
     if (width == 1) {
       add_triangles<1>(f, element, rest);
+      add_children<1>(f, left, rest);
     } else {
       add_triangles<2>(f, element, rest);
+      add_children<2>(f, left, rest);
     }
-    add_children(f, left, rest);
     if (!definite || !f.matrix.eliminate(rest)) definite = false;
     return rest;
   }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 #include "geocloth/asset/error.h"
 
@@ -10,29 +11,39 @@ namespace geocloth {
 
 std::vector<uint32_t> opposite_half_edges(std::span<const Triangle> triangle) {
   struct Entry {
-    uint64_t key;  // lower vertex, higher vertex
-    uint32_t half_edge;
+    uint32_t high, half_edge;
   };
   const auto count = static_cast<uint32_t>(triangle.size() * 3);
+  // By the lower vertex in bins, which are small, then by the higher one.
+  uint32_t vertices = 0;
+  for (const Triangle& t : triangle) vertices = std::max({vertices, t[0] + 1, t[1] + 1, t[2] + 1});
+  std::vector<uint32_t> first(size_t{vertices} + 1, 0);
+  for (uint32_t h = 0; h < count; ++h) ++first[std::min(tail(triangle, h), head(triangle, h)) + size_t{1}];
+  for (size_t v = 0; v < vertices; ++v) first[v + 1] += first[v];
   std::vector<Entry> entry(count);
+  std::vector<uint32_t> end = first;
   for (uint32_t h = 0; h < count; ++h) {
     const auto [low, high] = std::minmax({tail(triangle, h), head(triangle, h)});
-    entry[h] = {(uint64_t{low} << 32U) | high, h};
+    entry[end[low]++] = {high, h};
   }
-  std::sort(entry.begin(), entry.end(),
-            [](const Entry& a, const Entry& b) { return a.key != b.key ? a.key < b.key : a.half_edge < b.half_edge; });
   std::vector<uint32_t> opposite(count, kNone);
-  for (size_t i = 0; i + 1 < entry.size(); ++i) {
-    if (entry[i].key != entry[i + 1].key) continue;
-    const uint32_t a = entry[i].half_edge, b = entry[i + 1].half_edge;
-    const bool third = i + 2 < entry.size() && entry[i + 2].key == entry[i].key;
-    if (third || tail(triangle, a) == tail(triangle, b)) {
-      throw Error(ErrorCode::invalid_data, "the edge of vertices " + std::to_string(tail(triangle, a)) + " and " +
-                                               std::to_string(head(triangle, a)) +
-                                               " is not manifold and oriented; repair the mesh first");
+  for (uint32_t v = 0; v < vertices; ++v) {
+    const std::span<Entry> bin(entry.data() + first[v], entry.data() + first[v + 1]);
+    std::sort(bin.begin(), bin.end(), [](const Entry& a, const Entry& b) {
+      return std::pair(a.high, a.half_edge) < std::pair(b.high, b.half_edge);
+    });
+    for (size_t i = 0; i + 1 < bin.size(); ++i) {
+      if (bin[i].high != bin[i + 1].high) continue;
+      const uint32_t a = bin[i].half_edge, b = bin[i + 1].half_edge;
+      const bool third = i + 2 < bin.size() && bin[i + 2].high == bin[i].high;
+      if (third || tail(triangle, a) == tail(triangle, b)) {
+        throw Error(ErrorCode::invalid_data, "the edge of vertices " + std::to_string(tail(triangle, a)) + " and " +
+                                                 std::to_string(head(triangle, a)) +
+                                                 " is not manifold and oriented; repair the mesh first");
+      }
+      opposite[a] = b;
+      opposite[b] = a;
     }
-    opposite[a] = b;
-    opposite[b] = a;
   }
   return opposite;
 }
