@@ -28,6 +28,17 @@ class CellHalves {
     if (p[0] < low_[0] || p[1] < low_[1] || p[0] >= high_[0] || p[1] >= high_[1]) return {};
     return cell_[static_cast<size_t>((p[1] - low_[1]) * width_ + p[0] - low_[0])];
   }
+  /// Calls visit(pixel, dx, dy) for every right angle of the halves inside of the cell to the right of p and below it:
+  /// the pixel at the angle, whose sides run from there by dx columns and by dy rows.
+  template <class Visit>
+  void for_right_angles(const Pixel& p, const Visit& visit) const {
+    const Cell cell = get(p);
+    // Of the half below a diagonal that falls, only the lower left corner is a right angle, and so on.
+    if (cell.left && cell.diagonal != Diagonal::right) visit(p, 1, 1);
+    if (cell.left && cell.diagonal != Diagonal::left) visit(Pixel{p[0], p[1] + 1}, 1, -1);
+    if (cell.right && cell.diagonal != Diagonal::left) visit(Pixel{p[0] + 1, p[1]}, -1, 1);
+    if (cell.right && cell.diagonal != Diagonal::right) visit(Pixel{p[0] + 1, p[1] + 1}, -1, -1);
+  }
   /// Is there surface on both sides of the edge from p to the right, or downwards?
   [[nodiscard]] bool inner_right(const Pixel& p) const {
     const Cell below = get(p), above = get({p[0], p[1] - 1});

@@ -20,6 +20,7 @@
 #include "geocloth/asset/grid_mesh.h"
 #include "geocloth/parametrize/parts.h"
 #include "point_math.h"
+#include "relax_samples.h"
 #include "small_pieces.h"
 #include "stage_files.h"
 #include "uv_layout.h"
@@ -125,7 +126,11 @@ void lay_out(const TriangleMesh& mesh, const CarriedSurface& carried, const Flat
   const FlatSurface& flat = result.flat;
   files.save(flat);
 
-  const Raster raster = stages.run("rasterize", [&] { return rasterize(flat, progress); });
+  const Raster raster = stages.run("rasterize", [&] {
+    Raster r = rasterize(flat, progress);
+    if (options.layout != Layout::square) relax_samples(flat, r);
+    return r;
+  });
   result.asset = stages.run("image", [&] { return build_image(flat, raster, options.layout); });
   ClothAsset& asset = result.asset;
   stages.run("fit", [&] {

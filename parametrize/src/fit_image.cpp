@@ -17,6 +17,7 @@
 
 #include "chart_sampling.h"
 #include "geocloth/asset/grid_mesh.h"
+#include "hold_angles.h"
 #include "limit_springs.h"
 #include "pixel_areas.h"
 #include "point_math.h"
@@ -87,6 +88,7 @@ class ImageFitter {
   }
 
   void finish() {
+    if (asset_.layout != Layout::square) hold_angles(asset_, raster_.position, first_, shift_);
     limit_shifts();
     for (uint32_t i = 0; i < asset_.pixel_count(); ++i) {
       if (!asset_.valid(i)) continue;

@@ -76,7 +76,7 @@ class Slider {
   void slide(SlidingSeam& seam, size_t k) {
     double first = 0, second = 0;
     for (const SeamSide& side : seam.side) {
-      const GridRelaxation::Slope s = grid_[side.chart].slope(pixel(side, k));
+      const GridSlope s = grid_[side.chart].slope(pixel(side, k));
       const Point2 d = place_on(seam, side, seam.places.at[k]).along;
       first += s.gradient[0] * d[0] + s.gradient[1] * d[1];
       second += s.hessian[0] * d[0] * d[0] + 2 * s.hessian[1] * d[0] * d[1] + s.hessian[2] * d[1] * d[1];

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Samples that slide along the surface: the grid becomes less askew in space, and nothing else changes.
+#include "relax_samples.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "flat_builder.h"
+#include "geocloth/asset/grid_mesh.h"
+#include "geocloth/parametrize/quality.h"
+#include "geocloth/parametrize/seams.h"
+#include "hold_angles.h"
+#include "point_math.h"
+
+namespace geocloth {
+namespace {
+
+using test::FlatBuilder;
+
+constexpr uint32_t kSide = 33;
+
+FlatBuilder square(double spacing, const FlatBuilder::Shape& shape) {
+  FlatBuilder b;
+  b.add_square(kSide, test::apart(), shape);
+  b.flat.charts[0].spacing = spacing;
+  return b;
+}
+
+/// A flat sheet whose map shears by up to 18 degrees around its middle.
+FlatBuilder sheared() {
+  return square(1, [](double u, double v) {
+    const double r = (u - 16) * (u - 16) + (v - 16) * (v - 16);
+    return Point3{u, -(v + 1.5 * std::exp(-r / 30)), 0};
+  });
+}
+
+double skew_p95(const FlatBuilder& b, const Raster& raster) {
+  return measure_quality(b.clean, b.flat, raster, build_image(b.flat, raster, Layout::panels)).shear_deg_p95;
+}
+
+TEST(RelaxSamples, AGridThatIsAskewInSpaceIsStraightened) {
+  const FlatBuilder b = sheared();
+  const Raster before = rasterize(b.flat);
+  Raster after = before;
+  relax_samples(b.flat, after);
+  EXPECT_LT(skew_p95(b, after), 0.9 * skew_p95(b, before));
+}
+
+TEST(RelaxSamples, SamplesStayOnTheSurfaceAndOutlinesWhereTheyAre) {
+  const FlatBuilder b = sheared();
+  const Raster before = rasterize(b.flat);
+  Raster after = before;
+  relax_samples(b.flat, after);
+  bool moved = false;
+  for (uint32_t i = 0; i < after.position.size(); ++i) {
+    if (after.vertex[i] != kNone) {
+      EXPECT_EQ(after.position[i], before.position[i]);
+      continue;
+    }
+    moved = moved || after.position[i] != before.position[i];
+    const Triangle& t = b.flat.triangle[after.triangle[i]];
+    const Point3 weight =
+        weights_in_space({b.flat.position[t[0]], b.flat.position[t[1]], b.flat.position[t[2]]}, after.position[i]);
+    Point2 place{0, 0};
+    for (std::size_t k = 0; k < 3; ++k) {
+      EXPECT_GE(weight[k], -1e-9);
+      place = {place[0] + weight[k] * b.flat.uv[t[k]][0], place[1] + weight[k] * b.flat.uv[t[k]][1]};
+    }
+    EXPECT_NEAR(place[0], after.place[i][0], 1e-9);
+    EXPECT_NEAR(place[1], after.place[i][1], 1e-9);
+  }
+  EXPECT_TRUE(moved);
+}
+
+TEST(RelaxSamples, AnIsometricMapStaysAsItIs) {
+  const FlatBuilder b = square(1.0 / 3, [](double u, double v) { return Point3{u / 3, -v / 3, 0}; });
+  const Raster before = rasterize(b.flat);
+  Raster after = before;
+  relax_samples(b.flat, after);
+  EXPECT_EQ(after.position, before.position);
+}
+
+TEST(RelaxSamples, OneThreadGivesTheSameBits) {
+  const FlatBuilder b = sheared();
+  Raster many = rasterize(b.flat), one = many;
+  relax_samples(b.flat, many);
+  const tbb::global_control control(tbb::global_control::max_allowed_parallelism, 1);
+  relax_samples(b.flat, one);
+  EXPECT_EQ(one.position, many.position);
+  EXPECT_EQ(one.triangle, many.triangle);
+}
+
+TEST(HoldAngles, ShortWaysAlongTheSurfaceAreTakenBackWhereTheySkewLongOnesAndThoseAcrossAreNot) {
+  const FlatBuilder b = square(1, [](double u, double v) { return Point3{u, -v, 0}; });
+  const Raster raster = rasterize(b.flat);
+  const ClothAsset asset = build_image(b.flat, raster, Layout::panels);
+  const std::vector<uint32_t> first = first_copies(asset);
+  std::vector<Point3> shift(asset.pixel_count(), Point3{});
+  const uint32_t near = 5 * kSide + 5, far = 20 * kSide + 20, alone = 10 * kSide + 20;
+  shift[near] = {0.055, 0, 0.04};
+  shift[near + kSide] = {-0.055, 0, 0};  // together a skew of more than six degrees
+  shift[far] = {0.2, 0, 0};
+  shift[alone] = {0.05, 0, 0};
+  hold_angles(asset, raster.position, first, shift);
+  EXPECT_LT(std::abs(shift[near][0]) + std::abs(shift[near + kSide][0]), 0.1);
+  EXPECT_EQ(shift[near][2], 0.04);
+  EXPECT_EQ(shift[far][0], 0.2);
+  EXPECT_EQ(shift[alone][0], 0.05);
+}
+
+}  // namespace
+}  // namespace geocloth
