@@ -20,7 +20,7 @@ layout(set = 0, binding = kBindingCell, r32ui) uniform readonly uimage2D cell_im
 layout(set = 0, binding = kBindingOffset, rgba32f) uniform image2D offset_image;
 layout(set = 0, binding = kBindingMultipliers, std430) buffer MultiplierBlock { float multipliers[]; };
 layout(set = 0, binding = kBindingAttachments, std430) readonly buffer AttachmentBlock { Attachment attachments[]; };
-layout(set = 0, binding = kBindingSeamBends, std430) readonly buffer SeamBendBlock { SeamSpring seam_bends[]; };
+layout(set = 0, binding = kBindingSeamSprings, std430) readonly buffer SeamSpringBlock { SeamSpring seam_springs[]; };
 layout(set = 0, binding = kBindingSplitOffset, std430) readonly buffer SplitOffsetBlock { uint split_offset[]; };
 layout(set = 0, binding = kBindingSplitPixel, std430) readonly buffer SplitPixelBlock { uint split_pixel[]; };
 layout(set = 0, binding = kBindingPins, std430) readonly buffer PinBlock { PinTarget pins[]; };

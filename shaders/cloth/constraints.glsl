@@ -67,6 +67,16 @@ void spring_at(uint family, uvec2 pa) {
   keep_multiplier(slot, project_spring(pa, pb, rest.x, rest.y, share, multiplier_so_far(slot)));
 }
 
+void pull_span(uvec2 pa, uvec2 pb, float rest) {
+  vec4 a = load_point(pa);
+  vec4 b = load_point(pb);
+  precise float longest = rest * params.stretch_limit;
+  SpanMove move = span_move(way_between(pa, a, pb, b), a.w, b.w, longest);
+  if (!move.pulls) return;
+  store_point(pa, shifted(a.xyz, move.step, a.w), a.w);
+  store_point(pb, shifted(b.xyz, -move.step, b.w), b.w);
+}
+
 // The span of the group constants.group that starts at pixel pa; it is there where all its springs are.
 void span_at(uvec2 pa) {
   bool down = span_component(constants.group) == 1u;
@@ -80,13 +90,7 @@ void span_at(uvec2 pa) {
     if (own == 0.0f) return;
     rest = rest + own;
   }
-  vec4 a = load_point(pa);
-  vec4 b = load_point(pb);
-  precise float longest = rest * params.stretch_limit;
-  SpanMove move = span_move(way_between(pa, a, pb, b), a.w, b.w, longest);
-  if (!move.pulls) return;
-  store_point(pa, shifted(a.xyz, move.step, a.w), a.w);
-  store_point(pb, shifted(b.xyz, -move.step, b.w), b.w);
+  pull_span(pa, pb, rest);
 }
 
 // The bend of the group constants.group over three pixels that starts at pixel pa.
@@ -107,14 +111,14 @@ uint slot_of_seam_bend(uint i) {
 }
 
 void seam_bend_at(uint i) {
-  SeamSpring bend = seam_bends[i];
+  SeamSpring bend = seam_springs[i];
   uint slot = slot_of_seam_bend(i);
   keep_multiplier(slot, project_spring(pixel_at(bend.a), pixel_at(bend.b), bend.rest, bend.compliance,
                                        params.share_bending, multiplier_so_far(slot)));
 }
 
 void seam_curvature_at(uint i) {
-  SeamSpring bend = seam_bends[i];
+  SeamSpring bend = seam_springs[i];
   uint slot = slot_of_seam_bend(i);
   uvec2 pa = pixel_at(bend.a);
   uvec2 pm = pixel_at(bend.middle);
@@ -137,4 +141,9 @@ void seam_curvature_at(uint i) {
   store_point(pb, shifted(b.xyz, -move.step, weight_b), b.w);
   if (bend.turn != 0.0f) store_point(pc, shifted(c.xyz, move.step, weight_c), c.w);
   keep_multiplier(slot, move.multiplier);
+}
+
+void seam_span_at(uint i) {
+  SeamSpring span = seam_springs[i];
+  pull_span(pixel_at(span.a), pixel_at(span.b), span.rest);
 }

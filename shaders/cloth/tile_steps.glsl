@@ -95,6 +95,9 @@ void run_list(uint pass) {
       case kTileSeamCurvature:
         seam_curvature_at(constants.first + i);
         break;
+      case kTileSeamSpans:
+        seam_span_at(constants.first + i);
+        break;
       case kTileStitch:
         stitch_at(i);
         break;

@@ -39,7 +39,7 @@ const uint kBindingCell = 8u;               // image r32ui
 const uint kBindingOffset = 9u;             // image rgba32f, one pixel without ClothParams::fine
 const uint kBindingMultipliers = 10u;       // buffer float[], see kMultiplier* (only with relaxation_steps > 1)
 const uint kBindingAttachments = 11u;       // buffer Attachment[pixels] (only with max_stretch > 0)
-const uint kBindingSeamBends = 12u;         // buffer SeamSpring[]
+const uint kBindingSeamSprings = 12u;       // buffer SeamSpring[]
 const uint kBindingSplitOffset = 13u;       // buffer uint[rows + 1]
 const uint kBindingSplitPixel = 14u;        // buffer uint[]
 const uint kBindingPins = 15u;              // buffer PinTarget[]
@@ -146,13 +146,13 @@ struct Attachment {
 };
 const uint kNoAnchor = 0xFFFFFFFFu;
 
-// Bending across a seam, by a spring from a to b or by the curvature at the middle (lib/bend.h). Those of one colour
-// share no pixel; a colour is a contiguous range.
+// Over a seam: bending, by a spring from a to b or by the curvature at the middle (lib/bend.h), or a span from a to b
+// (lib/span.h). Those of one colour share no pixel; a colour is a contiguous range.
 struct SeamSpring {
   uint a;
   uint middle;
   uint b;
-  float rest;          // [m] of the spring, or of the curvature
+  float rest;          // [m] of the spring, of the curvature or of the span
   float compliance;    // [m/N]
   float chord;         // for the curvature: share of b in the chord at the middle
   float middle_share;  // and share of the middle point's mass that its pixel carries

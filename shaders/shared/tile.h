@@ -31,6 +31,7 @@ const uint kTileCollide = 9u;
 const uint kTileCheckCopies = 10u;
 const uint kTileCheckColliders = 11u;
 const uint kTileSpans = 12u;
+const uint kTileSeamSpans = 13u;
 
 // One pass, with what it would get as PassConstants.
 struct TileStep {

@@ -17,7 +17,7 @@ ScheduleOptions schedule_options(const SimulationData& data, uint32_t cloth, con
           .bending = c.bending,
           .fine = data.fine,
           .attachments = c.attachments && !f.pins.empty(),
-          .spans = c.attachments && !f.pins.empty() && !frame.shapes.empty(),
+          .spans = c.attachments && !frame.shapes.empty(),
           .self_collision = f.params.self_points > 0,
           .collide = !frame.shapes.empty() || f.params.max_step > 0,
           .collide_cells = f.collide_cells && !frame.shapes.empty(),
@@ -25,7 +25,8 @@ ScheduleOptions schedule_options(const SimulationData& data, uint32_t cloth, con
           .asleep = f.asleep,
           .motion = frame.measure_motion,
           .motion_word = frame.motion_word,
-          .seam_colors = c.seam_colors()};
+          .seam_bend_colors = c.seam_bend_colors,
+          .seam_span_colors = c.seam_span_colors};
 }
 
 }  // namespace geocloth

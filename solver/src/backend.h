@@ -34,9 +34,10 @@ struct ClothData {
   std::vector<shader::vec4> position;                ///< start; w = inverse mass without pins, 0 where not valid
   std::array<std::vector<shader::vec4>, 3> springs;  ///< structural, shear, bending
   std::vector<uint32_t> cell;
-  std::vector<shader::SeamSpring> seam_bends;  ///< ordered by colour
-  std::vector<uint32_t> seam_color_offset;     ///< colours + 1 entries; empty without seam bends
-  std::vector<uint32_t> split_offset;          ///< rows + 1 entries; empty without rows
+  std::vector<shader::SeamSpring> seam_springs;  ///< over seams, ordered by colour: bends, then spans
+  std::vector<uint32_t> seam_color_offset;       ///< colours + 1 entries; empty without any
+  uint32_t seam_bend_colors = 0, seam_span_colors = 0;
+  std::vector<uint32_t> split_offset;  ///< rows + 1 entries; empty without rows
   std::vector<uint32_t> split_pixel;
   SelfData self;
   Bending bending = Bending::none;
@@ -45,9 +46,6 @@ struct ClothData {
 
   [[nodiscard]] uint32_t split_rows() const {
     return split_offset.empty() ? 0 : static_cast<uint32_t>(split_offset.size() - 1);
-  }
-  [[nodiscard]] uint32_t seam_colors() const {
-    return seam_color_offset.empty() ? 0 : static_cast<uint32_t>(seam_color_offset.size() - 1);
   }
 };
 

@@ -13,10 +13,12 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <span>
 #include <vector>
 
 #include "bend_directions.h"
 #include "geocloth/asset/grid_mesh.h"
+#include "seam_list.h"
 
 namespace geocloth {
 namespace {
@@ -59,7 +61,7 @@ class BendBuilder {
     } else {
       add_diagonal_bends();
       add_seam_bends();
-      color(listed_);
+      append(listed_);
     }
     if (data_.springs_per_sweep > before_) data_.bending = springs ? Bending::springs : Bending::curvature;
   }
@@ -259,7 +261,7 @@ class BendBuilder {
       const double rest = rest_.rest_length(bend.a, bend.b);
       if (rest > 0) springs.push_back({bend.a, bend.middle, bend.b, static_cast<float>(rest), 0, 0, 1, 0, bend.middle});
     }
-    color(springs);
+    append(springs);
   }
 
   /// The area of a bend over a seam is that of a pixel in a row with it. Where the row itself runs along another seam,
@@ -301,28 +303,9 @@ class BendBuilder {
     return 0.5 * (static_cast<double>(material_.bend_warp) + static_cast<double>(material_.bend_weft));
   }
 
-  /// Sorts by colour: each bend takes the lowest colour that none of its pixels has yet, in order.
-  void color(const std::vector<shader::SeamSpring>& bends) {
-    std::vector<std::vector<uint32_t>> colors_at(asset_.pixel_count());
-    std::vector<std::vector<shader::SeamSpring>> by_color;
-    for (const shader::SeamSpring& bend : bends) {
-      const std::array pixels{bend.a, bend.middle, bend.b, bend.beside};
-      uint32_t color = 0;
-      const auto used = [&](uint32_t p) {
-        return std::find(colors_at[p].begin(), colors_at[p].end(), color) != colors_at[p].end();
-      };
-      while (std::any_of(pixels.begin(), pixels.end(), used)) ++color;
-      for (const uint32_t p : pixels) colors_at[p].push_back(color);  // of three pixels the middle twice
-      if (color == by_color.size()) by_color.emplace_back();
-      by_color[color].push_back(bend);
-    }
-    if (by_color.empty()) return;
-    data_.seam_color_offset.push_back(0);
-    for (const auto& list : by_color) {
-      data_.seam_bends.insert(data_.seam_bends.end(), list.begin(), list.end());
-      data_.seam_color_offset.push_back(static_cast<uint32_t>(data_.seam_bends.size()));
-    }
-    data_.springs_per_sweep += data_.seam_bends.size();
+  void append(std::span<const shader::SeamSpring> bends) {
+    data_.seam_bend_colors = append_by_color(bends, std::numeric_limits<uint32_t>::max(), data_);
+    data_.springs_per_sweep += bends.size();
   }
 
   const ClothAsset& asset_;

@@ -55,7 +55,7 @@ double curvature_energy(const ClothData& data, std::span<const Vec3> x) {
       energy += bend_energy(x[p], x[middle], x[middle + data.width], x[p], h1 / (h1 + h2), 0, bend.z, bend.w);
     }
   }
-  for (const shader::SeamSpring& s : data.seam_bends) {
+  for (const shader::SeamSpring& s : data.seam_springs) {
     energy += bend_energy(x[s.a], x[s.middle], x[s.b], x[s.beside], s.chord, s.turn, s.rest, s.compliance);
   }
   return energy;

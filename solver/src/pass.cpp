@@ -27,7 +27,7 @@ void add_normals(std::vector<PassStep>& steps, const ScheduleOptions& options) {
 void add_seam_bends(std::vector<PassStep>& steps, const ScheduleOptions& options, uint32_t relaxation) {
   if (options.bending == Bending::none) return;
   const bool springs = options.bending == Bending::springs;
-  for (uint32_t color = 0; color < options.seam_colors; ++color) {
+  for (uint32_t color = 0; color < options.seam_bend_colors; ++color) {
     steps.push_back({springs ? Pass::seam_bends : Pass::seam_curvature, color, relaxation});
   }
 }
@@ -46,6 +46,8 @@ void add_relaxation(std::vector<PassStep>& steps, const ScheduleOptions& options
   if (options.splits) steps.push_back({Pass::stitch, 0, relaxation});
   add_seam_bends(steps, options, relaxation);
   if (options.spans) {
+    for (uint32_t color = 0; color < options.seam_span_colors; ++color)
+      steps.push_back({Pass::seam_spans, options.seam_bend_colors + color, relaxation});
     for (uint32_t g = 0; g < shader::kSpanGroups; ++g) steps.push_back({Pass::spans, g, relaxation});
   }
   add_bending(steps, options, relaxation);

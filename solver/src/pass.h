@@ -22,7 +22,8 @@ enum class Pass : uint8_t {
   seam_bends,       ///< per seam bend, one group for each colour
   curvature,        ///< per bend over three pixels in a row, groups 0..5 of lib/bend_groups.h
   seam_curvature,   ///< per seam bend, one group for each colour
-  spans,            ///< per span of lib/span.h, groups 0..3, only with attachments and colliders
+  seam_spans,       ///< per span over a seam, one group for each colour after those of the bends
+  spans,            ///< per span of lib/span.h, groups 0..3, only with max_stretch and colliders
   stitch,           ///< per split row: mass-weighted mean of the copies, written to every copy
   settle,           ///< per pixel: base and offset become the position, only with ClothParams::fine
   limit,            ///< per pixel: long-range attachment; copies are equal before it and so they are after it
@@ -44,7 +45,7 @@ struct PassInfo {
   std::string_view name;
   std::string_view shader;  ///< file in shaders/cloth/
 };
-inline constexpr std::array<PassInfo, 26> kPasses{{
+inline constexpr std::array<PassInfo, 27> kPasses{{
     {Pass::normals, "normals", "normals.comp"},
     {Pass::normals_stitch, "normals_stitch", "normals_stitch.comp"},
     {Pass::rescale, "rescale", "rescale.comp"},
@@ -56,6 +57,7 @@ inline constexpr std::array<PassInfo, 26> kPasses{{
     {Pass::seam_bends, "seam_bends", "seam_bends.comp"},
     {Pass::curvature, "curvature", "curvature.comp"},
     {Pass::seam_curvature, "seam_curvature", "seam_curvature.comp"},
+    {Pass::seam_spans, "seam_spans", "seam_spans.comp"},
     {Pass::spans, "spans", "spans.comp"},
     {Pass::stitch, "stitch", "stitch.comp"},
     {Pass::settle, "settle", "settle.comp"},
@@ -76,10 +78,15 @@ inline constexpr std::array<PassInfo, 26> kPasses{{
   return kPasses[static_cast<size_t>(pass)];
 }
 
+/// Passes over a colour of the list over seams.
+[[nodiscard]] constexpr bool is_over_seams(Pass pass) {
+  return pass == Pass::seam_bends || pass == Pass::seam_curvature || pass == Pass::seam_spans;
+}
+
 /// One entry of a schedule: a pass over all of a cloth, or one group of springs of it.
 struct PassStep {
   Pass pass;
-  uint32_t group = 0;       ///< spring group 0..11, group 0..5 of the curvatures, or the colour of the seam bends
+  uint32_t group = 0;       ///< spring group 0..11, group 0..5 of the curvatures, or a colour of the list over seams
   uint32_t relaxation = 0;  ///< 0..relaxation_steps - 1
 };
 
@@ -101,7 +108,7 @@ struct ScheduleOptions {
   Bending bending = Bending::none;
   bool fine = false;         ///< constraints act on offsets
   bool attachments = false;  ///< max_stretch > 0 and pins
-  bool spans = false;        ///< attachments, which colliders bend: they pull too late
+  bool spans = false;        ///< max_stretch > 0 and colliders: attachments pull too late around them
   bool self_collision = false;
   bool collide = false;        ///< colliders, or max_speed > 0
   bool collide_cells = false;  ///< a collider is so thin or so fast that it may slip through between pixels
@@ -109,14 +116,15 @@ struct ScheduleOptions {
   bool asleep = false;         ///< the frame has no passes
   bool motion = false;         ///< how far points go is measured after the last substep
   uint32_t motion_word = 0;    ///< 0 or 1, for even and odd frames
-  uint32_t seam_colors = 0;
+  uint32_t seam_bend_colors = 0, seam_span_colors = 0;
 
   bool operator==(const ScheduleOptions&) const = default;
 };
 
 /// The passes of one substep in their order:
-///   [rescale] [normals] predict pins { shear, stitch, bends over seams, [spans], bending or curvature, structural,
-///   stitch } x relaxation [settle] limit [self_drift .. self_move] [collide_cells stitch] collide [check]
+///   [rescale] [normals] predict pins { shear, stitch, bends over seams, [spans over seams, spans], bending or
+///   curvature, structural, stitch } x relaxation [settle] limit [self_drift .. self_move] [collide_cells stitch]
+///   collide [check]
 [[nodiscard]] std::vector<PassStep> substep_schedule(const ScheduleOptions& options);
 
 /// The passes after the last substep of a frame: normals [measure_motion].

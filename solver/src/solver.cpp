@@ -299,7 +299,7 @@ void Solver::Impl::fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const {
   }
   if (frame.params.stretch_limit > 0) {
     frame.attachments = make_attachments(*cloth.asset, cloth.scale, pinned);
-    cloth.reach = 0;
+    cloth.reach = pinned.empty() ? rest_size(*cloth.asset, cloth.scale) : 0;
     for (const shader::Attachment& a : frame.attachments) cloth.reach = std::max(cloth.reach, a.reach);
     frame.params.stretch_limit = stretch_limit(cloth);
   }

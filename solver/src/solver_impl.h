@@ -66,7 +66,7 @@ class Solver::Impl {
     SelfNumbers self;
     bool collide_cells = false;  ///< a collider was met that may slip through between pixels
     bool teleport = false;       ///< the parent jumps before the next frame
-    float reach = 0;             ///< [m] of the longest attachment
+    float reach = 0;             ///< [m] of the longest attachment; without pins of the whole cloth
     uint64_t particles = 0, springs_per_sweep = 0;
 
     bool asleep = false;

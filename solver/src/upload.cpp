@@ -18,6 +18,7 @@
 #include "frame_input.h"
 #include "geocloth/asset/grid_mesh.h"
 #include "rest_shape.h"
+#include "seam_spans.h"
 #include "self_points.h"
 #include "surface_graph.h"
 
@@ -89,6 +90,22 @@ std::vector<shader::vec4> start_positions(const ClothDesc& cloth, const Vec3& or
   return position;
 }
 
+/// Of the valid pixels at rest.
+struct Bounds {
+  static constexpr float kFar = std::numeric_limits<float>::max();
+  Vec3 low{kFar, kFar, kFar}, high{-kFar, -kFar, -kFar};  ///< [m]
+
+  void add(const ClothAsset& asset, const Transform& transform) {
+    for (uint32_t p = 0; p < asset.pixel_count(); ++p) {
+      if (!asset.valid(p)) continue;
+      const Vec3 x = apply(transform, asset.rest_position[p]);
+      low = {std::min(low.x, x.x), std::min(low.y, x.y), std::min(low.z, x.z)};
+      high = {std::max(high.x, x.x), std::max(high.y, x.y), std::max(high.z, x.z)};
+    }
+  }
+  [[nodiscard]] bool empty() const { return low.x > high.x; }
+};
+
 }  // namespace
 
 ClothData make_cloth_data(const ClothDesc& cloth, const Vec3& origin) {
@@ -104,25 +121,28 @@ ClothData make_cloth_data(const ClothDesc& cloth, const Vec3& origin) {
   data.split_offset = asset.splits.offset;
   data.split_pixel = asset.splits.pixel;
   data.attachments = largest_stretch(cloth.material, {}, 0) > 0;
+  if (data.attachments) add_seam_spans(asset, rest, data);
   if (cloth.self_collision) add_self_points(cloth, data);
   return data;
 }
 
 Vec3 choose_origin(std::span<const ClothDesc> cloths) {
   constexpr float kGrid = 4;  // [m]
-  Vec3 low{std::numeric_limits<float>::max(), std::numeric_limits<float>::max(), std::numeric_limits<float>::max()};
-  Vec3 high = -low;
-  for (const ClothDesc& cloth : cloths) {
-    for (uint32_t p = 0; p < cloth.asset->pixel_count(); ++p) {
-      if (!cloth.asset->valid(p)) continue;
-      const Vec3 x = apply(cloth.transform, cloth.asset->rest_position[p]);
-      low = {std::min(low.x, x.x), std::min(low.y, x.y), std::min(low.z, x.z)};
-      high = {std::max(high.x, x.x), std::max(high.y, x.y), std::max(high.z, x.z)};
-    }
-  }
-  if (low.x > high.x) return {};
+  Bounds bounds;
+  for (const ClothDesc& cloth : cloths) bounds.add(*cloth.asset, cloth.transform);
+  if (bounds.empty()) return {};
   const auto middle = [&](float a, float b) { return kGrid * std::round((0.5F * a + 0.5F * b) / kGrid) + 0.F; };
+  const Vec3& low = bounds.low;
+  const Vec3& high = bounds.high;
   return {middle(low.x, high.x), middle(low.y, high.y), middle(low.z, high.z)};
+}
+
+float rest_size(const ClothAsset& asset, float scale) {
+  Bounds bounds;
+  Transform scaled;
+  scaled.scale = scale;
+  bounds.add(asset, scaled);
+  return bounds.empty() ? 0 : length(bounds.high - bounds.low);
 }
 
 std::vector<shader::Attachment> make_attachments(const ClothAsset& asset, float scale,

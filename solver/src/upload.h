@@ -15,6 +15,9 @@ namespace geocloth {
 /// The coordinate origin for these cloths: the middle of their bounds, rounded to multiples of 4 m.
 [[nodiscard]] Vec3 choose_origin(std::span<const ClothDesc> cloths);
 
+/// [m] diagonal of the bounds at rest.
+[[nodiscard]] float rest_size(const ClothAsset& asset, float scale);
+
 /// For every pixel that is not pinned the nearest pinned pixel along the surface at rest, over splits too, and how far
 /// it is [m]. The distance runs over grid edges, diagonals and knight's moves: at most 2.8 % too long on a flat grid.
 /// @param pinned  pixels, all copies listed

@@ -161,6 +161,12 @@ double image_bytes_per_pixel(const PassStep& step) {
   }
 }
 
+uint32_t colors_over_seams(const ClothData& cloth) {
+  EXPECT_GT(cloth.seam_bend_colors, 0U);
+  EXPECT_GT(cloth.seam_span_colors, 0U);
+  return cloth.seam_bend_colors + cloth.seam_span_colors;
+}
+
 TEST(Cost, ThePlainPathIsOneDispatchForEachGroup) {
   const auto count = [](const Material& material, uint32_t charts) {
     const BackendScene scene = make_scene({.nx = 64, .ny = 64, .charts_x = charts}, material);
@@ -175,9 +181,9 @@ TEST(Cost, ThePlainPathIsOneDispatchForEachGroup) {
   Material springs = attached();
   springs.stiffness = springs.bend_stiffness = 1;
   EXPECT_EQ(count(springs, 1).first, 20U);
-  // Two stitches and the colours of the bends over the seam.
+  // Two stitches and the colours of the bends and of the spans over the seam.
   const BackendScene cut = make_scene({.nx = 64, .ny = 64, .charts_x = 2}, attached());
-  EXPECT_EQ(count(attached(), 2).first, 22U + 2 + cut.data.cloths.front().seam_colors());
+  EXPECT_EQ(count(attached(), 2).first, 22U + 2 + colors_over_seams(cut.data.cloths.front()));
 }
 
 /// Of a dispatch, counting what its invocations load and store in images and lists of constants. A tile reads its
@@ -237,9 +243,9 @@ TEST(Cost, TilesAreTwoDispatchesForASubstepAndHalfTheBytes) {
   // Spans, which come with colliders, reach too far for a tile.
   const BackendScene on_ball = make_scene({.nx = 64, .ny = 64}, attached());
   EXPECT_EQ(cost_of_substep(on_ball, SolverPath::tiled, kGpu).dispatches, 2U + 4U);
-  // Seams: stitches, the colours of the bends over them, attachments and colliders by themselves.
+  // Seams: stitches, the colours of the bends and of the spans over them, attachments and colliders by themselves.
   const BackendScene cut = make_scene({.nx = 64, .ny = 64, .charts_x = 2}, attached());
-  const size_t colors = cut.data.cloths.front().seam_colors();
+  const size_t colors = colors_over_seams(cut.data.cloths.front());
   EXPECT_EQ(cost_of_substep(cut, SolverPath::tiled, kGpu).dispatches, 2 + 4 + 2 + 2 + colors);
 }
 

@@ -8,8 +8,10 @@
 
 #include <gtest/gtest.h>
 
+#include "lib/span.h"
 #include "solver_fixture.h"
 #include "support/swing.h"
+#include "upload.h"
 
 namespace geocloth {
 namespace {
@@ -40,12 +42,14 @@ TEST(Swing, SixteenSubstepsHalveIt) {
   EXPECT_LE(stretch.mean, 1.0028);
 }
 
-// The worst case: two seams cross where the ball presses, and spans end at seams (18 %, uncut 5 %).
-TEST(Swing, CutIntoChartsItStretchesLittleMore) {
-  const StretchStatistics stretch = test::stretch_of_swing({.charts = 2}, kFiveSeconds);
-  RecordProperty("max_percent", std::to_string(100 * (stretch.max - 1)));
-  EXPECT_LE(stretch.max, 1.20);
-  EXPECT_LE(stretch.mean, 1.008);
+// The worst case: two seams cross where the ball presses. Where spans ended at seams it was 18 %.
+TEST(Swing, CutIntoChartsItStretchesNoMore) {
+  for (const uint32_t charts : {2U, 4U}) {
+    const StretchStatistics stretch = test::stretch_of_swing({.charts = charts}, kFiveSeconds);
+    RecordProperty("max_percent", std::to_string(100 * (stretch.max - 1)));
+    EXPECT_LE(stretch.max, 1.11) << charts;
+    EXPECT_LE(stretch.mean, 1.008) << charts;
+  }
 }
 
 // Spans, attachments and contacts take energy and give none, at any number of substeps.
@@ -61,6 +65,44 @@ TEST(Swing, OntoABallGainsNoEnergy) {
     }
     EXPECT_LE(highest, 0.0) << substeps;
   }
+}
+
+// Every row that a seam cuts has a span over the seam in all of its seven places, as long as those within a chart.
+TEST(Spans, GoOnOverASeam) {
+  const ClothDesc cloth{
+      std::make_shared<const ClothAsset>(test::make_sheet({.nx = 41, .ny = 30, .charts_x = 2})), {}, {}};
+  const ClothData data = make_cloth_data(cloth, {});
+  ASSERT_EQ(data.seam_span_colors, 1U);
+  const uint32_t first = data.seam_color_offset[data.seam_bend_colors];
+  EXPECT_EQ(data.seam_springs.size() - first, 30U * (shader::kSpanPixels - 1));
+  for (uint32_t k = first; k < data.seam_springs.size(); ++k) {
+    const shader::SeamSpring& span = data.seam_springs[k];
+    EXPECT_NEAR(span.rest, shader::kSpanPixels / 40.0, 1e-6);
+    EXPECT_NEAR(length(cloth.asset->rest_position[span.a] - cloth.asset->rest_position[span.b]), span.rest, 1e-6);
+  }
+}
+
+// A cloth that lies over a ball without a pin has no attachments.
+TEST(Spans, HoldClothWithoutPins) {
+  const auto stretch_of = [](float max_stretch) {
+    ClothDesc cloth;
+    cloth.asset = std::make_shared<const ClothAsset>(
+        test::make_sheet({.nx = 71, .ny = 71, .width = 0.7F, .height = 0.7F, .charts_x = 2, .horizontal = true}));
+    cloth.material = find_material_preset("cotton")->material;
+    cloth.material.max_stretch = max_stretch;
+    SolverSettings settings;
+    settings.backend = Backend::cpu;
+    settings.substeps = 8;
+    Solver solver({&cloth, 1}, settings);
+    solver.set_colliders(std::vector<Collider>{{"ball", Sphere{{0, -0.15F, 0}, 0.12F}, 1.F, {}}});
+    test::run(solver, 60);
+    return measure_stretch(*cloth.asset, 1, test::positions_of(solver));
+  };
+  const StretchStatistics with = stretch_of(-1), without = stretch_of(0);
+  RecordProperty("with", std::to_string(with.p99) + ' ' + std::to_string(with.mean));
+  RecordProperty("without", std::to_string(without.p99) + ' ' + std::to_string(without.mean));
+  EXPECT_LT(with.p99 - 1, 0.7 * (without.p99 - 1));
+  EXPECT_LT(with.mean - 1, 0.7 * (without.mean - 1));
 }
 
 TEST(Spans, AreTheSameOnEveryPath) {

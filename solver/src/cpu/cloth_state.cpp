@@ -28,7 +28,7 @@ ClothState::ClothState(ClothData cloth_data, bool accumulate, bool fine)
     if (accumulate) multiplier[c].resize(pixel_count());
   }
   take_springs();
-  if (accumulate) seam_multiplier.resize(data.seam_bends.size());
+  if (accumulate) seam_multiplier.resize(data.seam_springs.size());
   if (data.attachments) attachments.assign(pixel_count(), {shader::kNoAnchor, 0});
 }
 
@@ -52,7 +52,7 @@ void ClothState::take_springs() {
 size_t ClothState::memory_bytes() const {
   const auto bytes = [](const auto& values) { return values.capacity() * sizeof(values.front()); };
   size_t sum = bytes(inverse_mass) + bytes(normal_length) + bytes(seam_multiplier) + bytes(attachments) +
-               bytes(data.cell) + bytes(data.seam_bends) + bytes(data.split_offset) + bytes(data.split_pixel) +
+               bytes(data.cell) + bytes(data.seam_springs) + bytes(data.split_offset) + bytes(data.split_pixel) +
                bytes(data.self.points) + bytes(data.self.words);
   for (const Vec3Array* v : {&position, &previous, &carry, &normal, &offset})
     sum += bytes(v->x) + bytes(v->y) + bytes(v->z);

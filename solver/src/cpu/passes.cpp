@@ -307,6 +307,8 @@ void run_pass(const PassStep& step, const PassContext& context, ClothState& stat
       return curvature(context, state, step);
     case Pass::seam_curvature:
       return seam_curvature(context, state, step);
+    case Pass::seam_spans:
+      return seam_spans(context, state, step);
     case Pass::spans:
       return spans(context, state, step);
     case Pass::stitch:

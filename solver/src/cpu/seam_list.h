@@ -20,7 +20,7 @@ void for_seam_list(const PassContext& context, ClothState& state, const PassStep
     for (uint32_t k = begin + first; k < begin + last; ++k) {
       const float multiplier = accumulate && step.relaxation > 0 ? state.seam_multiplier[k] : 0.F;
       with_fine(context.cloth.params.fine, [&](auto mode) {
-        const float next = project(state.data.seam_bends[k], multiplier, mode);
+        const float next = project(state.data.seam_springs[k], multiplier, mode);
         if (accumulate) state.seam_multiplier[k] = next;
       });
     }

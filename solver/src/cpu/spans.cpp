@@ -1,14 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
-// Spans on the cpu: shaders/cloth/spans.comp.
+// Spans on the cpu: shaders/cloth/spans.comp and seam_spans.comp.
 
 #include "cpu/spans.h"
 
 #include <algorithm>
 
 #include "cpu/line.h"
+#include "cpu/seam_list.h"
 #include "lib/span.h"
 
 namespace geocloth::cpu {
+
+namespace {
+
+template <class Mode>
+void pull(const PointLine& a, const PointLine& b, float longest, Mode mode) {
+  const float wa = *a.inverse_mass, wb = *b.inverse_mass;
+  const shader::SpanMove move = shader::span_move(way_between(a, b, 0, mode), wa, wb, longest);
+  if (!move.pulls) return;
+  a.move(0, move.step, wa);
+  b.move(0, -move.step, wb);
+}
+
+}  // namespace
 
 float span_length(const ClothState& state, uint32_t component, size_t pixel) {
   const size_t next = component == 0 ? 1 : state.data.width;
@@ -26,22 +40,26 @@ void spans(const PassContext& context, ClothState& state, const PassStep& step) 
   const uint32_t component = shader::span_component(step.group), width = state.data.width, height = state.data.height;
   const uint32_t reach_x = component == 0 ? shader::kSpanPixels : 0, reach_y = shader::kSpanPixels - reach_x;
   if (width <= reach_x || height <= reach_y) return;
-  const auto pull = [&](size_t pixel, auto mode) {
+  const auto pull_from = [&](size_t pixel, auto mode) {
     const float length = span_length(state, component, pixel);
     if (!(length > 0)) return;
-    const PointLine a(state, pixel, params.fine), b(state, pixel + reach_x + size_t{reach_y} * width, params.fine);
-    const float wa = *a.inverse_mass, wb = *b.inverse_mass;
-    const shader::SpanMove move = shader::span_move(way_between(a, b, 0, mode), wa, wb, length * params.stretch_limit);
-    if (!move.pulls) return;
-    a.move(0, move.step, wa);
-    b.move(0, -move.step, wb);
+    pull(PointLine(state, pixel, params.fine), PointLine(state, pixel + reach_x + size_t{reach_y} * width, params.fine),
+         length * params.stretch_limit, mode);
   };
   context.threads.for_range(height - reach_y, std::max(1U, kPixelGrain / width), [&](uint32_t first, uint32_t last) {
     with_fine(params.fine, [&](auto mode) {
       for (uint32_t y = first; y < last; ++y)
         for (uint32_t x = 0; x < width - reach_x; ++x)
-          if (shader::span_starts(step.group, x, y)) pull(size_t{y} * width + x, mode);
+          if (shader::span_starts(step.group, x, y)) pull_from(size_t{y} * width + x, mode);
     });
+  });
+}
+
+void seam_spans(const PassContext& context, ClothState& state, const PassStep& step) {
+  const shader::ClothParams& params = context.cloth.params;
+  for_seam_list(context, state, step, [&](const shader::SeamSpring& s, float multiplier, auto mode) {
+    pull(PointLine(state, s.a, params.fine), PointLine(state, s.b, params.fine), s.rest * params.stretch_limit, mode);
+    return multiplier;
   });
 }
 

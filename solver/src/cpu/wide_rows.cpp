@@ -41,7 +41,7 @@ ClothData WideRows::widened(const ClothData& data) const {
   widen<shader::vec4>(data.position, kNothing, r.position);
   for (size_t k = 0; k < data.springs.size(); ++k) widen<shader::vec4>(data.springs[k], kNothing, r.springs[k]);
   widen<uint32_t>(data.cell, 0, r.cell);
-  for (shader::SeamSpring& s : r.seam_bends) {
+  for (shader::SeamSpring& s : r.seam_springs) {
     s.a = pixel(s.a);
     s.middle = pixel(s.middle);
     s.b = pixel(s.b);

@@ -32,7 +32,7 @@ size_t bytes_of(const std::vector<T>& values) {
 
 /// One multiplier for each spring component of each pixel and one for each seam bend.
 size_t multiplier_bytes(const ClothData& data) {
-  return sizeof(float) * (size_t{shader::kSpringComponents} * data.pixel_count() + data.seam_bends.size());
+  return sizeof(float) * (size_t{shader::kSpringComponents} * data.pixel_count() + data.seam_springs.size());
 }
 
 /// Cuts may part a row, but one has at least two copies.
@@ -62,7 +62,7 @@ ClothResources::ClothResources(const std::shared_ptr<const Context>& context, co
                        .usage = kRestUsage}),
       multipliers(make_buffer(context, with_multipliers ? multiplier_bytes(data) : 0)),
       attachments(make_buffer(context, data.attachments ? sizeof(shader::Attachment) * data.pixel_count() : 0)),
-      seam_bends(make_buffer(context, bytes_of(data.seam_bends))),
+      seam_springs(make_buffer(context, bytes_of(data.seam_springs))),
       split_offset(make_buffer(context, most_split_offsets(data) * sizeof(uint32_t))),
       split_pixel(make_buffer(context, bytes_of(data.split_pixel))),
       measures(context, sizeof(uint32_t) * shader::kMeasureCount, BufferUsage::eStorageBuffer, Memory::readback),
@@ -90,7 +90,7 @@ void ClothResources::add_topology(Upload& upload, const ClothData& data) const {
   for (size_t family = 0; family < springs.size(); ++family)
     upload.to_image(springs[family], std::span(data.springs[family]));
   upload.to_image(cell, std::span(data.cell));
-  upload.to_buffer(seam_bends, std::span(data.seam_bends));
+  upload.to_buffer(seam_springs, std::span(data.seam_springs));
   upload.to_buffer(split_offset, std::span(data.split_offset));
   upload.to_buffer(split_pixel, std::span(data.split_pixel));
   upload.to_buffer(self_points, std::span(data.self.points));
@@ -112,7 +112,7 @@ size_t ClothResources::memory_bytes() const {
   size_t sum =
       pixel_count() * (kVectorImages * sizeof(shader::vec4) + sizeof(uint32_t)) + offsets * sizeof(shader::vec4);
   if (scratch) sum += pixel_count() * 3 * sizeof(shader::vec4);
-  for (const Buffer* buffer : {&multipliers, &attachments, &seam_bends, &split_offset, &split_pixel, &measures,
+  for (const Buffer* buffer : {&multipliers, &attachments, &seam_springs, &split_offset, &split_pixel, &measures,
                                &inverse_mass, &self_points, &self_words, &pin_of_pixel})
     sum += buffer->size();
   return sum;

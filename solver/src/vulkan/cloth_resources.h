@@ -42,7 +42,7 @@ struct ClothResources {
   Image cell;
   Image offset;  ///< one pixel without ClothParams::fine
   /// As long as they can get: cuts leave fewer bends and copies, but make two rows of one that has four copies.
-  Buffer multipliers, attachments, seam_bends, split_offset, split_pixel;
+  Buffer multipliers, attachments, seam_springs, split_offset, split_pixel;
   Buffer measures;  ///< host-visible, kMeasureCount words
   Buffer inverse_mass;
   Buffer self_points, self_words;        ///< only with self-collision

@@ -35,6 +35,8 @@ std::optional<uint32_t> tile_pass(Pass pass) {
       return shader::kTileBends;
     case Pass::seam_curvature:
       return shader::kTileSeamCurvature;
+    case Pass::seam_spans:
+      return shader::kTileSeamSpans;
     case Pass::spans:
       return shader::kTileSpans;
     case Pass::stitch:
@@ -153,7 +155,7 @@ class Planner {
 
   void add_step(const PassStep& step, uint32_t substep) {
     if (step.pass == Pass::pins) return;
-    const bool colored = step.pass == Pass::seam_bends || step.pass == Pass::seam_curvature;
+    const bool colored = is_over_seams(step.pass);
     const uint32_t first = colored ? lists_.seam_color_offset[step.group] : 0;
     plan_.steps.push_back({.pass = *tile_pass(step.pass),
                            .substep = substep,

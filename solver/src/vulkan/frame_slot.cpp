@@ -107,7 +107,7 @@ void FrameSlot::write_set(const ClothResources& cloth, const ClothInputs& inputs
                                                         &cloth.offset};
   const std::array<const Buffer*, kStorageBuffers> buffers{&cloth.multipliers,
                                                            &cloth.attachments,
-                                                           &cloth.seam_bends,
+                                                           &cloth.seam_springs,
                                                            &cloth.split_offset,
                                                            &cloth.split_pixel,
                                                            &inputs.pins,

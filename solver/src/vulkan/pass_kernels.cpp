@@ -22,6 +22,7 @@
 #include "rescale_comp.h"
 #include "seam_bends_comp.h"
 #include "seam_curvature_comp.h"
+#include "seam_spans_comp.h"
 #include "self_clear_comp.h"
 #include "self_drift_comp.h"
 #include "self_find_comp.h"
@@ -59,6 +60,8 @@ std::span<const uint32_t> spirv(Pass pass) {
       return curvature_comp;
     case Pass::seam_curvature:
       return seam_curvature_comp;
+    case Pass::seam_spans:
+      return seam_spans_comp;
     case Pass::spans:
       return spans_comp;
     case Pass::stitch:
@@ -127,8 +130,7 @@ uint32_t list_count(const ClothResources& cloth, const PassStep& step, uint32_t 
   if (step.pass == Pass::pins) return pins;
   if (step.pass == Pass::self_clear) return cloth.self.buckets;
   if (step.pass >= Pass::self_drift && step.pass <= Pass::self_push) return cloth.self.points;
-  if (step.pass == Pass::seam_bends || step.pass == Pass::seam_curvature)
-    return cloth.seam_color_offset[step.group + 1] - cloth.seam_color_offset[step.group];
+  if (is_over_seams(step.pass)) return cloth.seam_color_offset[step.group + 1] - cloth.seam_color_offset[step.group];
   return cloth.split_rows;
 }
 
@@ -196,6 +198,7 @@ void PassKernels::dispatch(const vk::raii::CommandBuffer& commands, const ClothR
       return over_pixels({cloth.width, cloth.height});
     case Pass::seam_bends:
     case Pass::seam_curvature:
+    case Pass::seam_spans:
       constants.first = cloth.seam_color_offset[step.group];
       break;
     case Pass::normals_stitch:

@@ -67,7 +67,7 @@ void drop_uploaded(ClothData& cloth) {
   cloth.position = {};
   cloth.springs = {};
   cloth.cell = {};
-  cloth.seam_bends = {};
+  cloth.seam_springs = {};
   cloth.split_pixel = {};
   cloth.self = {};
 }

@@ -20,8 +20,9 @@ struct Material {
   float thickness = 0.002F;     ///< [m] the cloth's middle surface keeps this distance from colliders; >= 0
   float friction = 0.3F;        ///< Coulomb coefficient, combined with the collider's by the geometric mean; >= 0
   float max_speed = 0.F;        ///< [m/s] 0 = no limit
-  float max_stretch = -1.F;  ///< long-range attachments: largest strain along the surface to a pin; 0 = off; below 0:
-                             ///< automatic, above what the cloth's own weight stretches it by in a swing
+  float max_stretch = -1.F;  ///< long-range attachments: largest strain along the surface to a pin and, where the cloth
+                             ///< meets colliders, over eight pixels; 0 = off; below 0: automatic, above what the
+                             ///< cloth's own weight stretches it by in a swing
 
   /// The seeds' own dimensionless parameters; they depend on the step. Used instead of the physical ones when >= 0.
   float stiffness = -1.F;       ///< 0..1 share of a structural or shear spring's error that one projection removes

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+
+#include "seam_list.h"
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+namespace geocloth {
+
+uint32_t append_by_color(std::span<const shader::SeamSpring> entries, uint32_t most_colors, ClothData& data) {
+  std::vector<std::vector<uint32_t>> colors_at(data.pixel_count());
+  std::vector<std::vector<shader::SeamSpring>> by_color;
+  for (const shader::SeamSpring& entry : entries) {
+    const std::array pixels{entry.a, entry.middle, entry.b, entry.beside};
+    uint32_t color = 0;
+    const auto used = [&](uint32_t p) {
+      return std::find(colors_at[p].begin(), colors_at[p].end(), color) != colors_at[p].end();
+    };
+    while (std::any_of(pixels.begin(), pixels.end(), used)) ++color;
+    if (color >= most_colors) continue;
+    for (const uint32_t p : pixels) colors_at[p].push_back(color);  // some stand there twice
+    if (color == by_color.size()) by_color.emplace_back();
+    by_color[color].push_back(entry);
+  }
+  if (!by_color.empty() && data.seam_color_offset.empty()) data.seam_color_offset.push_back(0);
+  for (const auto& list : by_color) {
+    data.seam_springs.insert(data.seam_springs.end(), list.begin(), list.end());
+    data.seam_color_offset.push_back(static_cast<uint32_t>(data.seam_springs.size()));
+  }
+  return static_cast<uint32_t>(by_color.size());
+}
+
+}  // namespace geocloth
