@@ -7,6 +7,7 @@
 #include <queue>
 
 #include "cut_graph.h"
+#include "edge_wishes.h"
 #include "half_edges.h"
 #include "point_math.h"
 
@@ -62,14 +63,14 @@ std::vector<uint32_t> outline_loop(const Chart& c) {
   return loop;
 }
 
-std::vector<std::vector<ChartNeighbour>> neighbours(const Chart& c, double crease_discount) {
-  const auto normal = [&](uint32_t t) {
-    const Triangle& k = c.triangle[t];
-    return cross(c.position[k[1]] - c.position[k[0]], c.position[k[2]] - c.position[k[0]]);
-  };
-  const auto fold = [&](uint32_t h) {  // [rad]
-    const Point3 m = normal(h / 3), n = normal(c.opposite[h] / 3);
-    return std::atan2(length(cross(m, n)), dot(m, n));
+std::vector<std::vector<ChartNeighbour>> neighbours(const Chart& c, const EdgeWishes& wishes) {
+  const auto saved = [&](uint32_t h) {
+    double share = 0;
+    if (wishes.crease > 0) {
+      share = wishes.crease * crease_between(c.position, c.triangle[h / 3], c.triangle[c.opposite[h] / 3]);
+    }
+    if (!wishes.discount.empty()) share = std::max(share, wishes.discount[3 * c.global_triangle[h / 3] + h % 3]);
+    return share;
   };
   std::vector<std::vector<ChartNeighbour>> result(c.position.size());
   for (uint32_t h = 0; h < c.opposite.size(); ++h) {
@@ -77,7 +78,7 @@ std::vector<std::vector<ChartNeighbour>> neighbours(const Chart& c, double creas
     if (!outline && c.opposite[h] < h) continue;
     const uint32_t a = tail(c.triangle, h), b = head(c.triangle, h);
     double l = distance(c.position[a], c.position[b]);
-    if (crease_discount > 0 && !outline) l *= 1 - crease_discount * std::min(1.0, fold(h));
+    if (!outline) l *= 1 - saved(h);
     result[a].push_back({b, l, outline});
     result[b].push_back({a, l, outline});
   }
@@ -91,8 +92,8 @@ std::vector<uint32_t> Distances::path_from(uint32_t vertex) const {
 }
 
 Distances distances(const Chart& c, const std::vector<uint32_t>& sources, const std::vector<uint8_t>& closed,
-                    double crease_discount) {
-  const auto around = neighbours(c, crease_discount);
+                    const EdgeWishes& wishes) {
+  const auto around = neighbours(c, wishes);
   Distances d{std::vector<double>(c.position.size(), kInfinity), std::vector<uint32_t>(c.position.size(), kNone)};
   using Entry = std::pair<double, uint32_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
@@ -127,13 +128,19 @@ double path_length(const Chart& c, const std::vector<uint32_t>& path) {
 }
 
 Chart opened(const Chart& c, const std::vector<uint32_t>& path) {
-  std::vector<uint32_t> place(c.position.size(), kNone);
-  for (uint32_t i = 0; i < path.size(); ++i) place[path[i]] = i;
+  return opened(c, std::span(&path, 1));
+}
+
+Chart opened(const Chart& c, std::span<const std::vector<uint32_t>> paths) {
   std::vector<char> cut(c.opposite.size(), 0);
-  for (uint32_t h = 0; h < c.opposite.size(); ++h) {
-    const uint32_t a = place[tail(c.triangle, h)], b = place[head(c.triangle, h)];
-    const bool on_path = a != kNone && b != kNone && (a + 1 == b || b + 1 == a);
-    if (c.opposite[h] == kNone || on_path) cut[h] = 1;
+  for (uint32_t h = 0; h < c.opposite.size(); ++h) cut[h] = c.opposite[h] == kNone ? 1 : 0;
+  for (const std::vector<uint32_t>& path : paths) {
+    std::vector<uint32_t> place(c.position.size(), kNone);
+    for (uint32_t i = 0; i < path.size(); ++i) place[path[i]] = i;
+    for (uint32_t h = 0; h < c.opposite.size(); ++h) {
+      const uint32_t a = place[tail(c.triangle, h)], b = place[head(c.triangle, h)];
+      if (a != kNone && b != kNone && (a + 1 == b || b + 1 == a)) cut[h] = 1;
+    }
   }
   OpenedVertices o = open_along(c.triangle, c.opposite, cut);
   Chart result;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "geocloth/parametrize/cut.h"
@@ -29,31 +30,34 @@ struct Chart {
 [[nodiscard]] std::vector<uint8_t> on_outline(const Chart& chart);  ///< per vertex
 [[nodiscard]] double outline_length(const Chart& chart);
 
-/// Cuts along creases show least and let more of the curvature out: they may be this much longer.
-constexpr double kCreaseDiscount = 0.5;
+/// What makes an edge count as shorter for a cut.
+struct EdgeWishes {
+  double crease = 0;                   ///< share of its length that an edge saves that is folded by a radian or more;
+                                       ///< less in proportion where it is folded less
+  std::span<const double> discount{};  ///< per half-edge of the cut surface, other shares; may be empty
+};
 
 struct ChartNeighbour {
   uint32_t vertex;
-  double length;  ///< of the edge [m], less what a crease saves
+  double length;  ///< of the edge [m], less what the wishes save
   bool outline;   ///< the edge is one of the outline
 };
-[[nodiscard]] std::vector<std::vector<ChartNeighbour>> neighbours(const Chart& chart, double crease_discount = 0);
+[[nodiscard]] std::vector<std::vector<ChartNeighbour>> neighbours(const Chart& chart, const EdgeWishes& wishes = {});
 
 /// Dijkstra's distances from a set of vertices along edges inside the chart, with the way back. `closed` vertices are
 /// ends, never passed.
-/// @param crease_discount  how much of its length an edge saves that is folded by a radian or more; less in proportion
-///   where it is folded less
 struct Distances {
   std::vector<double> value;   ///< infinite where nothing leads
   std::vector<uint32_t> from;  ///< kNone at a source
   [[nodiscard]] std::vector<uint32_t> path_from(uint32_t vertex) const;
 };
 [[nodiscard]] Distances distances(const Chart& chart, const std::vector<uint32_t>& sources,
-                                  const std::vector<uint8_t>& closed, double crease_discount = 0);
+                                  const std::vector<uint8_t>& closed, const EdgeWishes& wishes = {});
 [[nodiscard]] double path_length(const Chart& chart, const std::vector<uint32_t>& path);
 
 /// The chart cut open along a path of vertices; the plane's coordinates stay.
 [[nodiscard]] Chart opened(const Chart& chart, const std::vector<uint32_t>& path);
+[[nodiscard]] Chart opened(const Chart& chart, std::span<const std::vector<uint32_t>> paths);
 
 /// The edge-connected pieces of a chart, in the order of their first triangles.
 [[nodiscard]] std::vector<Chart> separated(const Chart& chart);

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 
+#include "edge_wishes.h"
 #include "predicates.h"
 
 namespace geocloth {
@@ -78,7 +79,7 @@ std::vector<uint32_t> parting_path(const Chart& c, const std::vector<uint32_t>& 
   for (const size_t share : {size_t{3}, size_t{6}, n + 1}) {
     const std::vector<uint32_t> from = middle(crossing[0], first, share);
     const std::vector<uint32_t> to = middle(crossing[1], n - first, share);
-    const Distances d = distances(c, from, closed, kCreaseDiscount);
+    const Distances d = distances(c, from, closed, {kCreaseDiscount});
     uint32_t best = kNone;
     for (const uint32_t v : to) {
       if (std::isfinite(d.value[v]) && d.from[v] != kNone && (best == kNone || d.value[v] < d.value[best])) best = v;

@@ -99,17 +99,32 @@ uint64_t peak_memory_bytes() {
 }
 
 /// Layout uv is cut along the seams of the garment's own texture coordinates, layout panels as well where they are a
-/// sewing pattern whose pieces are large beside the pixels.
-CutOptions cut_options(const CleanSurface& clean, const FlattenOptions& options) {
+/// sewing pattern whose pieces are large beside the pixels; where they are small, cuts prefer them.
+CutOptions cut_options(const CleanSurface& clean, const FlattenOptions& options,
+                       const std::optional<MirrorPlane>& mirror) {
   if (options.layout == Layout::uv) return {.extra_edges = usable_uv_pattern(clean).seam};
   if (options.layout != Layout::panels) return {};
+  CutOptions cut{{}, {.creases = true, .seams = {}, .mirror = mirror}};
   UvPattern pattern = read_uv_pattern(clean);
   double area = 0;
   for (const UvPattern::Island& island : pattern.island) area += island.area;
   const double spacing = options.spacing > 0 ? options.spacing : std::sqrt(area) / options.resolution;
   constexpr double kMostOnOutline = 0.07;  // share of the pixels
-  if (!pattern.is_sewing_pattern || pattern.outline * spacing > kMostOnOutline * area) return {};
-  return {.extra_edges = std::move(pattern.seam)};
+  if (pattern.is_sewing_pattern && pattern.outline * spacing <= kMostOnOutline * area) {
+    cut.extra_edges = std::move(pattern.seam);
+  } else if (pattern.is_sewing_pattern) {
+    cut.prefer.seams = std::move(pattern.seam);
+  }
+  return cut;
+}
+
+/// The shortest cuts, and those where they are wished: what a wish costs in the end only the layout tells.
+std::vector<CutSurface> all_cuts(const CleanSurface& clean, const CutOptions& options, const Progress& progress) {
+  std::vector<CutSurface> cuts;
+  cuts.push_back(cut_to_disks(clean, {.extra_edges = options.extra_edges}, progress));
+  const CutPreferences& prefer = options.prefer;
+  if (prefer.creases || !prefer.seams.empty() || prefer.mirror) cuts.push_back(cut_to_disks(clean, options, progress));
+  return cuts;
 }
 
 /// From the surface that the image is to reproduce to a verified asset.
@@ -120,9 +135,17 @@ void lay_out(const TriangleMesh& mesh, const CarriedSurface& carried, const Flat
   report.carried = carried.carried;
   report.represented = measure_topology(point_triangles(clean), clean.point_count);
 
-  const CutSurface cut = stages.run("cut", [&] { return cut_to_disks(clean, cut_options(clean, options), progress); });
-  files.save(cut);
-  result.flat = stages.run("flatten", [&] { return flatten(clean, cut, options, progress); });
+  if (options.layout == Layout::panels) {
+    report.mirror = stages.run("mirror", [&] { return find_mirror_plane(clean.position, clean.triangle); });
+  }
+  const CutOptions how_to_cut = cut_options(clean, options, report.mirror);
+  const std::vector<CutSurface> cuts = stages.run("cut", [&] { return all_cuts(clean, how_to_cut, progress); });
+  files.save(cuts.front());
+  result.flat = stages.run("flatten", [&] {
+    FlattenOptions with_wishes = options;
+    with_wishes.prefer = how_to_cut.prefer;
+    return flatten(clean, cuts, with_wishes, progress);
+  });
   const FlatSurface& flat = result.flat;
   files.save(flat);
 

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "cut_graph.h"
+#include "edge_wishes.h"
 #include "geocloth/asset/error.h"
 #include "half_edges.h"
 #include "straight_cuts.h"
@@ -62,6 +63,7 @@ CutSurface cut_to_disks(const CleanSurface& surface, const CutOptions& options, 
   CutGraph graph = find_cut_graph(seen, options, progress);
   RefinedMesh mesh = make_refined_mesh(seen, std::move(graph.opposite));
   CutLines lines{std::move(graph.cut), std::move(graph.fixed), std::move(graph.node)};
+  hold_wished_cuts(mesh, options.prefer, lines);
   straighten_cuts(mesh, lines);
   CutSurface cut = open_along(mesh, lines.cut);
   put_back(surface, map, cut);

@@ -8,9 +8,11 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <queue>
 #include <string>
 
+#include "edge_wishes.h"
 #include "geocloth/asset/error.h"
 #include "half_edges.h"
 #include "point_math.h"
@@ -40,12 +42,14 @@ class CutGraphFinder {
     mark_tied_edges();
     mark_extra_edges(options);
     mark_tied_vertices();
+    set_prices(options.prefer);
   }
 
   CutGraph find() {
     grow_disks();
     prune();
     open_spheres();
+    watch_cuts();
     for (int pass = 0; pass < kStraightenPasses; ++pass) straighten(pass);
     graph_.fixed = std::move(fixed_);
     graph_.node = std::move(required_);
@@ -92,6 +96,7 @@ class CutGraphFinder {
     const uint32_t a = from(h), b = to(h);
     degree_[a] = value ? degree_[a] + 1 : degree_[a] - 1;
     degree_[b] = value ? degree_[b] + 1 : degree_[b] - 1;
+    if (!near_cut_.empty()) watch(h, value ? 1 : -1);
   }
 
   void fix(uint32_t h) {
@@ -139,6 +144,51 @@ class CutGraphFinder {
       if (first_half_edge_[v] != kNone) ++copies[surface_.point[v]];
     }
     for (uint32_t v = 0; v < surface_.point.size(); ++v) required_[v] = copies[surface_.point[v]] > 1 ? 1 : 0;
+  }
+
+  // --- where cuts are wanted -------------------------------------------------------------------------------------
+  void set_prices(const CutPreferences& prefer) {
+    std::vector<uint32_t> vertex(surface_.position.size());
+    std::iota(vertex.begin(), vertex.end(), 0U);
+    const std::vector<double> wished = wished_discounts(surface_.position, triangle_, vertex, prefer);
+    price_.resize(half_edge_count());
+    for (uint32_t h = 0; h < half_edge_count(); ++h) {
+      double discount = wished[h];
+      if (prefer.creases && opposite(h) != kNone) {
+        const double crease = sharp_crease_between(surface_.position, triangle_[h / 3], triangle_[opposite(h) / 3]);
+        discount = std::max(discount, kCreaseDiscount * crease);
+      }
+      price_[h] = edge_length(h) * (1 - discount);
+    }
+    if (prefer.mirror) mirror_vertex_ = mirror_vertices(surface_.position, triangle_, *prefer.mirror);
+  }
+
+  /// Length of an edge, less what speaks for a cut there: a crease, a seam of the garment, the mirror plane, or that
+  /// there is one on the other side of that.
+  [[nodiscard]] double price(uint32_t h) const {
+    if (!is_mirror_of_cut(from(h)) || !is_mirror_of_cut(to(h))) return price_[h];
+    return std::min(price_[h], (1 - kMirrorDiscount) * edge_length(h));
+  }
+
+  [[nodiscard]] bool is_mirror_of_cut(uint32_t v) const {
+    return !mirror_vertex_.empty() && mirror_vertex_[v] != kNone && near_cut_[mirror_vertex_[v]] > 0;
+  }
+
+  /// From now on near_cut_ counts, per vertex, the cut edges inside the surface on it or one edge away.
+  void watch_cuts() {
+    if (mirror_vertex_.empty()) return;
+    near_cut_.assign(surface_.position.size(), 0);
+    for (uint32_t h = 0; h < half_edge_count(); ++h) {
+      if (graph_.cut[h] && opposite(h) != kNone && h < opposite(h)) watch(h, 1);
+    }
+  }
+
+  void watch(uint32_t h, int32_t change) {
+    for (const uint32_t v : {from(h), to(h)}) {
+      near_cut_[v] += change;
+      around(
+          v, [&](uint32_t out) { near_cut_[to(out)] += change; }, [&](uint32_t in) { near_cut_[from(in)] += change; });
+    }
   }
 
   // --- the first graph -------------------------------------------------------------------------------------------
@@ -351,13 +401,13 @@ class CutGraphFinder {
   }
 
   /// Shortest path from the labelled outline to any other, or to the lone vertex `target`, through vertices that are
-  /// not on the graph. Empty when there is none shorter than `limit`.
+  /// not on the graph, by price. Empty when there is none below `limit`.
   std::vector<uint32_t> shortest_connection(uint32_t target, double limit) {
     forget_distances();
     using Candidate = std::pair<double, uint32_t>;  // length, half-edge by which it arrives
     std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> queue;
     const auto offer = [&](uint32_t h, double so_far) {
-      const double through = so_far + edge_length(h);
+      const double through = so_far + price(h);
       const uint32_t w = to(h);
       if (!(through < limit)) return;
       if (is_outline(w, target)) {
@@ -400,18 +450,16 @@ class CutGraphFinder {
   }
 
   void straighten_path(const std::vector<uint32_t>& path) {
-    double old_length = 0;
-    for (const uint32_t h : path) {
-      old_length += edge_length(h);
-      set_cut(h, false);
-    }
+    for (const uint32_t h : path) set_cut(h, false);
+    double old_price = 0;
+    for (const uint32_t h : path) old_price += price(h);
     const uint32_t start = from(path.front()), end = to(path.back());
     if (is_dead_end(start, end) || is_dead_end(end, start)) return;
     std::vector<uint32_t> shorter;
     // With both ends bare the path was the whole graph of a sphere.
     if (degree_[start] > 0 || degree_[end] > 0) {
       label_outline(path.front());
-      shorter = shortest_connection(degree_[end] == 0 ? end : kNone, old_length * (1 - 1e-9));
+      shorter = shortest_connection(degree_[end] == 0 ? end : kNone, old_price * (1 - 1e-9));
     }
     for (const uint32_t h : shorter.empty() ? path : shorter) {
       set_cut(h, true);
@@ -455,6 +503,10 @@ class CutGraphFinder {
   std::vector<uint32_t> degree_;           // per vertex: cut edges around it
   std::vector<uint32_t> region_;           // per triangle
   std::vector<uint32_t> region_seed_;
+
+  std::vector<double> price_;            // per half-edge [m]
+  std::vector<uint32_t> mirror_vertex_;  // per vertex; empty without a mirror plane
+  std::vector<int32_t> near_cut_;        // per vertex; empty until watch_cuts()
 
   std::vector<double> distance_;  // per vertex, kFar unless in touched_
   std::vector<uint32_t> parent_;  // per vertex: half-edge that reached it

@@ -21,10 +21,13 @@
 #include <tbb/parallel_for.h>
 
 #include "chart_overlap.h"
+#include "edge_wishes.h"
 #include "embed_chart.h"
 #include "geocloth/asset/error.h"
 #include "grain.h"
+#include "layout_cost.h"
 #include "merge_charts.h"
+#include "mixed_cut.h"
 #include "part_panels.h"
 #include "point_math.h"
 #include "straight_layout.h"
@@ -35,9 +38,7 @@ namespace {
 
 constexpr size_t kTrialWork = 40'000;  // triangles that trials of a cut may have together
 constexpr size_t kLeastTrials = 1;
-constexpr size_t kSmall = 1'500;        // triangles of a chart in which all places are tried every time
-constexpr double kMostStrain = 4.055;   // energy of a triangle with s1 / s2 of about 1.15
-constexpr double kMostStrained = 0.05;  // of a chart's area
+constexpr size_t kSmall = 1'500;  // triangles of a chart in which all places are tried every time
 constexpr uint32_t kStartSteps = 80, kTrialSteps = 6;
 constexpr double kStartTolerance = 1e-4;
 constexpr double kNarrow = 0.3;  // of the least cut: what counts as a slit too narrow for pixels
@@ -85,29 +86,21 @@ struct Taste {
     most_of_what_lacks,   ///< the same, but what falls below the target does not count
   } likes = Likes::most_gain;
   size_t places = 6;           ///< places tried at once, at most
-  double crease_discount = 0;  ///< for cuts along creases (chart.h)
+  double crease_discount = 0;  ///< for cuts along creases (edge_wishes.h)
+  bool both_sides = false;     ///< of the mirror plane are cut alike
 };
 constexpr std::array kTastes{Taste{Taste::Likes::most_gain, 6, kCreaseDiscount},
                              Taste{Taste::Likes::most_of_what_lacks, 6, kCreaseDiscount},
                              Taste{Taste::Likes::most_for_its_length, 6}, Taste{Taste::Likes::most_gain, 12}};
-
-/// The area that is stretched more one way than the other than kMostStrain tells.
-double strained_area(const Chart& chart) {
-  const std::vector<double> energy =
-      SymmetricDirichlet(chart.position, chart.triangle, {}).energy_per_triangle(chart.uv);
-  double strained = 0;
-  for (size_t t = 0; t < energy.size(); ++t) {
-    const Triangle& k = chart.triangle[t];
-    if (energy[t] > kMostStrain) {
-      strained += triangle_area(chart.position[k[0]], chart.position[k[1]], chart.position[k[2]]);
-    }
-  }
-  return strained;
-}
+/// With cuts where they are wished.
+constexpr std::array kWishfulTastes{Taste{Taste::Likes::most_gain, 6, kCreaseDiscount, true},
+                                    Taste{Taste::Likes::most_for_its_length, 6, 0, true}};
 
 class Developer {
  public:
-  Developer(const DevelopOptions& options, const Taste& taste) : options_(options), taste_(taste) {}
+  /// @param discount  as of wished_discounts(), for the mirror plane
+  Developer(const DevelopOptions& options, const Taste& taste, std::span<const double> discount)
+      : options_(options), taste_(taste), discount_(discount) {}
 
   /// A component in the plane without cuts of its own: where all tastes start.
   static Chart laid_out(const CutSurface& cut, std::vector<uint32_t> triangles) {
@@ -162,8 +155,10 @@ class Developer {
   };
   using Falls = std::map<uint32_t, Fall>;
 
+  using Paths = std::vector<std::vector<uint32_t>>;
+
   struct Trial {
-    std::vector<uint32_t> path;
+    Paths paths;
     double length = 0;
     double fall = 0;        // of the energy
     bool is_known = false;  // from a round before
@@ -176,7 +171,9 @@ class Developer {
   /// before is believed, in charts where trials are dear, until that makes it the best one.
   [[nodiscard]] std::optional<Trial> best_cut(const Chart& chart, double energy, Falls& falls) const {
     const size_t count = std::clamp<size_t>(kTrialWork / chart.triangle.size(), kLeastTrials, taste_.places);
-    const Distances way_out = distances(chart, outline_loop(chart), on_outline(chart), taste_.crease_discount);
+    const Distances way_out =
+        distances(chart, outline_loop(chart), on_outline(chart),
+                  {taste_.crease_discount, taste_.both_sides ? discount_ : std::span<const double>{}});
     const std::vector<double> per_triangle =
         SymmetricDirichlet(chart.position, chart.triangle, {}).energy_per_triangle(chart.uv);
     const double side = std::sqrt(total_area(chart));
@@ -185,17 +182,18 @@ class Developer {
       trial.worth = worth(energy, energy - trial.fall, trial.length, trial.gain);
     };
     const auto try_out = [&](Trial& trial) {
-      trial.chart = opened(chart, trial.path);
+      trial.chart = opened(chart, trial.paths);
       trial.fall = energy - minimise(trial.chart, kTrialSteps, 5e-5);
       judge(trial);
     };
     std::vector<Trial> trials;
-    for (const uint32_t v : worst_vertices(chart, per_triangle, way_out, options_.least_cut, count)) {
+    const std::vector<uint32_t> worst = worst_vertices(chart, per_triangle, way_out, options_.least_cut, count);
+    for (Paths& paths : cut_paths(chart, way_out, worst)) {
       Trial& trial = trials.emplace_back();
-      trial.path = way_out.path_from(v);
-      trial.length = path_length(chart, trial.path);
+      trial.paths = std::move(paths);
+      for (const std::vector<uint32_t>& path : trial.paths) trial.length += path_length(chart, path);
       if (chart.triangle.size() < kSmall) continue;
-      const auto known = falls.find(chart.cut_vertex[v]);
+      const auto known = falls.find(chart.cut_vertex[trial.paths.front().front()]);
       if (known == falls.end() || known->second.length != trial.length) continue;
       trial.fall = known->second.energy;
       trial.is_known = true;
@@ -225,9 +223,46 @@ class Developer {
       }
     }
     for (const Trial& t : trials) {
-      if (!t.path.empty()) falls[chart.cut_vertex[t.path.front()]] = {t.fall, t.length};
+      if (!t.paths.empty()) falls[chart.cut_vertex[t.paths.front().front()]] = {t.fall, t.length};
     }
     return best;
+  }
+
+  /// The ways from the places to the outline, each with that from the place's mirror image where there is one: what
+  /// the left side of a garment needs the right side needs too.
+  [[nodiscard]] std::vector<Paths> cut_paths(const Chart& chart, const Distances& way_out,
+                                             const std::vector<uint32_t>& tips) const {
+    std::vector<Paths> result;
+    std::vector<uint32_t> taken;
+    for (const uint32_t tip : tips) {
+      if (std::find(taken.begin(), taken.end(), tip) != taken.end()) continue;
+      Paths paths{way_out.path_from(tip)};
+      const uint32_t other = mirror_tip(chart, way_out, tip);
+      if (other != kNone) {
+        std::vector<uint32_t> path = way_out.path_from(other);
+        const auto meets = std::find_first_of(path.begin(), path.end(), paths[0].begin(), paths[0].end());
+        if (meets != path.end()) path.erase(meets + 1, path.end());
+        if (std::find(path.begin(), path.end(), tip) == path.end() && path.size() > 1) paths.push_back(std::move(path));
+        taken.push_back(other);
+      }
+      result.push_back(std::move(paths));
+    }
+    return result;
+  }
+
+  /// The vertex inside the chart at the tip's mirror image; kNone where that is elsewhere, or too near to the tip for
+  /// cuts of their own.
+  [[nodiscard]] uint32_t mirror_tip(const Chart& chart, const Distances& way_out, uint32_t tip) const {
+    if (!taste_.both_sides || !options_.prefer.mirror) return kNone;
+    const MirrorPlane& mirror = *options_.prefer.mirror;
+    if (2 * std::abs(mirror.height(chart.position[tip])) < kApart * std::sqrt(total_area(chart))) return kNone;
+    const Point3 image = mirror.image(chart.position[tip]);
+    uint32_t nearest = 0;
+    for (uint32_t v = 1; v < chart.position.size(); ++v) {
+      if (distance(chart.position[v], image) < distance(chart.position[nearest], image)) nearest = v;
+    }
+    if (distance(chart.position[nearest], image) > 2 * mirror.tolerance) return kNone;
+    return way_out.value[nearest] >= options_.least_cut && way_out.from[nearest] != kNone ? nearest : kNone;
   }
 
   [[nodiscard]] double worth(double before, double after, double length, double gain) const {
@@ -263,52 +298,61 @@ class Developer {
 
   DevelopOptions options_;
   Taste taste_;
+  std::span<const double> discount_;
   uint32_t cuts_left_ = 0;
 };
 
 // -------------------------------------------------------------------------------------------------- whole garments
 
-/// The length of an outline in the plane when it runs straight where it is serrated now, about.
-double smooth_outline_length(const Chart& chart) {
-  constexpr int kRounds = 6;
-  std::vector<Point2> place;
-  for (const uint32_t v : outline_loop(chart)) place.push_back(chart.uv[v]);
-  const size_t n = place.size();
-  double length = 0;
-  for (int round = 0; round <= kRounds; ++round) {
-    const std::vector<Point2> before = place;
-    length = 0;
-    for (size_t i = 0; i < n; ++i) {
-      const Point2 &a = before[i], &b = before[(i + 1) % n];
-      length += std::hypot(b[0] - a[0], b[1] - a[1]);
-      place[i] = {(a[0] + b[0]) / 2, (a[1] + b[1]) / 2};
+/// The length of outlines whose mirror image is no outline.
+double one_sided_length(const std::vector<Chart>& charts, const MirrorPlane& mirror, double within) {
+  std::vector<std::pair<Point3, double>> stop;  // place, its share of the length
+  for (const Chart& c : charts) {
+    const std::vector<uint32_t> loop = outline_loop(c);
+    for (size_t i = 0; i < loop.size(); ++i) {
+      const Point3 &a = c.position[loop[i]], &b = c.position[loop[(i + 1) % loop.size()]];
+      stop.emplace_back((a + b) * 0.5, distance(a, b));
     }
   }
-  return length;
-}
-
-/// What a layout of one part costs, in lengths of seam by the root of the area: its seams, what little distortion it
-/// has, and much more where that is beyond the bounds.
-double cost_of(const std::vector<Chart>& charts, const DevelopOptions& options) {
-  constexpr double kExcess = 1 / 0.06, kBeyond = 1 / 0.005, kStrained = 20;
-  double area = 0, outline = 0, energy = 0, strained = 0;
-  for (const Chart& c : charts) {
-    const double own = total_area(c);
-    area += own;
-    outline += smooth_outline_length(c);
-    energy += own * SymmetricDirichlet(c.position, c.triangle, {}).energy(c.uv);
-    strained += strained_area(c);
+  double sum = 0;
+  for (const auto& [place, length] : stop) {
+    const Point3 image = mirror.image(place);
+    const auto matches = [&](const auto& other) { return distance(other.first, image) <= within; };
+    if (std::none_of(stop.begin(), stop.end(), matches)) sum += length;
   }
-  energy /= area;
-  return outline / 2 / std::sqrt(area) + kExcess * (energy - 4) +
-         kBeyond * std::max(energy - options.target_energy, 0.0) +
-         kStrained * std::max(strained / area - kMostStrained, 0.0);
+  return sum;
 }
 
-/// How many tastes a part is worth: time grows with its triangles.
-size_t tastes_for(size_t triangles) {
-  constexpr size_t kAll = 4'000, kTwo = 10'000;
-  return triangles <= kAll ? kTastes.size() : triangles <= kTwo ? 2 : 1;
+/// What a layout of one part costs (layout_cost.h), with a little more for seams that are on one side only: of layouts
+/// that cost about the same the symmetric one is taken.
+double cost_of(const std::vector<Chart>& charts, const DevelopOptions& options) {
+  constexpr double kOneSided = 0.05, kMatched = 0.04;
+  LayoutCost cost;
+  for (const Chart& c : charts) cost.add(c, smooth_outline_length(c));
+  if (options.prefer.mirror) {
+    const double one_sided = one_sided_length(charts, *options.prefer.mirror, kMatched * std::sqrt(cost.area));
+    cost.outline += kOneSided * one_sided;
+  }
+  return cost.value(options.target_energy);
+}
+
+/// A way to lay a part out: from one of the given cuts, by a taste.
+struct Way {
+  size_t cut;
+  Taste taste;
+};
+
+/// How many ways a part is worth: time grows with its triangles.
+std::vector<Way> ways_for(size_t triangles, size_t cuts) {
+  constexpr size_t kAll = 4'000, kTwo = 10'000, kOther = 30'000;
+  const size_t plain = triangles <= kAll ? kTastes.size() : triangles <= kTwo ? 2 : 1;
+  const size_t wishful = triangles <= kAll ? kWishfulTastes.size() : triangles <= kOther ? 1 : 0;
+  std::vector<Way> ways;
+  for (size_t i = 0; i < plain; ++i) ways.push_back({0, kTastes.at(i)});
+  for (size_t c = 1; c < cuts; ++c) {
+    for (size_t i = 0; i < wishful; ++i) ways.push_back({c, kWishfulTastes.at(i)});
+  }
+  return ways;
 }
 
 /// Components of the cut surface that were one sheet, in the order of their first ones.
@@ -334,30 +378,65 @@ std::vector<std::vector<uint32_t>> components_by_sheet(const CutSurface& cut, co
   return group;
 }
 
-/// Lays the components of one sheet out and sews together again what needs no seam.
-std::vector<Chart> develop_sheet(const CutSurface& cut, const Sheet& sheet,
-                                 const std::vector<std::vector<uint32_t>>& components, const DevelopOptions& options) {
-  size_t triangles = 0;
-  for (const std::vector<uint32_t>& c : components) triangles += c.size();
-  const size_t count = tastes_for(triangles);
+/// A cut surface and what is asked of it again and again.
+struct CutWay {
+  const CutSurface& cut;
+  Sheet sheet;
+  std::vector<std::vector<std::vector<uint32_t>>> triangles;  // per sheet and component
+  std::vector<double> discount;                               // per half-edge, for the mirror plane
+};
+
+CutWay examined(const CutSurface& cut, const DevelopOptions& options) {
+  CutWay way{cut, find_sheet(cut), {}, {}};
+  std::vector<std::vector<uint32_t>> triangles = triangles_of_components(cut);
+  for (const std::vector<uint32_t>& components : components_by_sheet(cut, way.sheet)) {
+    way.triangles.emplace_back();
+    for (const uint32_t c : components) way.triangles.back().push_back(std::move(triangles[c]));
+  }
+  way.discount = wished_discounts(cut.position, cut.triangle, cut.clean_vertex, {false, {}, options.prefer.mirror});
+  return way;
+}
+
+struct SheetLayout {
+  size_t cut = 0;
+  std::vector<Chart> charts;
+};
+
+/// The components of one sheet in the plane, cut in one of the ways: where all tastes start.
+std::vector<Chart> laid_out(const CutWay& way, size_t sheet) {
+  const std::vector<std::vector<uint32_t>>& components = way.triangles[sheet];
   std::vector<Chart> start(components.size());
-  tbb::parallel_for(size_t{0}, start.size(), [&](size_t c) { start[c] = Developer::laid_out(cut, components[c]); });
-  std::vector<std::vector<Chart>> layouts(count);
-  std::vector<double> cost(count, std::numeric_limits<double>::infinity());
-  std::vector<std::exception_ptr> failed(count);
-  tbb::parallel_for(size_t{0}, count, [&](size_t i) {
+  tbb::parallel_for(size_t{0}, start.size(), [&](size_t c) { start[c] = Developer::laid_out(way.cut, components[c]); });
+  return start;
+}
+
+/// Lays the components of one sheet out and sews together again what needs no seam.
+SheetLayout develop_sheet(const std::vector<CutWay>& cuts, size_t sheet, const DevelopOptions& options) {
+  size_t triangles = 0;
+  for (const std::vector<uint32_t>& c : cuts.front().triangles[sheet]) triangles += c.size();
+  const std::vector<Way> ways = ways_for(triangles, cuts.size());
+  std::vector<std::vector<Chart>> start(ways.back().cut + 1);
+  tbb::parallel_for(size_t{0}, start.size(), [&](size_t c) { start[c] = laid_out(cuts[c], sheet); });
+  std::vector<SheetLayout> layouts(ways.size());
+  std::vector<double> cost(ways.size(), std::numeric_limits<double>::infinity());
+  std::vector<std::exception_ptr> failed(ways.size());
+  tbb::parallel_for(size_t{0}, ways.size(), [&](size_t i) {
     try {
-      std::vector<std::vector<Chart>> charts(start.size());
-      tbb::parallel_for(size_t{0}, start.size(),
-                        [&](size_t c) { charts[c] = Developer(options, kTastes.at(i)).develop_component(start[c]); });
+      const CutWay& way = cuts[ways[i].cut];
+      const std::vector<Chart>& from = start[ways[i].cut];
+      std::vector<std::vector<Chart>> charts(from.size());
+      tbb::parallel_for(size_t{0}, from.size(), [&](size_t c) {
+        charts[c] = Developer(options, ways[i].taste, way.discount).develop_component(from[c]);
+      });
+      layouts[i].cut = ways[i].cut;
       for (std::vector<Chart>& of_component : charts) {
-        for (Chart& chart : of_component) layouts[i].push_back(std::move(chart));
+        for (Chart& chart : of_component) layouts[i].charts.push_back(std::move(chart));
       }
-      merge_charts(layouts[i], sheet,
+      merge_charts(layouts[i].charts, way.sheet,
                    {.most_energy = options.target_energy,
                     .seam_price = options.cut_price,
                     .narrow = kNarrow * options.least_cut});
-      cost[i] = cost_of(layouts[i], options);
+      cost[i] = ways.size() > 1 ? cost_of(layouts[i].charts, options) : 0;
     } catch (const Error&) {
       failed[i] = std::current_exception();
     }
@@ -396,7 +475,9 @@ DevelopedSurface assembled(const CutSurface& cut, const std::vector<Chart>& char
 /// Seams drawn straight, and every chart turned upright.
 ChartedSurface finished(const CutSurface& cut, const Sheet& sheet, const std::vector<Chart>& charts,
                         const DevelopOptions& options) {
-  ChartedSurface result = options.straight_cuts ? straighten_layout(cut, sheet, charts) : ChartedSurface{cut, charts};
+  ChartedSurface result = options.straight_cuts
+                              ? straighten_layout(cut, sheet, charts, options.prefer, options.target_energy)
+                              : ChartedSurface{cut, charts};
   tbb::parallel_for(size_t{0}, result.charts.size(), [&](size_t i) {
     turn_upright(result.charts[i]);
     straighten_threads(result.charts[i]);
@@ -420,23 +501,27 @@ ChartedSurface parted_where_that_pays(const CutSurface& cut, const Sheet& sheet,
 
 }  // namespace
 
-DevelopedSurface develop(const CutSurface& cut, const DevelopOptions& options, const Progress& progress) {
-  const Sheet sheet = find_sheet(cut);
-  std::vector<std::vector<uint32_t>> triangles = triangles_of_components(cut);
-  const std::vector<std::vector<uint32_t>> sheets = components_by_sheet(cut, sheet);
-  std::vector<std::vector<Chart>> developed(sheets.size());
-  tbb::parallel_for(size_t{0}, sheets.size(), [&](size_t i) {
-    std::vector<std::vector<uint32_t>> own;
-    for (const uint32_t c : sheets[i]) own.push_back(std::move(triangles[c]));
-    developed[i] = develop_sheet(cut, sheet, own, options);
-  });
+DevelopedSurface develop(std::span<const CutSurface> cuts, const DevelopOptions& options, const Progress& progress) {
+  std::vector<CutWay> ways;
+  for (const CutSurface& cut : cuts) ways.push_back(examined(cut, options));
+  std::vector<SheetLayout> developed(ways.front().triangles.size());
+  tbb::parallel_for(size_t{0}, developed.size(), [&](size_t i) { developed[i] = develop_sheet(ways, i, options); });
   if (progress) progress("flatten", 0.3);
   std::vector<Chart> charts;
-  for (std::vector<Chart>& of_sheet : developed) {
-    for (Chart& chart : of_sheet) charts.push_back(std::move(chart));
+  std::vector<size_t> choice;
+  for (SheetLayout& of_sheet : developed) {
+    for (Chart& chart : of_sheet.charts) {
+      charts.push_back(std::move(chart));
+      choice.push_back(of_sheet.cut);
+    }
   }
-  const ChartedSurface result = parted_where_that_pays(cut, sheet, std::move(charts), options);
+  const CutSurface cut = put_together(cuts, choice, charts);
+  const ChartedSurface result = parted_where_that_pays(cut, find_sheet(cut), std::move(charts), options);
   return assembled(result.cut, result.charts);
+}
+
+DevelopedSurface develop(const CutSurface& cut, const DevelopOptions& options, const Progress& progress) {
+  return develop(std::span(&cut, 1), options, progress);
 }
 
 }  // namespace geocloth

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <span>
+
 #include "geocloth/parametrize/cut.h"
 #include "part_panels.h"
 
@@ -19,6 +21,7 @@ struct DevelopOptions {
   double cut_price = 0.025;          ///< least fall of the energy per length / sqrt(area) that a cut must bring
   double least_cut = 0;              ///< [m] shorter extensions are not made
   uint32_t max_cuts_per_chart = 40;  ///< bound on extensions and splits of one part
+  CutPreferences prefer{};           ///< where cuts would rather run
   PartingOptions parting{};          ///< of charts that waste room in the image
   bool straight_cuts = true;         ///< cuts leave the mesh's edges where that shortens them
 };
@@ -29,6 +32,11 @@ struct DevelopOptions {
 /// pay for its length); where an outline crosses itself the chart is split. Every chart is turned so that the surface's
 /// upward direction (+y in space) is up in the plane, by its area mean; a level chart's long side is.
 [[nodiscard]] DevelopedSurface develop(const CutSurface& cut, const DevelopOptions& options = {},
+                                       const Progress& progress = {});
+
+/// The same of a surface that was cut in several ways: every part takes the one that costs least in the end.
+/// @param cuts  at least one; the first without preferences, the others with those of the options
+[[nodiscard]] DevelopedSurface develop(std::span<const CutSurface> cuts, const DevelopOptions& options = {},
                                        const Progress& progress = {});
 
 }  // namespace geocloth

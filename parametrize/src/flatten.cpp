@@ -33,10 +33,10 @@ void check(const CleanSurface& clean, const CutSurface& cut, const FlattenOption
 
 /// A layout that is chosen, of the surface as it is seen without its symmetries.
 template <class LayOut>
-FlatSurface without_symmetry(const CleanSurface& clean, const CutSurface& cut, const LayOut& lay_out) {
+FlatSurface without_symmetry(const CleanSurface& clean, std::span<const CutSurface> cuts, const LayOut& lay_out) {
   const Uneven map = uneven(clean.position, clean.triangle);
-  CutSurface seen = cut;
-  seen.position = map.apply(cut.position);
+  std::vector<CutSurface> seen(cuts.begin(), cuts.end());
+  for (CutSurface& cut : seen) cut.position = map.apply(cut.position);
   FlatSurface flat = lay_out(seen);
   for (size_t v = 0; v < flat.position.size(); ++v) {
     const uint32_t source = flat.clean_vertex[v];
@@ -47,18 +47,26 @@ FlatSurface without_symmetry(const CleanSurface& clean, const CutSurface& cut, c
 
 }  // namespace
 
-FlatSurface flatten(const CleanSurface& clean, const CutSurface& cut, const FlattenOptions& options,
+FlatSurface flatten(const CleanSurface& clean, std::span<const CutSurface> cuts, const FlattenOptions& options,
                     const Progress& progress) {
-  check(clean, cut, options);
+  if (cuts.empty()) throw Error(ErrorCode::invalid_argument, "there is no cut surface to be laid out");
+  for (const CutSurface& cut : cuts) check(clean, cut, options);
+  using Cuts = const std::vector<CutSurface>&;
   switch (options.layout) {
     case Layout::square:
-      return without_symmetry(clean, cut, [&](const CutSurface& c) { return lay_out_squares(c, options, progress); });
+      return without_symmetry(clean, cuts.first(1),
+                              [&](Cuts c) { return lay_out_squares(c.front(), options, progress); });
     case Layout::panels:
-      return without_symmetry(clean, cut, [&](const CutSurface& c) { return lay_out_panels(c, options, progress); });
+      return without_symmetry(clean, cuts, [&](Cuts c) { return lay_out_panels(c, options, progress); });
     case Layout::uv:
-      return lay_out_developed(take_uv(clean, cut, usable_uv_pattern(clean)), options, progress);
+      return lay_out_developed(take_uv(clean, cuts.front(), usable_uv_pattern(clean)), options, progress);
   }
   throw Error(ErrorCode::invalid_argument, "no such layout");
+}
+
+FlatSurface flatten(const CleanSurface& clean, const CutSurface& cut, const FlattenOptions& options,
+                    const Progress& progress) {
+  return flatten(clean, std::span(&cut, 1), options, progress);
 }
 
 }  // namespace geocloth

@@ -300,12 +300,14 @@ double rough_spacing(const CutSurface& cut, const FlattenOptions& options) {
 
 }  // namespace
 
-FlatSurface lay_out_panels(const CutSurface& cut, const FlattenOptions& options, const Progress& progress) {
+FlatSurface lay_out_panels(std::span<const CutSurface> cuts, const FlattenOptions& options, const Progress& progress) {
+  const CutSurface& cut = cuts.front();
   DevelopOptions develop_options;
   develop_options.least_cut = kLeastCut * rough_spacing(cut, options);
   develop_options.parting.pixel = rough_spacing(cut, options);
   develop_options.straight_cuts = options.straight_cuts;
-  return lay_out_developed(develop(cut, develop_options, progress), options, progress);
+  develop_options.prefer = options.prefer;
+  return lay_out_developed(develop(cuts, develop_options, progress), options, progress);
 }
 
 FlatSurface lay_out_developed(DevelopedSurface developed, const FlattenOptions& options, const Progress& progress) {

@@ -7,7 +7,8 @@
 namespace geocloth {
 
 /// Layout::panels of flatten(): charts with free outlines, nearly isometric, grain up, one spacing for all.
-[[nodiscard]] FlatSurface lay_out_panels(const CutSurface& cut, const FlattenOptions& options,
+/// @param cuts  as develop() takes them
+[[nodiscard]] FlatSurface lay_out_panels(std::span<const CutSurface> cuts, const FlattenOptions& options,
                                          const Progress& progress);
 
 /// Gives the charts of a developed surface their pixels: one spacing for all, seams point by point. Packs them.

@@ -110,6 +110,11 @@ std::string to_json(const ConvertResult& result) {
     json["parts"].push_back(
         {{"name", p.name}, {"faces", p.faces}, {"area_share", p.area_share}, {"stretched_share", p.stretched_share}});
   }
+  json["mirror"] = nullptr;
+  if (report.mirror) {
+    const MirrorPlane& m = *report.mirror;
+    json["mirror"] = {{"normal", m.normal}, {"offset", m.offset}, {"share", m.share}};
+  }
   json["represented"] = to_json(report.represented, report.cleaned_bbox_diagonal);
   json["image"] = image_json(result.asset);
   json["welded"] = {{"components", report.welded.components},

@@ -57,7 +57,7 @@ Sheet find_sheet(const CutSurface& cut) {
 }
 
 std::pair<RefinedMesh, CutLines> sewn_together(const CutSurface& cut, const Sheet& sheet,
-                                               const std::vector<Chart>& charts, const std::vector<uint8_t>& keep) {
+                                               const std::vector<Chart>& charts, const std::vector<uint32_t>& rings) {
   RefinedMesh mesh;
   mesh.position.resize(sheet.tied.size());
   mesh.point.resize(sheet.tied.size());
@@ -77,7 +77,8 @@ std::pair<RefinedMesh, CutLines> sewn_together(const CutSurface& cut, const Shee
   mesh.opposite = opposite_half_edges(mesh.triangle);
   mesh.leaving.assign(mesh.position.size(), kNone);
   CutLines lines{std::vector<char>(mesh.opposite.size(), 0), std::vector<char>(mesh.opposite.size(), 0),
-                 std::vector<char>(sheet.tied.begin(), sheet.tied.end())};
+                 std::vector<char>(sheet.tied.begin(), sheet.tied.end()),
+                 std::vector<uint32_t>(mesh.position.size(), kNone)};
   for (size_t v = 0; v < sheet.pinned.size(); ++v) {
     if (sheet.pinned[v] != 0) lines.node[v] = 1;
   }
@@ -87,7 +88,10 @@ std::pair<RefinedMesh, CutLines> sewn_together(const CutSurface& cut, const Shee
       if (c.opposite[h] != kNone) continue;
       const uint32_t edge = 3 * c.global_triangle[h / 3] + h % 3;
       lines.cut[edge] = 1;
-      if (keep[i] == 0) continue;
+      for (const uint32_t v : {tail(mesh.triangle, edge), head(mesh.triangle, edge)}) {
+        lines.rings[v] = std::min(lines.rings[v], rings[i]);
+      }
+      if (rings[i] > 0) continue;
       lines.fixed[edge] = 1;
       if (mesh.opposite[edge] != kNone) lines.fixed[mesh.opposite[edge]] = 1;
     }

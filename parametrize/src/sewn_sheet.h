@@ -19,10 +19,10 @@ struct Sheet {
 [[nodiscard]] Sheet find_sheet(const CutSurface& cut);
 
 /// The surface sewn together, with the outlines of its charts as cuts.
-/// @param keep  per chart: non-zero fixes its outline
+/// @param rings  per chart: how many vertices away its outline may go (straight_cuts.h); 0 fixes it, kNone: any number
 /// @returns `clean_triangle` of the mesh holds triangles of `cut`
 [[nodiscard]] std::pair<RefinedMesh, CutLines> sewn_together(const CutSurface& cut, const Sheet& sheet,
                                                              const std::vector<Chart>& charts,
-                                                             const std::vector<uint8_t>& keep);
+                                                             const std::vector<uint32_t>& rings);
 
 }  // namespace geocloth

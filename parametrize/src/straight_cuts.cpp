@@ -108,6 +108,8 @@ class CutStraightener {
       }
     }
     lines_.node.push_back(0);
+    if (!lines_.rings.empty()) lines_.rings.push_back(kNone);
+    if (!allowed_.empty()) allowed_.push_back(0);
     degree_.push_back(0);
     out_.push_back(first_new);
     for (uint32_t fresh = first_new; fresh < half_edge_count(); fresh += 3) {
@@ -165,6 +167,7 @@ class CutStraightener {
     for (size_t i = 1; i < path.size(); ++i) edge.push_back(half_edge_between(path[i - 1], path[i]));
     for (const uint32_t h : edge) set_cut(h, false);
     const double old_length = length_of(path);
+    stay_near(path);
     const std::vector<Stop> way = straightened(edge.front(), opposite(edge.back()), old_length);
     if (!is_sound(way) || length_of(way) > kWorthWhile * old_length) {
       for (const uint32_t h : edge) set_cut(h, true);
@@ -177,6 +180,33 @@ class CutStraightener {
       before = v;
     }
   }
+
+  /// Only vertices so near to the path as the lines ask for are passed from now on.
+  void stay_near(const std::vector<uint32_t>& path) {
+    allowed_.clear();
+    uint32_t rings = kNone;
+    for (size_t i = 1; i + 1 < path.size() && !lines_.rings.empty(); ++i)
+      rings = std::min(rings, lines_.rings[path[i]]);
+    if (rings == kNone) return;
+    allowed_.assign(mesh_.position.size(), 0);
+    std::vector<uint32_t> ring = path;
+    for (const uint32_t v : ring) allowed_[v] = 1;
+    for (uint32_t k = 0; k < rings; ++k) {
+      std::vector<uint32_t> next;
+      const auto take = [&](uint32_t v) {
+        if (allowed_[v] == 0) next.push_back(v);
+        allowed_[v] = 1;
+      };
+      for (const uint32_t v : ring) {
+        around(v, [&](uint32_t h) {
+          take(to(h));
+          take(from(previous_half_edge(h)));
+        });
+      }
+      ring = std::move(next);
+    }
+  }
+  [[nodiscard]] bool is_allowed(uint32_t v) const { return allowed_.empty() || allowed_[v] != 0; }
 
   /// First the one end slides along the border that it abuts on, then the other.
   std::vector<Stop> straightened(uint32_t start, uint32_t end, double length) {
@@ -307,6 +337,7 @@ class CutStraightener {
       queue.emplace(at_best, node);
     };
     const auto offer_vertex = [&](uint32_t v, uint32_t triangle, const Point3& here, double so_far, uint32_t by) {
+      if (!is_allowed(v)) return;
       const double through = so_far + distance(here, mesh_.position[v]);
       if (passable(v) && !is_target(v)) {
         offer(v, mesh_.position[v], through, by);
@@ -318,7 +349,7 @@ class CutStraightener {
       }
     };
     const auto offer_edge = [&](uint32_t h, const Point3& here, double so_far, uint32_t by) {
-      if (lines_.cut[h]) return;
+      if (lines_.cut[h] || !is_allowed(from(h)) || !is_allowed(to(h))) return;
       const Point3 &a = mesh_.position[from(h)], &b = mesh_.position[to(h)];
       for (uint32_t k = 0; k < kPlaces; ++k) {
         const Point3 place = a + (b - a) * ((k + 1.0) / (kPlaces + 1.0));
@@ -488,6 +519,7 @@ class CutStraightener {
   CutLines& lines_;
   std::vector<uint32_t> out_;    // per vertex: a half-edge that leaves it
   std::vector<int32_t> degree_;  // per vertex: cut edges around it
+  std::vector<char> allowed_;    // per vertex: the present path may pass here; empty: everywhere
   std::vector<double> reached_;  // per node of the search
   std::vector<uint32_t> parent_, touched_;
 };

@@ -9,9 +9,11 @@ namespace geocloth {
 
 /// Edges of a mesh along which it is opened. All lists grow with the mesh.
 struct CutLines {
-  std::vector<char> cut;    ///< per half-edge: its edge is cut; equal for opposite half-edges, set on borders
-  std::vector<char> fixed;  ///< per half-edge: a cut edge that stays where it is; set on borders
-  std::vector<char> node;   ///< per vertex: a path ends here whatever its number of cut edges
+  std::vector<char> cut;          ///< per half-edge: its edge is cut; equal for opposite half-edges, set on borders
+  std::vector<char> fixed;        ///< per half-edge: a cut edge that stays where it is; set on borders
+  std::vector<char> node;         ///< per vertex: a path ends here whatever its number of cut edges
+  std::vector<uint32_t> rings{};  ///< per vertex: how many vertices away from it a path through it may go; kNone: any.
+                                  ///< Empty: all may go anywhere
 };
 
 /// Lets every path of cut edges between two nodes run as straight across the faces as the surface allows: serrated

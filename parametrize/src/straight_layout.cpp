@@ -6,19 +6,24 @@
 #include "straight_layout.h"
 
 #include <algorithm>
+#include <array>
 
 #include <tbb/parallel_for.h>
 
 #include "carry_layout.h"
 #include "chart_overlap.h"
+#include "edge_wishes.h"
 #include "embed_chart.h"
+#include "layout_cost.h"
 #include "point_math.h"
 #include "symmetric_dirichlet.h"
 
 namespace geocloth {
 namespace {
 
-constexpr int kRounds = 3;
+constexpr int kRounds = 8;
+/// How far seams may move, in vertices: less each time that fails. All but the first stay on creases.
+constexpr std::array<uint32_t, 5> kRings{kNone, 1000, 3, 1, 0};
 constexpr double kStrained = 0.25;  // a chart's excess energy may rise by this share of it
 constexpr double kNoise = 5e-3;     // and by this in any case
 
@@ -40,8 +45,21 @@ FormerLayout layout_of(const CutSurface& cut, const std::vector<Chart>& charts) 
   return former;
 }
 
-double energy_of(const Chart& c) {
-  return SymmetricDirichlet(c.position, c.triangle, {}).energy(c.uv);
+/// How a chart lies.
+struct Standing {
+  double energy = 0;
+  double cost = 0;  // layout_cost.h
+};
+
+Standing standing_of(const Chart& chart, double target_energy) {
+  LayoutCost cost;
+  cost.add(chart, outline_length(chart));
+  return {cost.energy / cost.area, cost.value(target_energy)};
+}
+
+/// Distortion may rise a little, or by what the shorter outline is worth.
+bool is_as_good(const Standing& now, const Standing& before) {
+  return now.energy <= before.energy + kStrained * (before.energy - 4) + kNoise || now.cost <= before.cost;
 }
 
 /// The chart to which most of a new one belonged.
@@ -80,31 +98,35 @@ bool same_triangles(const Chart& chart, const Chart& former_chart, const std::ve
 /// A chart after its outline has changed; false when it does not lie as well as before. One that did not change stays
 /// where it was when it would come to lie over itself on its way down.
 bool settle(Chart& chart, const std::vector<uint32_t>& former_triangle, const FormerLayout& former,
-            double energy_before, bool changed) {
+            const Standing& before, double target_energy, bool changed) {
   constexpr uint32_t kSteps = 30;
   if (!carry_layout(chart, former_triangle, former) && !embed_on_circle(chart)) return false;
   if (!changed) {
-    const std::vector<Point2> before = chart.uv;
+    const std::vector<Point2> places = chart.uv;
     SymmetricDirichlet(chart.position, chart.triangle, {}).minimise(chart.uv, kSteps, 1e-6);
-    if (crossing_edges(chart, outline_loop(chart))) chart.uv = before;
+    if (crossing_edges(chart, outline_loop(chart))) chart.uv = places;
     return true;
   }
-  const double reached = SymmetricDirichlet(chart.position, chart.triangle, {}).minimise(chart.uv, kSteps, 1e-6);
-  if (reached > energy_before + kStrained * (energy_before - 4) + kNoise) return false;
-  return !crossing_edges(chart, outline_loop(chart));
+  SymmetricDirichlet(chart.position, chart.triangle, {}).minimise(chart.uv, kSteps, 1e-6);
+  return is_as_good(standing_of(chart, target_energy), before) && !crossing_edges(chart, outline_loop(chart));
 }
 
 }  // namespace
 
-ChartedSurface straighten_layout(const CutSurface& cut, const Sheet& sheet, const std::vector<Chart>& charts) {
+ChartedSurface straighten_layout(const CutSurface& cut, const Sheet& sheet, const std::vector<Chart>& charts,
+                                 const CutPreferences& prefer, double target_energy) {
   const FormerLayout former = layout_of(cut, charts);
-  std::vector<double> energy;
-  energy.reserve(charts.size());
-  for (const Chart& c : charts) energy.push_back(energy_of(c));
-  std::vector<uint8_t> keep(charts.size(), 0);
+  std::vector<Standing> standing;
+  standing.reserve(charts.size());
+  for (const Chart& c : charts) standing.push_back(standing_of(c, target_energy));
+  std::vector<size_t> failures(charts.size(), 0);
+  std::vector<uint32_t> rings(charts.size(), kRings.front());
   for (int round = 0;; ++round) {
-    if (round == kRounds) std::fill(keep.begin(), keep.end(), uint8_t{1});
-    auto [mesh, lines] = sewn_together(cut, sheet, charts, keep);
+    for (size_t c = 0; c < charts.size(); ++c) {
+      rings[c] = round == kRounds ? kRings.back() : kRings.at(std::min(failures[c], kRings.size() - 1));
+    }
+    auto [mesh, lines] = sewn_together(cut, sheet, charts, rings);
+    hold_wished_cuts(mesh, prefer, lines);
     straighten_cuts(mesh, lines);
     ChartedSurface result{open_along(mesh, lines.cut), {}};
     for (std::vector<uint32_t>& part : triangles_of_components(result.cut)) {
@@ -119,10 +141,10 @@ ChartedSurface straighten_layout(const CutSurface& cut, const Sheet& sheet, cons
       for (const uint32_t t : chart.global_triangle) former_triangle.push_back(result.cut.clean_triangle[t]);
       was[i] = former_chart(chart, former_triangle, former);
       const bool changed = !same_triangles(chart, charts[was[i]], former_triangle, former);
-      good[i] = settle(chart, former_triangle, former, energy[was[i]], changed) ? 1 : 0;
+      good[i] = settle(chart, former_triangle, former, standing[was[i]], target_energy, changed) ? 1 : 0;
     });
     for (size_t i = 0; i < good.size(); ++i) {
-      if (good[i] == 0) keep[was[i]] = 1;
+      if (good[i] == 0) ++failures[was[i]];
     }
     if (round < kRounds && std::find(good.begin(), good.end(), uint8_t{0}) != good.end()) continue;
     for (uint32_t& t : result.cut.clean_triangle) t = cut.clean_triangle[t];

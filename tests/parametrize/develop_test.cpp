@@ -11,6 +11,7 @@
 #include "canonical_order.h"
 #include "chart.h"
 #include "chart_overlap.h"
+#include "edge_wishes.h"
 #include "embed_chart.h"
 #include "geocloth/parametrize/import.h"
 #include "geocloth/parametrize/repair.h"
@@ -91,7 +92,7 @@ TEST(Develop, CutsPreferCreases) {
   };
   // From beside the crease to its foot.
   const auto share_on_crease = [&](double discount) {
-    const Distances way = distances(chart, {at(0.7, 0)}, on_outline(chart), discount);
+    const Distances way = distances(chart, {at(0.7, 0)}, on_outline(chart), {discount});
     const std::vector<uint32_t> path = way.path_from(at(0.6, 0.8));
     const auto on_it = std::count_if(path.begin(), path.end(), [&](uint32_t v) { return chart.position[v][2] < 1e-9; });
     return static_cast<double>(on_it) / static_cast<double>(path.size());

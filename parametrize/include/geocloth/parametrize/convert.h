@@ -58,7 +58,8 @@ struct ConvertReport {
   Topology cleaned;
   double cleaned_bbox_diagonal = 0;  ///< [m]
   std::vector<CarriedPart> carried;
-  std::vector<PartShape> parts;  ///< as in the file
+  std::optional<MirrorPlane> mirror;  ///< of the surface, where left and right are to be cut alike
+  std::vector<PartShape> parts;       ///< as in the file
   Topology represented;
   Topology welded;
   Quality quality;

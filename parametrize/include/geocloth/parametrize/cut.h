@@ -2,6 +2,7 @@
 #pragma once
 
 #include "geocloth/parametrize/mesh.h"
+#include "geocloth/parametrize/mirror.h"
 
 namespace geocloth {
 
@@ -21,9 +22,17 @@ struct CutSurface {
   uint32_t component_count = 0;
 };
 
+/// Where cuts would rather run: they may be longer there.
+struct CutPreferences {
+  bool creases = false;                        ///< where the surface is folded
+  std::vector<std::array<uint32_t, 2>> seams;  ///< clean-surface edges (vertex pairs) where the garment's own are
+  std::optional<MirrorPlane> mirror;           ///< along this plane, and where the mirror images of other cuts are
+};
+
 struct CutOptions {
   /// Further clean-surface edges (vertex pairs) to cut, beyond what topology needs; used by cut extension.
   std::vector<std::array<uint32_t, 2>> extra_edges;
+  CutPreferences prefer{};
 };
 
 /// Finds, for every component, a cut graph that joins all boundary loops, opens every handle and passes through every

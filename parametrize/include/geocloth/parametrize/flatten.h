@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <span>
+
 #include "geocloth/parametrize/cut.h"
 
 namespace geocloth {
@@ -42,6 +44,8 @@ struct FlattenOptions {
   double spacing = 0;
   /// Layout panels: cuts run straight across the mesh's faces where that shortens them; false: along its edges only.
   bool straight_cuts = true;
+  /// Layout panels: where further cuts would rather run; the same as for those of `cuts` that have preferences.
+  CutPreferences prefer{};
 };
 
 /// Lays every component out in the plane and packs the charts.
@@ -57,5 +61,11 @@ struct FlattenOptions {
 ///   texture coordinates, with the reason, Error(invalid_argument) when `cut` does not fit the other arguments
 [[nodiscard]] FlatSurface flatten(const CleanSurface& clean, const CutSurface& cut, const FlattenOptions& options,
                                   const Progress& progress = {});
+
+/// The same for a surface that was cut in several ways. Layout panels gives every part the one that costs least in
+/// seams and distortion together; the other layouts take the first.
+/// @param cuts  at least one; the first was cut without preferences
+[[nodiscard]] FlatSurface flatten(const CleanSurface& clean, std::span<const CutSurface> cuts,
+                                  const FlattenOptions& options, const Progress& progress = {});
 
 }  // namespace geocloth

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a layout does with several ways to cut, and with seams that cannot be drawn as straight as they might be.
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "chart.h"
+#include "develop.h"
+#include "half_edges.h"
+#include "mixed_cut.h"
+#include "parametrize/clean_surfaces.h"
+#include "point_math.h"
+#include "straight_cuts.h"
+
+namespace geocloth {
+namespace {
+
+/// Two tubes side by side, of which the second cannot be told from the first but by its place.
+CleanSurface two_tubes() {
+  CleanSurface both = test::cylinder(24, 13);
+  const CleanSurface one = both;
+  const auto vertices = static_cast<uint32_t>(one.position.size());
+  for (const Point3& p : one.position) both.position.push_back({p[0] + 5, p[1], p[2]});
+  for (const uint32_t p : one.point) both.point.push_back(p + one.point_count);
+  for (const Triangle& t : one.triangle) both.triangle.push_back({t[0] + vertices, t[1] + vertices, t[2] + vertices});
+  for (const uint32_t c : one.component) both.component.push_back(c + one.component_count);
+  both.point_count *= 2;
+  both.component_count *= 2;
+  both.source_triangle.resize(both.triangle.size());
+  return both;
+}
+
+std::vector<Chart> charts_of(const CutSurface& cut) {
+  std::vector<Chart> charts;
+  for (std::vector<uint32_t>& own : triangles_of_components(cut)) charts.push_back(extract_chart(cut, std::move(own)));
+  return charts;
+}
+
+// Vertices that straight cuts put on edges have numbers of their own in every cut: mixed up, seams would be sewn to
+// places that have nothing to do with each other.
+TEST(MixedCut, PartsOfTwoCutsMakeOneSurface) {
+  const CleanSurface tubes = two_tubes();
+  CutOptions from_elsewhere;
+  for (uint32_t v = 5; v + 24 < tubes.position.size() / 2; v += 24) {
+    for (const uint32_t tube : {0U, static_cast<uint32_t>(tubes.position.size() / 2)}) {
+      from_elsewhere.extra_edges.push_back({tube + v, tube + v + 24});
+    }
+  }
+  const std::vector<CutSurface> cuts{cut_to_disks(tubes), cut_to_disks(tubes, from_elsewhere)};
+  std::vector<Chart> charts, second = charts_of(cuts[1]);
+  charts.push_back(charts_of(cuts[0]).front());
+  charts.push_back(second.back());
+  const std::vector<Chart> before = charts;
+  const CutSurface mixed = put_together(cuts, std::vector<size_t>{0, 1}, charts);
+
+  ASSERT_EQ(mixed.triangle.size(), before[0].triangle.size() + before[1].triangle.size());
+  EXPECT_EQ(mixed.component_count, 2U);
+  std::map<uint32_t, Point3> place;  // per point
+  for (size_t v = 0; v < mixed.position.size(); ++v) {
+    EXPECT_LT(mixed.point[v], mixed.point_count);
+    EXPECT_EQ(place.try_emplace(mixed.point[v], mixed.position[v]).first->second, mixed.position[v]);
+  }
+  for (size_t c = 0; c < charts.size(); ++c) {
+    for (size_t t = 0; t < charts[c].triangle.size(); ++t) {
+      for (size_t k = 0; k < 3; ++k) {
+        const uint32_t v = charts[c].triangle[t][k];
+        EXPECT_EQ(mixed.triangle[charts[c].global_triangle[t]][k], charts[c].cut_vertex[v]);
+        EXPECT_EQ(mixed.position[charts[c].cut_vertex[v]], before[c].position[v]);
+      }
+    }
+  }
+  // Sewn up by points these are two tubes again: V - E + F = 0.
+  std::set<std::array<uint32_t, 2>> edges;
+  for (const Triangle& t : mixed.triangle) {
+    for (size_t k = 0; k < 3; ++k) {
+      const auto [low, high] = std::minmax({mixed.point[t[k]], mixed.point[t[(k + 1) % 3]]});
+      edges.insert({low, high});
+    }
+  }
+  EXPECT_EQ(place.size() + mixed.triangle.size(), edges.size());
+}
+
+double seam_of(const DevelopedSurface& d) {
+  double outline = 0, area = 0;
+  for (const Chart& c : charts_of(d.cut)) {
+    outline += outline_length(c);
+    area += total_area(c);
+  }
+  return outline / 2 / std::sqrt(area);
+}
+
+// Left and right alike is worth little: nobody would want twice the seams for it.
+TEST(CutChoice, AWishThatCostsMuchIsNotGranted) {
+  const CleanSurface tubes = two_tubes();
+  CutOptions needless;
+  for (uint32_t v = 0; v < 24; ++v) needless.extra_edges.push_back({v + 6 * 24, (v + 1) % 24 + 6 * 24});
+  const CutSurface plain = cut_to_disks(tubes), wished = cut_to_disks(tubes, needless);
+  DevelopOptions options;
+  options.straight_cuts = false;
+  const std::vector<CutSurface> cuts{plain, wished};
+  EXPECT_NEAR(seam_of(develop(cuts, options)), seam_of(develop(plain, options)), 1e-9);
+}
+
+/// Distance in steps of the grid between vertices of a sheet of 41 x 41.
+int steps(uint32_t v, uint32_t w) {
+  const auto apart = [](uint32_t a, uint32_t b) { return std::abs(static_cast<int>(a) - static_cast<int>(b)); };
+  return std::max(apart(v % 41, w % 41), apart(v / 41, w / 41));
+}
+
+// Where a straight seam would leave out what its corner is for, it may still lose its serration.
+TEST(StraightCuts, APathStaysAsNearAsItIsToldTo) {
+  const CleanSurface sheet = test::disk(41, 41);
+  std::vector<uint32_t> path;  // a staircase to the middle and back to the same side
+  for (uint32_t k = 0; k <= 20; ++k) {
+    path.push_back(k * 41 + k);
+    if (k < 20) path.push_back(k * 41 + k + 1);
+  }
+  for (uint32_t k = 1; k <= 20; ++k) path.push_back((20 - k) * 41 + 20);
+  const auto straightened = [&](uint32_t rings) {
+    RefinedMesh mesh = make_refined_mesh(sheet, opposite_half_edges(sheet.triangle));
+    const size_t half_edges = mesh.opposite.size(), vertices = mesh.position.size();
+    CutLines lines{std::vector<char>(half_edges, 0), std::vector<char>(half_edges, 0), std::vector<char>(vertices, 0),
+                   std::vector<uint32_t>(vertices, kNone)};
+    std::set<std::array<uint32_t, 2>> on_path;
+    for (size_t i = 1; i < path.size(); ++i) on_path.insert({path[i - 1], path[i]});
+    for (uint32_t h = 0; h < half_edges; ++h) {
+      const uint32_t a = tail(mesh.triangle, h), b = head(mesh.triangle, h);
+      const bool border = mesh.opposite[h] == kNone;
+      if (border || on_path.contains({a, b}) || on_path.contains({b, a})) lines.cut[h] = 1;
+      if (border) lines.fixed[h] = 1;
+    }
+    for (const uint32_t v : path) lines.rings[v] = rings;
+    straighten_cuts(mesh, lines);
+    double length = 0;
+    int farthest = 0;
+    for (uint32_t h = 0; h < mesh.opposite.size(); ++h) {
+      if (!lines.cut[h] || mesh.opposite[h] == kNone || h < mesh.opposite[h]) continue;
+      const uint32_t a = tail(mesh.triangle, h), b = head(mesh.triangle, h);
+      length += distance(mesh.position[a], mesh.position[b]);
+      for (const uint32_t v : {a, b}) {
+        const Point3& p = mesh.position[v];
+        const auto column = static_cast<uint32_t>(std::lround(40 * p[0])),
+                   row = static_cast<uint32_t>(std::lround(40 * p[1]));
+        int nearest = 41;
+        for (const uint32_t w : path) nearest = std::min(nearest, steps(row * 41 + column, w));
+        farthest = std::max(farthest, nearest);
+      }
+    }
+    return std::pair{length, farthest};
+  };
+  constexpr double kSerrated = 60.0 / 40;
+  const auto [near, near_way] = straightened(2);
+  const auto [free, free_way] = straightened(kNone);
+  EXPECT_LE(near_way, 2);
+  EXPECT_GT(free_way, 5);
+  EXPECT_LT(near, 0.8 * kSerrated);
+  EXPECT_LT(free, 0.9 * near);
+}
+
+}  // namespace
+}  // namespace geocloth
