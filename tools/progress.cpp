@@ -6,6 +6,7 @@
 #include "progress.h"
 
 #include <algorithm>
+#include <array>
 #include <csignal>
 #include <cstdio>
 #include <utility>
@@ -20,7 +21,10 @@ namespace geocloth {
 namespace {
 
 constexpr int kBarWidth = 30;
-constexpr int kStatusInterrupted = 130;
+constexpr int kStatusOfSignal = 128;  ///< and the signal's number on top, as shells have it
+
+/// Ctrl-C, kill, a terminal that is closed, a reader that has gone (`| head`), and `ulimit -t`.
+constexpr std::array<int, 5> kInterrupts{SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXCPU};
 
 pthread_t main_thread;  // set before the handler is
 
@@ -30,7 +34,7 @@ void handle_interrupt(int signal) {
     return;
   }
   remove_unfinished_files();
-  _exit(kStatusInterrupted);
+  _exit(kStatusOfSignal + signal);
 }
 
 }  // namespace
@@ -68,10 +72,17 @@ void remove_unfinished_files_on_interrupt() {
   struct sigaction action {};
   action.sa_handler = handle_interrupt;
   sigemptyset(&action.sa_mask);
-  sigaddset(&action.sa_mask, SIGINT);
-  sigaddset(&action.sa_mask, SIGTERM);
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  for (const int signal : kInterrupts) sigaddset(&action.sa_mask, signal);
+  for (const int signal : kInterrupts) {
+    struct sigaction before {};
+    sigaction(signal, nullptr, &before);
+    // nohup stays in force.
+    const bool ignored = signal == SIGHUP && before.sa_handler == SIG_IGN;
+    if (!ignored) sigaction(signal, &action, nullptr);
+  }
+  // A file past the size that `ulimit -f` allows is then an error of write() like that of a full disk.
+  action.sa_handler = SIG_IGN;
+  sigaction(SIGXFSZ, &action, nullptr);
 }
 
 }  // namespace geocloth

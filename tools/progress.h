@@ -29,7 +29,8 @@ class ProgressDisplay {
   std::chrono::steady_clock::time_point shown_at_;
 };
 
-/// From here on SIGINT and SIGTERM remove the unfinished output files and end the program with status 130.
+/// From here on Ctrl-C, SIGTERM, a closed terminal or pipe, and a spent `ulimit -t` remove the unfinished output files
+/// and end the program with status 128 + the signal's number.
 /// Call it in the thread that opens the output files, before any other thread starts.
 void remove_unfinished_files_on_interrupt();
 

@@ -3,7 +3,6 @@
 #include "support/run_program.h"
 
 #include <cerrno>
-#include <csignal>
 #include <system_error>
 #include <thread>
 
@@ -21,6 +20,9 @@ namespace {
   const int err_file = open(err, O_WRONLY | O_CREAT | O_TRUNC, 0600);
   dup2(out_file, STDOUT_FILENO);
   dup2(err_file, STDERR_FILENO);
+  // What runs the tests may have run them with nohup, or ignore broken pipes.
+  signal(SIGHUP, SIG_DFL);
+  signal(SIGPIPE, SIG_DFL);
   std::vector<std::string> words{GEOCLOTH_PROGRAM};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
@@ -33,7 +35,8 @@ namespace {
 
 }  // namespace
 
-ProgramResult run_program(const std::vector<std::string>& arguments, std::chrono::milliseconds interrupt_after) {
+ProgramResult run_program(const std::vector<std::string>& arguments, std::chrono::milliseconds interrupt_after,
+                          int signal) {
   const TemporaryFolder streams;
   const std::string out = streams / "out", err = streams / "err";
   const pid_t child = fork();
@@ -41,7 +44,7 @@ ProgramResult run_program(const std::vector<std::string>& arguments, std::chrono
   if (child == 0) exec_program(arguments, out.c_str(), err.c_str());
   if (interrupt_after.count() > 0) {
     std::this_thread::sleep_for(interrupt_after);
-    kill(child, SIGINT);
+    kill(child, signal);
   }
   int status = 0;
   while (waitpid(child, &status, 0) < 0) {

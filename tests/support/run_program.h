@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <csignal>
 #include <string>
 #include <vector>
 
@@ -14,8 +15,8 @@ struct ProgramResult {
 };
 
 /// Runs `geocloth` with arguments, no shell between, and waits for it.
-/// @param interrupt_after  when not zero, SIGINT is sent after that time
+/// @param interrupt_after  when not zero, the signal is sent after that time
 [[nodiscard]] ProgramResult run_program(const std::vector<std::string>& arguments,
-                                        std::chrono::milliseconds interrupt_after = {});
+                                        std::chrono::milliseconds interrupt_after = {}, int signal = SIGINT);
 
 }  // namespace geocloth::test

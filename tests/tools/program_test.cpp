@@ -2,6 +2,7 @@
 // The program as its users drive it: files in, files out, one clear line and no file when something is wrong.
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <cstdlib>
 #include <limits>
 
@@ -389,18 +390,21 @@ TEST(Simulate, UnknownDeviceIsNamed) {
 
 // ------------------------------------------------------------------------------------------------- interrupt
 
-TEST(Interrupt, SimulateLeavesNoPartialFile) {
+class Interrupt : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Signals, Interrupt, testing::Values(SIGINT, SIGTERM, SIGHUP, SIGPIPE));
+
+TEST_P(Interrupt, SimulateLeavesNoPartialFile) {
   const TemporaryFolder folder;
   const std::string scene = folder.write("scene.json", scene_text("", "", 256));
   const ProgramResult result =
       run_program({"simulate", scene, "-o", folder / "a.glb", "-o", folder / "b.obj", "-o", folder / "c.pc2",
                    "--report", folder / "report.json", "--frames", "4000", "--backend", "cpu", "-q"},
-                  std::chrono::milliseconds(700));
-  EXPECT_EQ(result.status, 130) << result.err;
+                  std::chrono::milliseconds(700), GetParam());
+  EXPECT_EQ(result.status, 128 + GetParam()) << result.err;
   EXPECT_THAT(folder.entries(), ElementsAre("scene.json"));
 }
 
-TEST(Interrupt, ConvertLeavesNoPartialFile) {
+TEST(InterruptConvert, LeavesNoPartialFile) {
   const TemporaryFolder folder;
   const ProgramResult result = run_program({"convert", kMeshes + "garments/t_shirt.obj", "-o", folder / "out.glb",
                                             "--resolution", "1024", "--report", folder / "report.json"},
