@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "grid_relaxation.h"
 #include "point_math.h"
@@ -26,14 +27,18 @@ double nearest_on_segment(const Point2& a, const Point2& b, const Point2& p) {
   return l > 0 ? std::clamp(((p[0] - a[0]) * dx + (p[1] - a[1]) * dy) / l, 0.0, 1.0) : 0.0;
 }
 
-/// Weights of the point of a triangle that is nearest to p in the plane, and its squared distance.
-std::pair<Point3, double> nearest_in_triangle(const std::array<Point2, 3>& t, const Point2& p) {
+/// Weights of a point in a triangle of the plane; nothing outside of it.
+std::optional<Point3> weights_in(const std::array<Point2, 3>& t, const Point2& p) {
   const double whole = signed_area_twice(t[0], t[1], t[2]);
-  if (whole > 0) {
-    const Point3 w{signed_area_twice(p, t[1], t[2]) / whole, signed_area_twice(t[0], p, t[2]) / whole,
-                   signed_area_twice(t[0], t[1], p) / whole};
-    if (w[0] >= 0 && w[1] >= 0 && w[2] >= 0) return {w, 0.0};
-  }
+  if (!(whole > 0)) return std::nullopt;
+  const Point3 w{signed_area_twice(p, t[1], t[2]) / whole, signed_area_twice(t[0], p, t[2]) / whole,
+                 signed_area_twice(t[0], t[1], p) / whole};
+  if (w[0] >= 0 && w[1] >= 0 && w[2] >= 0) return w;
+  return std::nullopt;
+}
+
+/// Weights of the point of a triangle's outline that is nearest to p in the plane, and its squared distance.
+std::pair<Point3, double> nearest_on_outline(const std::array<Point2, 3>& t, const Point2& p) {
   std::pair<Point3, double> best{{1, 0, 0}, std::numeric_limits<double>::infinity()};
   for (size_t k = 0; k < 3; ++k) {
     const Point2 &a = t[k], &b = t[(k + 1) % 3];
@@ -78,6 +83,13 @@ const std::vector<uint32_t>& PlaneLocator::bin(int32_t x, int32_t y) const {
 PlanePlace PlaneLocator::locate(const Point2& place) const {
   const auto column = std::clamp(static_cast<int32_t>(std::floor(place[0])) + kMargin, 0, width_ - 1);
   const auto row = std::clamp(static_cast<int32_t>(std::floor(place[1])) + kMargin, 0, height_ - 1);
+  const auto corners = [&](uint32_t t) {
+    const Triangle& k = flat_.triangle[t];
+    return std::array{flat_.uv[k[0]], flat_.uv[k[1]], flat_.uv[k[2]]};
+  };
+  for (const uint32_t t : bin(column, row)) {
+    if (const auto weight = weights_in(corners(t), place)) return {t, *weight};
+  }
   PlanePlace best;
   double least = std::numeric_limits<double>::infinity();
   // Rings of bins around the place, until no further ring can hold anything nearer.
@@ -87,8 +99,7 @@ PlanePlace PlaneLocator::locate(const Point2& place) const {
       for (int32_t x = std::max(column - radius, 0); x <= std::min(column + radius, width_ - 1); ++x) {
         if (std::max(std::abs(x - column), std::abs(y - row)) != radius) continue;
         for (const uint32_t t : bin(x, y)) {
-          const Triangle& k = flat_.triangle[t];
-          const auto [weight, squared] = nearest_in_triangle({flat_.uv[k[0]], flat_.uv[k[1]], flat_.uv[k[2]]}, place);
+          const auto [weight, squared] = nearest_on_outline(corners(t), place);
           if (squared >= least) continue;
           least = squared;
           best = {t, weight};
