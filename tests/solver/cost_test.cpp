@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "cpu/sweep_plan.h"
+#include "cpu/bands.h"
 #include "solver_fixture.h"
 #include "solver_impl.h"
 #include "support/count_allocations.h"
@@ -94,15 +94,26 @@ TEST(Cost, AStepOfTheSolverAllocatesNothingOnceItRuns) {
   }
 }
 
+/// A scene's cloth as the cpu keeps it, in an image as wide as the asset's.
+struct CpuCloth {
+  explicit CpuCloth(const BackendScene& scene)
+      : state(scene.data.cloths.front(), false, false), runs(cpu::valid_runs(state)) {
+    const ClothFrame& input = scene.frame.cloths.front();
+    std::copy(input.inverse_mass.begin(), input.inverse_mass.end(), state.inverse_mass.begin());
+    if (state.data.attachments) state.attachments = input.attachments;
+  }
+  cpu::ClothState state;
+  std::vector<cpu::Run> runs;
+};
+
 /// The plan of a scene's substep.
-std::unique_ptr<cpu::SweepPlan> plan_of(const BackendScene& scene) {
-  const ClothFrame& input = scene.frame.cloths.front();
-  cpu::ClothState state(scene.data.cloths.front(), false, false);
-  const std::vector<cpu::Run> runs = cpu::valid_runs(state);
-  std::copy(input.inverse_mass.begin(), input.inverse_mass.end(), state.inverse_mass.begin());
-  if (state.data.attachments) state.attachments = input.attachments;
+std::unique_ptr<cpu::SweepPlan> plan_of(const BackendScene& scene, const CpuCloth& cloth, bool in_bands = false) {
   const ScheduleOptions options = schedule_options(scene.data, 0, scene.frame);
-  return cpu::SweepPlan::make(state, substep_schedule(options), input, runs, 1);
+  return cpu::SweepPlan::make(cloth.state, substep_schedule(options), scene.frame.cloths.front(), cloth.runs, 1,
+                              in_bands);
+}
+std::unique_ptr<cpu::SweepPlan> plan_of(const BackendScene& scene) {
+  return plan_of(scene, CpuCloth(scene));
 }
 
 size_t sweeps_of(const cpu::SweepPlan& plan) {
@@ -128,6 +139,50 @@ TEST(Cost, SeamsPartASubstepIntoThreeSweeps) {
   const auto plan = plan_of(make_scene({.nx = 128, .ny = 128, .charts_x = 2}, attached()));
   if (!plan) GTEST_SKIP() << "no vectors on this machine";
   EXPECT_EQ(sweeps_of(*plan), 3U);
+}
+
+/// Rows that the passes of a sweep go through in a band.
+uint64_t rows_in(const cpu::Sweep& sweep, const cpu::SweepBand& band, uint32_t height) {
+  uint64_t rows = 0;
+  for (uint32_t time = band.first_time; time < band.end_time; ++time)
+    for (const cpu::SweepOp& op : sweep.ops)
+      if (time >= op.lag && cpu::has_row(band, op, time - op.lag, height)) ++rows;
+  return rows;
+}
+
+/// What threads go through together, and what the one with the most to do in each phase goes through.
+struct Shared {
+  uint32_t bands = 0;
+  uint64_t all = 0, longest = 0;
+};
+Shared share_out(const test::SheetOptions& sheet, uint32_t threads) {
+  const BackendScene scene = make_scene(sheet, attached());
+  const CpuCloth cloth(scene);
+  const std::unique_ptr<cpu::SweepPlan> plan = plan_of(scene, cloth, true);
+  if (!plan) return {};
+  const cpu::BandPlan bands = cpu::plan_bands(*plan, cloth.state, cloth.runs, threads);
+  Shared shared{bands.count()};
+  for (const cpu::BandPhase& phase : bands.phases) {
+    const auto* swept = std::get_if<cpu::Sweep>(&plan->parts()[phase.first_part]);
+    if (swept == nullptr) continue;
+    uint64_t most = 0;
+    for (uint32_t task = 0; task < phase.tasks; ++task) {
+      const uint64_t rows = rows_in(*swept, cpu::band_of_task(bands, *swept, phase.kind, task), sheet.ny);
+      shared.all += rows;
+      most = std::max(most, rows);
+    }
+    shared.longest += most;
+  }
+  return shared;
+}
+
+TEST(Cost, TwoThreadsHaveHalfOfCutClothEach) {
+  const Shared alone = share_out({.nx = 128, .ny = 150, .charts_x = 2}, 1);
+  const Shared two = share_out({.nx = 128, .ny = 150, .charts_x = 2}, 2);
+  if (alone.bands == 0) GTEST_SKIP() << "no vectors on this machine";
+  EXPECT_EQ(two.bands, 2U);
+  EXPECT_EQ(two.all, alone.all);  // each row by somebody, and by nobody twice
+  EXPECT_LT(static_cast<double>(two.longest), static_cast<double>(alone.longest) / 1.8);
 }
 
 TEST(Cost, MaskedChartsCostWhatTheirPixelsCost) {

@@ -87,13 +87,11 @@ HWY_INLINE PointStates<D> respond(D d, const PointStates<D>& point, const shader
   const auto brake = hn::Mul(friction, depth);
   const auto held = hn::IfThenElse(hn::Gt(slid, brake), hn::Mul(brake, hn::Div(one, slid)), one);
 
-  PointStates<D> r;
-  r.position = sub(add(point.position, scale(d, n, depth)), scale(d, sliding, held));
+  const Points<D> position = sub(add(point.position, scale(d, n, depth)), scale(d, sliding, held));
   const Points<D> kept = add(add(carried, scale(d, sliding, hn::Sub(one, held))),
                              scale(d, n, hn::IfThenElse(hn::Lt(along, zero), zero, along)));
-  r.previous = sub(r.position, kept);
-  r.carry = sub(kept, sub(r.position, r.previous));
-  return r;
+  const Points<D> previous = sub(position, kept);
+  return {position, previous, sub(kept, sub(position, previous))};
 }
 
 /// collide() of lib/collide.h for simple shapes.
@@ -169,14 +167,11 @@ HWY_NOINLINE void collide(D d, const SweepFrame& frame, uint32_t substep, const 
   if (frame.collide_all) return collide_pixels(context, state, run.first, run.last);
   for_run(d, run, [&](uint32_t i, auto lanes) GEOCLOTH_LANES {
     const PointRow p = at(state.position, i), pp = at(state.previous, i), pc = at(state.carry, i);
-    PointStates<D> points;
-    points.position = load(d, p);
-    points.previous = load(d, pp);
-    const Points<D> moved = sub(points.position, points.previous);
+    const Points<D> position = load(d, p), previous = load(d, pp), moved = sub(position, previous);
     const auto at_most = hn::Add(hn::Add(hn::Abs(moved.x), hn::Abs(moved.y)), hn::Abs(moved.z));  // needs no root
-    const auto near = counted(d, lanes, near_colliders(d, frame, substep, points.position, at_most));
+    const auto near = counted(d, lanes, near_colliders(d, frame, substep, position, at_most));
     if (hn::AllFalse(d, near)) return;
-    points.carry = load(d, pc);
+    PointStates<D> points{position, previous, load(d, pc)};
     const auto free = hn::Gt(hn::LoadU(d, &state.inverse_mass[i]), hn::Zero(d));
     if (!frame.simple_colliders || !collide_lanes(d, context, hn::And(free, near), points)) {
       return collide_pixels(context, state, i, std::min(run.last, i + static_cast<uint32_t>(hn::Lanes(d))));

@@ -53,6 +53,7 @@ template <class D>
 struct Ways {
   Vec<D> x, y, z, length;
 
+  HWY_INLINE Ways() {}  // NOLINT(modernize-use-equals-default): a default one is not of the instruction set at hand
   HWY_INLINE void set(D d, const Points<D>& way) {
     x = way.x;
     y = way.y;
@@ -208,6 +209,10 @@ HWY_INLINE Vec<D> lanes_from(D d, Vec<D> yes, Vec<D> no) {
 /// columns follow each other, and the first one is in the same lane of its vector: 4, 8 and 16 are no multiples of 3,
 /// so that the vectors' lanes of one residue complement each other.
 template <class D>
+struct Third {
+  Vec<D> a, middle, b;
+};
+template <class D>
 class Thirds {
  public:
   explicit HWY_INLINE Thirds(D d)
@@ -216,11 +221,10 @@ class Thirds {
         back_(turned(d, kLanes - 1)),
         two_back_(turned(d, kLanes - 2)) {}
 
-  HWY_INLINE void take_apart(D d, const float* p, Vec<D>& a, Vec<D>& middle, Vec<D>& b) const {
+  HWY_INLINE Third<D> take_apart(D d, const float* p) const {
     const auto low = hn::LoadU(d, p), mid = hn::LoadU(d, p + kLanes), high = hn::LoadU(d, p + 2 * kLanes);
-    a = of_residue<0>(d, low, mid, high);
-    middle = hn::TableLookupLanes(of_residue<1>(d, low, mid, high), next_);
-    b = hn::TableLookupLanes(of_residue<2>(d, low, mid, high), after_next_);
+    return {of_residue<0>(d, low, mid, high), hn::TableLookupLanes(of_residue<1>(d, low, mid, high), next_),
+            hn::TableLookupLanes(of_residue<2>(d, low, mid, high), after_next_)};
   }
   HWY_INLINE void put_together(D d, Vec<D> a, Vec<D> middle, Vec<D> b, float* p) const {
     const auto second = hn::TableLookupLanes(middle, back_), third = hn::TableLookupLanes(b, two_back_);
@@ -353,29 +357,27 @@ HWY_NOINLINE void bends_along(D d, const SweepOp& op, ClothState& state, uint32_
   const Blocks blocks(op, state, bend_floats(lanes, kSeveral));
   const PointBase& points = blocks.points;
   const Thirds<D> thirds(d);
-  const auto load_three = [&](uint32_t k, Points<D>& a, Points<D>& middle, Points<D>& b) GEOCLOTH_LANES {
+  const auto with_three = [&](uint32_t k, const auto& body) GEOCLOTH_LANES {
     const PointRow p = points.at(blocks.pixel[k]);
-    thirds.take_apart(d, p.x, a.x, middle.x, b.x);
-    thirds.take_apart(d, p.y, a.y, middle.y, b.y);
-    thirds.take_apart(d, p.z, a.z, middle.z, b.z);
+    const Third<D> x = thirds.take_apart(d, p.x), y = thirds.take_apart(d, p.y), z = thirds.take_apart(d, p.z);
+    body(Points<D>{x.a, y.a, z.a}, Points<D>{x.middle, y.middle, z.middle}, Points<D>{x.b, y.b, z.b});
   };
   overlapped<Ways<D>>(
       first, last,
       [&](uint32_t k, Ways<D>& ways) GEOCLOTH_LANES {
-        Points<D> a, middle, b;
-        load_three(k, a, middle, b);
-        ways.set(d, bend_way(d, a, middle, b, blocks.constants_of(k)));
+        with_three(k, [&](const Points<D>& a, const Points<D>& middle, const Points<D>& b)
+                          GEOCLOTH_LANES { ways.set(d, bend_way(d, a, middle, b, blocks.constants_of(k))); });
       },
       [&](uint32_t k, const Ways<D>& ways) GEOCLOTH_LANES {
-        Points<D> a, middle, b;
-        load_three(k, a, middle, b);
-        Vec<D> wa, wm, wb;
-        thirds.take_apart(d, points.inverse_mass + blocks.pixel[k], wa, wm, wb);
-        project_bend(d, ways, a, wa, middle, wm, b, wb, blocks.constants_of(k), Multipliers<kSeveral, D>(op, k, lanes));
-        const PointRow p = points.at(blocks.pixel[k]);
-        thirds.put_together(d, a.x, middle.x, b.x, p.x);
-        thirds.put_together(d, a.y, middle.y, b.y, p.y);
-        thirds.put_together(d, a.z, middle.z, b.z, p.z);
+        with_three(k, [&](Points<D> a, Points<D> middle, Points<D> b) GEOCLOTH_LANES {
+          const Third<D> w = thirds.take_apart(d, points.inverse_mass + blocks.pixel[k]);
+          project_bend(d, ways, a, w.a, middle, w.middle, b, w.b, blocks.constants_of(k),
+                       Multipliers<kSeveral, D>(op, k, lanes));
+          const PointRow p = points.at(blocks.pixel[k]);
+          thirds.put_together(d, a.x, middle.x, b.x, p.x);
+          thirds.put_together(d, a.y, middle.y, b.y, p.y);
+          thirds.put_together(d, a.z, middle.z, b.z, p.z);
+        });
       });
 }
 

@@ -69,7 +69,8 @@ struct Sweep {
   std::vector<SweepOp> ops;
   uint32_t last_lag = 0;  ///< of the last pass
   uint32_t last_rise = 0;
-  uint32_t distance = 0;  ///< times that the same sweep of the substep before must be ahead
+  uint32_t longest_reach = 0;  ///< rows up and down from a row that passes touch
+  uint32_t distance = 0;       ///< times that the same sweep of the substep before must be ahead
 };
 
 /// A collider from which a point that is this far away is certainly not touched, per substep.
@@ -112,6 +113,10 @@ struct SweepBand {
   bool upper = false;  ///< a band above has the rows before
   bool lower = false;  ///< it is a gap: a band below has the rows after
 };
+/// Whether a band has the row of a pass.
+[[nodiscard]] inline bool has_row(const SweepBand& band, const SweepOp& op, uint32_t y, uint32_t height) {
+  return y < height && (!band.upper || y >= band.low + op.rise) && (!band.lower || y < band.high + op.rise);
+}
 [[nodiscard]] inline SweepBand whole_sweep(const Sweep& sweep, uint32_t height) {
   return {.first_time = 0, .end_time = height + sweep.last_lag};
 }

@@ -101,11 +101,6 @@ HWY_NOINLINE void time_rows(D d, const SweepFrame& frame, uint32_t substep, uint
   }
 }
 
-/// Whether a band has the row of a pass.
-HWY_INLINE bool has_row(const SweepBand& band, const SweepOp& op, uint32_t y, uint32_t height) {
-  return y < height && (!band.upper || y >= band.low + op.rise) && (!band.lower || y < band.high + op.rise);
-}
-
 template <class D>
 void sweep_rows(D d, const SweepFrame& frame, uint32_t substep, const SweepBand& band, const Progress* ahead,
                 Progress* own) {

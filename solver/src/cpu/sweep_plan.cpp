@@ -12,7 +12,6 @@
 #include <limits>
 #include <map>
 #include <numeric>
-#include <optional>
 #include <utility>
 
 #include "cpu/spans.h"
@@ -53,6 +52,10 @@ uint32_t lane_of(RowKernel kernel, uint32_t column, uint32_t lanes) {
 /// Columns that a block of springs along a row may reach over its end.
 constexpr uint32_t kRowOverhang = 3;
 
+/// Rows between two bands that one thread makes up for while others wait: from here on it is cheaper to go through the
+/// rows once more.
+constexpr uint32_t kShortGap = 16;
+
 /// Rows above and below its own that a kernel touches.
 struct Reach {
   uint32_t up = 0, down = 0;
@@ -63,11 +66,12 @@ struct Reach {
 class SweepPlanner {
  public:
   SweepPlanner(const ClothState& state, const ClothFrame& cloth, const std::vector<Run>& runs,
-               uint32_t relaxation_steps, uint32_t lanes)
+               uint32_t relaxation_steps, bool in_bands, uint32_t lanes)
       : state_(state),
         cloth_(cloth),
         runs_(runs),
         relaxation_steps_(relaxation_steps),
+        in_bands_(in_bands),
         lanes_(lanes),
         width_(state.data.width),
         height_(state.data.height) {
@@ -78,17 +82,20 @@ class SweepPlanner {
   static bool wide_enough(uint32_t width, uint32_t lanes) { return width >= 3 * lanes + 4; }
 
   std::unique_ptr<SweepPlan> run(const std::vector<PassStep>& substep) {
+    const bool whole =
+        std::all_of(substep.begin(), substep.end(), [](const PassStep& s) { return goes_by_rows(s.pass); });
     for (const PassStep& step : substep) {
-      const std::optional<SweepOp> op = make_op(step);
-      if (!op) {
+      if (!goes_by_rows(step.pass)) {
         plan_->parts_.emplace_back(step);
         continue;
       }
-      if (plan_->parts_.empty() || !std::holds_alternative<Sweep>(plan_->parts_.back())) {
+      const auto* sweep = plan_->parts_.empty() ? nullptr : std::get_if<Sweep>(&plan_->parts_.back());
+      const bool too_far = in_bands_ && !whole && sweep != nullptr && sweep->last_lag + sweep->last_rise > kShortGap;
+      if (sweep == nullptr || too_far) {
         plan_->parts_.emplace_back(Sweep{});
         reaches_.clear();
       }
-      append(std::get<Sweep>(plan_->parts_.back()), step.pass, *op);
+      append(std::get<Sweep>(plan_->parts_.back()), step.pass, make_op(step));
     }
     return std::move(plan_);
   }
@@ -106,6 +113,9 @@ class SweepPlanner {
     reaches_.push_back(reach);
     sweep.last_lag = op.lag;
     sweep.last_rise = op.rise;
+    for (const Reach& other : reaches_) {
+      sweep.longest_reach = std::max({sweep.longest_reach, reach.up + other.down, other.up + reach.down});
+    }
     // The next substep's pass j at t is on row t - lag(j); this one's pass k has to be through row t - lag(j) + down(j)
     // + up(k) by then, and so at the time t + distance.
     int64_t distance = 0;
@@ -136,8 +146,26 @@ class SweepPlanner {
     return kernel == RowKernel::predict || kernel == RowKernel::collide || kernel == RowKernel::springs_along_two;
   }
 
-  /// Nothing for a pass that does not go row by row.
-  std::optional<SweepOp> make_op(const PassStep& step) {
+  static bool goes_by_rows(Pass pass) {
+    switch (pass) {
+      case Pass::normals:
+      case Pass::predict:
+      case Pass::pins:
+      case Pass::structural:
+      case Pass::shear:
+      case Pass::bending:
+      case Pass::curvature:
+      case Pass::spans:
+      case Pass::limit:
+      case Pass::collide:
+      case Pass::check_colliders:
+        return true;
+      default:
+        return false;
+    }
+  }
+
+  SweepOp make_op(const PassStep& step) {
     switch (step.pass) {
       case Pass::normals:
         return over_runs(RowKernel::normals);
@@ -149,10 +177,6 @@ class SweepPlanner {
         return over_runs(RowKernel::check_colliders);
       case Pass::pins:
         return pins();
-      case Pass::structural:
-      case Pass::shear:
-      case Pass::bending:
-        return relaxed(step, &SweepPlanner::springs);
       case Pass::curvature:
         return relaxed(step, &SweepPlanner::bends);
       case Pass::spans:
@@ -160,7 +184,7 @@ class SweepPlanner {
       case Pass::limit:
         return limit();
       default:
-        return {};
+        return relaxed(step, &SweepPlanner::springs);
     }
   }
 
@@ -437,7 +461,9 @@ class SweepPlanner {
   const ClothState& state_;
   const ClothFrame& cloth_;
   const std::vector<Run>& runs_;
-  uint32_t relaxation_steps_, lanes_, width_, height_;
+  uint32_t relaxation_steps_;
+  bool in_bands_;
+  uint32_t lanes_, width_, height_;
   std::unique_ptr<SweepPlan> plan_ = std::make_unique<SweepPlan>();
   RowStream* run_stream_ = nullptr;
   std::map<std::pair<Pass, uint32_t>, SweepOp> first_relaxation_;  ///< of several, by pass and group
@@ -446,10 +472,10 @@ class SweepPlanner {
 
 std::unique_ptr<SweepPlan> SweepPlan::make(const ClothState& state, const std::vector<PassStep>& substep,
                                            const ClothFrame& cloth, const std::vector<Run>& runs,
-                                           uint32_t relaxation_steps) {
+                                           uint32_t relaxation_steps, bool in_bands) {
   for (uint32_t lanes = vector_lanes(); lanes >= 4; lanes /= 2) {
     if (!SweepPlanner::wide_enough(state.data.width, lanes)) continue;
-    return SweepPlanner(state, cloth, runs, relaxation_steps, lanes).run(substep);
+    return SweepPlanner(state, cloth, runs, relaxation_steps, in_bands, lanes).run(substep);
   }
   return nullptr;
 }

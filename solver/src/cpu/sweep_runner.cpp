@@ -2,8 +2,7 @@
 // A cloth without seams goes through its substeps in one piece: each thread takes the next substep and follows the one
 // before at the distance that the plan says, so any number of threads does the same operations in the same order for
 // every pixel. Seams need all copies at once, so there the substep is made of several sweeps, and each thread has a
-// band of rows: it leaves out what needs the neighbours', and when all are done, that is made up for (trapezoids and
-// the triangles between them).
+// band of rows; see bands.cpp.
 
 #include "cpu/sweep_runner.h"
 
@@ -13,7 +12,8 @@
 
 namespace geocloth::cpu {
 
-void SweepRunner::prepare(const ClothState& state, const ClothFrame& cloth, const ScheduleOptions& options) {
+void SweepRunner::prepare(const ClothState& state, const ClothFrame& cloth, const ScheduleOptions& options,
+                          uint32_t threads) {
   const shader::ClothParams& p = cloth.params;
   if (p.fine != shader::kFineOff) {  // offsets are not among what the kernels know
     plan_ = {};
@@ -24,76 +24,39 @@ void SweepRunner::prepare(const ClothState& state, const ClothFrame& cloth, cons
   ScheduleOptions of_substep = options;
   of_substep.asleep = of_substep.motion = false;
   of_substep.motion_word = 0;
-  const Recipe recipe{of_substep, p.inverse_dt2, p.stretch_limit, p.share_structural, p.share_shear, p.share_bending};
+  const Recipe recipe{of_substep,    p.inverse_dt2,   p.stretch_limit, p.share_structural,
+                      p.share_shear, p.share_bending, threads > 1};
   if (planned_ && !cloth.pins_changed && recipe == recipe_) return;
   recipe_ = recipe;
   planned_ = true;
-  plan_ = SweepPlan::make(state, substep_schedule(options), cloth, runs_, options.relaxation_steps);
-  bands_.clear();
-}
-
-void SweepRunner::cut_bands(const ClothState& state, uint32_t threads) {
-  const uint32_t height = state.data.height, width = state.data.width;
-  uint32_t least = 1;  // twice what the gaps at a band's sides take
-  for (const SweepPlan::Part& part : plan_->parts()) {
-    const auto* sweep = std::get_if<Sweep>(&part);
-    if (sweep != nullptr) least = std::max(least, 2 * (sweep->last_lag + sweep->last_rise));
-  }
-  const uint32_t count = std::clamp(height / least, 1U, threads);
-  std::vector<uint64_t> pixels(height + 1, 0);  // in the rows above
-  for (const Run& run : runs_) pixels[run.first / width + 1] += run.last - run.first;
-  std::partial_sum(pixels.begin(), pixels.end(), pixels.begin());
-  bands_.assign(1, 0);
-  for (uint32_t k = 1; k < count; ++k) {
-    const auto row = std::lower_bound(pixels.begin(), pixels.end(), pixels.back() * k / count) - pixels.begin();
-    bands_.push_back(std::clamp(static_cast<uint32_t>(row), bands_.back() + least, height - (count - k) * least));
-  }
-  bands_.push_back(height);
-  shares_.clear();
-  for (uint32_t k = 0; k < count; ++k) shares_.emplace_back(k, count);
+  plan_ = SweepPlan::make(state, substep_schedule(options), cloth, runs_, options.relaxation_steps, threads > 1);
+  bands_ = {};
 }
 
 void SweepRunner::run_in_bands(const SweepFrame& frame, const Threads& threads, const RunPass& pass) {
-  const auto bands = static_cast<uint32_t>(bands_.size() - 1), substeps = static_cast<uint32_t>(contexts_.size());
+  const uint32_t bands = bands_.count(), substeps = static_cast<uint32_t>(contexts_.size());
   const std::vector<SweepPlan::Part>& parts = plan_->parts();
-  const size_t phases = 2 * parts.size();  // of a substep: bands or shares of a pass, gaps
-  const auto is_check = [](const PassStep& step) {
-    return step.pass == Pass::check_copies || step.pass == Pass::check_colliders;
-  };
-  const auto tasks_of = [&](size_t phase) {
-    const auto* step = std::get_if<PassStep>(&parts[phase / 2]);
-    const bool gaps = phase % 2 == 1;
-    if (step == nullptr) return bands - (gaps ? 1 : 0);
-    return gaps ? 0 : is_check(*step) ? 1 : bands;
-  };
+  const size_t phases = bands_.phases.size();
   first_tasks_.assign(1, 0);
-  for (size_t k = 0; k < phases * substeps; ++k) first_tasks_.push_back(first_tasks_.back() + tasks_of(k % phases));
-
+  for (size_t k = 0; k < phases * substeps; ++k) {
+    first_tasks_.push_back(first_tasks_.back() + bands_.phases[k % phases].tasks);
+  }
   penetration_.assign(size_t{substeps} * bands, 0.F);
-  const uint32_t height = frame.state->data.height;
-  threads.for_phases(first_tasks_, bands, [&](size_t phase, uint32_t task) {
-    const auto substep = static_cast<uint32_t>(phase / phases);
-    const SweepPlan::Part& part = parts[phase % phases / 2];
-    if (const auto* step = std::get_if<PassStep>(&part)) {
-      const PassContext& all = contexts_[substep];
-      const Threads& share = is_check(*step) ? alone_ : shares_[task];
-      return pass(*step, {all.frame, all.cloth, share, substep, all.relaxation_steps});
+  threads.for_phases(first_tasks_, bands, [&](size_t k, uint32_t task) {
+    const auto substep = static_cast<uint32_t>(k / phases);
+    const BandPhase& phase = bands_.phases[k % phases];
+    for (uint32_t n = phase.first_part; n < phase.last_part; ++n) {
+      if (const auto* step = std::get_if<PassStep>(&parts[n])) {
+        const PassContext& all = contexts_[substep];
+        const Threads& share = phase.kind == BandPhase::Kind::alone ? alone_ : shares_[task];
+        pass(*step, {all.frame, all.cloth, share, substep, all.relaxation_steps});
+        continue;
+      }
+      SweepFrame own = frame;
+      own.sweep = &std::get<Sweep>(parts[n]);
+      own.penetration = &penetration_[size_t{task} * substeps];
+      run_sweep(plan_->lanes(), own, substep, band_of_task(bands_, *own.sweep, phase.kind, task), nullptr, nullptr);
     }
-    const Sweep& sweep = std::get<Sweep>(part);
-    SweepFrame own = frame;
-    own.sweep = &sweep;
-    own.penetration = &penetration_[size_t{task} * substeps];
-    const uint32_t end = height + sweep.last_lag;
-    SweepBand band{.first_time = bands_[task], .end_time = task + 1 < bands ? bands_[task + 1] : end};
-    band.low = bands_[task];
-    band.upper = task > 0;
-    if (phase % 2 == 1) {
-      const uint32_t row = bands_[task + 1];
-      band = {.first_time = row, .end_time = std::min(end, row + sweep.last_lag + sweep.last_rise)};
-      band.high = row;
-      band.lower = true;
-    }
-    run_sweep(plan_->lanes(), own, substep, band, nullptr, nullptr);
   });
 }
 
@@ -151,7 +114,7 @@ void SweepRunner::normals(const Threads& threads, ClothState& state) const {
 
 bool SweepRunner::run(const FrameInput& frame, const ClothFrame& cloth, const ScheduleOptions& options,
                       const Threads& threads, ClothState& state, const Measuring& measuring, const RunPass& pass) {
-  prepare(state, cloth, options);
+  prepare(state, cloth, options, threads.count());
   if (!plan_) return false;
   const auto substeps = static_cast<uint32_t>(frame.substeps.size());
   contexts_.clear();
@@ -174,7 +137,11 @@ bool SweepRunner::run(const FrameInput& frame, const ClothFrame& cloth, const Sc
   if (parts.size() == 1 && std::holds_alternative<Sweep>(parts.front())) {
     run_substeps(sweep, std::get<Sweep>(parts.front()), 0, substeps, threads, measuring);
   } else if (threads.count() > 1 && measuring.seconds == nullptr) {
-    if (bands_.empty()) cut_bands(state, threads.count());
+    if (bands_.rows.empty()) {
+      bands_ = plan_bands(*plan_, state, runs_, threads.count());
+      shares_.clear();
+      for (uint32_t k = 0; k < bands_.count(); ++k) shares_.emplace_back(k, bands_.count());
+    }
     run_in_bands(sweep, threads, pass);
   } else {
     for (uint32_t s = 0; s < substeps; ++s) {

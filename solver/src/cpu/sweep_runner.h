@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "cpu/sweep_plan.h"
+#include "cpu/bands.h"
 
 namespace geocloth::cpu {
 
@@ -41,14 +41,13 @@ class SweepRunner {
   struct Recipe {
     ScheduleOptions options;
     float inverse_dt2 = 0, stretch_limit = 0, share_structural = 0, share_shear = 0, share_bending = 0;
+    bool in_bands = false;
     bool operator==(const Recipe&) const = default;
   };
 
-  void prepare(const ClothState& state, const ClothFrame& cloth, const ScheduleOptions& options);
+  void prepare(const ClothState& state, const ClothFrame& cloth, const ScheduleOptions& options, uint32_t threads);
   void place_anchors(const ClothState& state);
-  /// Chooses the rows where bands begin, one band for each thread if there is room for so many.
-  void cut_bands(const ClothState& state, uint32_t threads);
-  /// Runs the plan's parts one after another, each by all threads: a sweep in bands and then the gaps between them.
+  /// Runs the plan's parts one after another, each by all threads.
   void run_in_bands(const SweepFrame& frame, const Threads& threads, const RunPass& pass);
   /// Runs a sweep in the substeps first .. last - 1 and shares its time out among its passes.
   void run_substeps(SweepFrame& frame, const Sweep& sweep, uint32_t first, uint32_t last, const Threads& threads,
@@ -58,7 +57,7 @@ class SweepRunner {
   bool planned_ = false;
   Recipe recipe_;
   std::unique_ptr<SweepPlan> plan_;
-  std::vector<uint32_t> bands_;  ///< rows where they begin, and the height
+  BandPlan bands_;  ///< without rows: not planned
   std::vector<uint32_t> first_tasks_;
   Threads alone_{1};
   std::vector<Threads> shares_;  ///< of a pass that does not go by rows, one for each band
