@@ -19,6 +19,7 @@ size_t length_of(const PassStep& step, const ClothState& state) {
       return state.data.split_rows();
     case Pass::seam_bends:
     case Pass::seam_curvature:
+    case Pass::seam_spans:
       return state.data.seam_color_offset[step.group + 1] - state.data.seam_color_offset[step.group];
     default:
       return state.pixel_count();
