@@ -12,12 +12,20 @@ void collide_triangle_at(uvec2 pa, uvec2 pb, uvec2 pc) {
   vec4 a = load_position(pa);
   vec4 b = load_position(pb);
   vec4 c = load_position(pc);
-  Corners start = Corners(load_previous(pa).xyz, load_previous(pb).xyz, load_previous(pc).xyz);
-  Corners moved = collide_triangle(ColliderSet(0u), params, constants.substep, Corners(a.xyz, b.xyz, c.xyz), start,
-                                   vec3(a.w, b.w, c.w));
+  MovedTriangle t;
+  t.a = a.xyz;
+  t.b = b.xyz;
+  t.c = c.xyz;
+  t.start_a = load_previous(pa).xyz;
+  t.start_b = load_previous(pb).xyz;
+  t.start_c = load_previous(pc).xyz;
+  MovedTriangle moved = collide_triangle(ColliderSet(0u), params, constants.substep, t, vec3(a.w, b.w, c.w));
   store_position(pa, vec4(moved.a, a.w));
   store_position(pb, vec4(moved.b, b.w));
   store_position(pc, vec4(moved.c, c.w));
+  store_previous(pa, vec4(moved.start_a, a.w));
+  store_previous(pb, vec4(moved.start_b, b.w));
+  store_previous(pc, vec4(moved.start_c, c.w));
 }
 
 void main() {

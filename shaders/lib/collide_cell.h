@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Contact of the triangles between pixels: a collider that is smaller than a cell, or that has stretched one open, must
-// not slip through between its corners. The point of a triangle that is deepest in the collider is found by Frank and
-// Wolfe's steps towards the corners (Macklin et al. 2020, "Local Optimization for Robust Signed Distance Field
-// Collision", section 4.2), once where the substep began and once where it ends; it is then a point like a pixel, swept
-// as in collide.h, and what pushes it out is shared by the corners by their weights and masses.
+// not slip through between its corners. The point of a triangle that is deepest in the collider is found once where the
+// substep began and once where it ends; it is then a point like a pixel, swept as in collide.h, and what pushes it out
+// is shared by the corners by their weights and masses.
 //
-// Only positions change, and only as far as the collider came nearer, so that no cloth is thrown; friction and the
-// cloth's thickness are the pixels' own.
+// A push stops a corner that moves into the collider, as seen from the collider; no corner is ever thrown. What else it
+// has to be moved by moves its place and leaves its velocity. Friction and the cloth's thickness are the pixels' own.
 #ifndef GEOCLOTH_LIB_COLLIDE_CELL_H
 #define GEOCLOTH_LIB_COLLIDE_CELL_H
 
@@ -18,7 +17,8 @@ namespace geocloth::shader {
 
 const float kOpenCell = 0.5f;  // sides of a triangle that a collider may sink into, in its half widths
 const uint kDeepestSteps = 8u;
-const float kLiftSpeed = 1.0f;  // [m/s] at which a triangle that begins inside comes out
+const float kArrived = 1e-3f;   // of a weight: a step that changes less is the last
+const float kLiftSpeed = 1.0f;  // [m/s] at which, besides the collider's own, a triangle that begins inside comes out
 
 struct Corners {
   vec3 a;
@@ -43,69 +43,151 @@ inline float longest_side(Corners t) {
   return max(length3(t.b - t.a), max(length3(t.c - t.b), length3(t.a - t.c)));
 }
 
-// Weights of the point of a triangle, in the collider's frame, that is nearest to the collider or deepest in it.
+// Weights of the point of a triangle that is nearest to p (Ericson 2005, "Real-Time Collision Detection", 5.1.5).
+inline vec3 nearest_weights(Corners t, vec3 p) {
+  precise vec3 ab = t.b - t.a;
+  precise vec3 ac = t.c - t.a;
+  precise vec3 ap = p - t.a;
+  precise vec3 bp = p - t.b;
+  precise vec3 cp = p - t.c;
+  float d1 = dot3(ab, ap);
+  float d2 = dot3(ac, ap);
+  float d3 = dot3(ab, bp);
+  float d4 = dot3(ac, bp);
+  float d5 = dot3(ab, cp);
+  float d6 = dot3(ac, cp);
+  precise float vc = d1 * d4 - d3 * d2;
+  precise float vb = d5 * d2 - d1 * d6;
+  precise float va = d3 * d6 - d5 * d4;
+  precise float v = 0.0f;
+  precise float w = 0.0f;
+  if (d1 <= 0.0f && d2 <= 0.0f) {
+    v = 0.0f;  // a
+  } else if (d3 >= 0.0f && d4 <= d3) {
+    v = 1.0f;  // b
+  } else if (d6 >= 0.0f && d5 <= d6) {
+    w = 1.0f;  // c
+  } else if (vc <= 0.0f && d1 >= 0.0f && d3 <= 0.0f) {
+    v = d1 * (1.0f / max(d1 - d3, 1e-30f));
+  } else if (vb <= 0.0f && d2 >= 0.0f && d6 <= 0.0f) {
+    w = d2 * (1.0f / max(d2 - d6, 1e-30f));
+  } else if (va <= 0.0f && d4 >= d3 && d5 >= d6) {
+    w = (d4 - d3) * (1.0f / max((d4 - d3) + (d5 - d6), 1e-30f));
+    v = 1.0f - w;
+  } else {
+    precise float whole = 1.0f / max(va + vb + vc, 1e-30f);
+    v = vb * whole;
+    w = vc * whole;
+  }
+  precise float u = (1.0f - v) - w;
+  return vec3(u, v, w);
+}
+
+// Weights of the point of a triangle, in the collider's frame, that is nearest to the collider or deepest in it: to and
+// fro between the triangle and the collider's core, which is as deep in it as it is thick (von Neumann's alternating
+// projections). For a ball the core is its centre, and the first step ends there.
 inline vec3 deepest_weights(ColliderSet set, ColliderShape shape, Corners t) {
   const float third = 1.0f / 3.0f;
   vec3 weights = vec3(third, third, third);
-  for (uint i = 0u; i < kDeepestSteps; ++i) {
-    vec3 n = nearest_of_shape(set, shape, at_weights(t, weights)).normal;
-    float a = dot3(n, t.a);
-    float b = dot3(n, t.b);
-    float c = dot3(n, t.c);
-    vec3 corner = vec3(0.0f, 0.0f, 1.0f);
-    if (a <= b && a <= c) {
-      corner = vec3(1.0f, 0.0f, 0.0f);
-    } else if (b <= c) {
-      corner = vec3(0.0f, 1.0f, 0.0f);
-    }
-    weights = mix3(weights, corner, 1.0f / float(i + 3u));
+  uint steps = shape.kind == kShapeSphere ? 1u : kDeepestSteps;
+  for (uint i = 0u; i < steps; ++i) {
+    vec3 p = at_weights(t, weights);
+    Nearest near = nearest_of_shape(set, shape, p);
+    vec3 next = nearest_weights(t, shifted(p, near.normal, -(near.distance + shape.core)));
+    if (length3(next - weights) < kArrived) steps = 0u;
+    weights = next;
   }
   return weights;
 }
 
-// Moves the corners so that the point of these weights moves by `step`.
-// @param w  inverse masses of the corners
-inline Corners push_corners(Corners t, vec3 w, vec3 weights, vec3 step) {
-  precise vec3 share = w * weights;
-  precise float sum = dot3(share, weights);
-  precise float scale = sum > 0.0f ? 1.0f / (sum > 0.0f ? sum : 1.0f) : 0.0f;
+// A triangle on its way through a substep, as PointState. (Structs within structs send glslang into a loop.)
+struct MovedTriangle {
+  vec3 a;
+  vec3 b;
+  vec3 c;
+  vec3 start_a;  // where the corners were when the substep began
+  vec3 start_b;
+  vec3 start_c;
+};
+
+inline Corners corners_of(MovedTriangle t) {
   Corners r;
-  r.a = shifted(t.a, step, share.x * scale);
-  r.b = shifted(t.b, step, share.y * scale);
-  r.c = shifted(t.c, step, share.z * scale);
+  r.a = t.a;
+  r.b = t.b;
+  r.c = t.c;
+  return r;
+}
+
+inline Corners first_corners_of(MovedTriangle t) {
+  Corners r;
+  r.a = t.start_a;
+  r.b = t.start_b;
+  r.c = t.start_c;
+  return r;
+}
+
+struct MovedCorner {
+  vec3 now;
+  vec3 start;
+};
+
+// Moves a corner by n * push. What it moved into the collider is undone, the rest is moved as if it had begun there.
+// @param n, local_n  normal of the collider in the world and in its frame
+inline MovedCorner push_corner(ColliderPose before, ColliderPose after, vec3 now, vec3 start, vec3 n, vec3 local_n,
+                               float push) {
+  precise float along = dot3(to_local(after, now) - to_local(before, start), local_n);
+  precise float kept = max(push + min(along, 0.0f), 0.0f);
+  MovedCorner r;
+  r.now = shifted(now, n, push);
+  r.start = shifted(start, n, kept);
   return r;
 }
 
 // One contact of the point of these weights.
 // @param start  the corners when the substep began, in the collider's frame of then
-inline Corners push_point(ColliderSet set, ClothParams params, ColliderShape shape, ColliderPose after, Corners t,
-                          Corners start, vec3 w, vec3 weights) {
+// @param w      inverse masses of the corners
+inline MovedTriangle push_point(ColliderSet set, ClothParams params, ColliderShape shape, ColliderPose before,
+                                ColliderPose after, MovedTriangle t, Corners start, vec3 w, vec3 weights) {
   vec3 p0 = at_weights(start, weights);
-  vec3 p1 = to_local(after, at_weights(t, weights));
+  vec3 p1 = to_local(after, at_weights(corners_of(t), weights));
   Contact contact = find_contact(set, shape, p0, p1, nearest_of_shape(set, shape, p1), 0.0f, true);
-  if (!contact.touches) return t;
+  precise vec3 share = w * weights;
+  precise float sum = dot3(share, weights);
+  if (!contact.touches || sum <= 0.0f) return t;
   precise float approach = max(dot3(p0 - p1, contact.normal), 0.0f) + shape.way + kLiftSpeed * params.dt;
+  precise float push = min(contact.depth, approach) * (1.0f / sum);
   vec3 n = rotate_to_world(after, contact.normal);
-  precise vec3 step = n * min(contact.depth, approach);
-  return push_corners(t, w, weights, step);
+  MovedCorner a = push_corner(before, after, t.a, t.start_a, n, contact.normal, push * share.x);
+  MovedCorner b = push_corner(before, after, t.b, t.start_b, n, contact.normal, push * share.y);
+  MovedCorner c = push_corner(before, after, t.c, t.start_c, n, contact.normal, push * share.z);
+  MovedTriangle r;
+  r.a = a.now;
+  r.b = b.now;
+  r.c = c.now;
+  r.start_a = a.start;
+  r.start_b = b.start;
+  r.start_c = c.start;
+  return r;
 }
 
-// @param t, start  corners of a triangle, and where they were when the substep began
-// @param w         their inverse masses
-inline Corners collide_triangle(ColliderSet set, ClothParams params, uint substep, Corners t, Corners start, vec3 w) {
-  Corners moved = t;
+// @param w  inverse masses of the corners
+inline MovedTriangle collide_triangle(ColliderSet set, ClothParams params, uint substep, MovedTriangle t, vec3 w) {
+  MovedTriangle moved = t;
   for (uint i = 0u; i < params.collider_count; ++i) {
     ColliderShape shape = collider_shape(set, i);
-    float side = longest_side(moved);
+    Corners now = corners_of(moved);
+    Corners start = first_corners_of(moved);
+    float side = longest_side(now);
     if (side < kOpenCell * shape.core) continue;  // its pixels are enough
     ColliderPose after = collider_pose(set, substep + 1u, i);
-    precise float way = max(length3(moved.a - start.a), max(length3(moved.b - start.b), length3(moved.c - start.c)));
-    float gap = nearest_of_shape(set, shape, to_local(after, moved.a)).distance;
+    precise float way = max(length3(now.a - start.a), max(length3(now.b - start.b), length3(now.c - start.c)));
+    float gap = nearest_of_shape(set, shape, to_local(after, now.a)).distance;
     if (out_of_reach(shape, gap - side, way)) continue;
-    Corners before = corners_to_local(collider_pose(set, substep, i), start);
-    moved = push_point(set, params, shape, after, moved, before, w, deepest_weights(set, shape, before));
-    moved = push_point(set, params, shape, after, moved, before, w,
-                       deepest_weights(set, shape, corners_to_local(after, moved)));
+    ColliderPose before = collider_pose(set, substep, i);
+    Corners first = corners_to_local(before, start);
+    moved = push_point(set, params, shape, before, after, moved, first, w, deepest_weights(set, shape, first));
+    Corners last = corners_to_local(after, corners_of(moved));
+    moved = push_point(set, params, shape, before, after, moved, first, w, deepest_weights(set, shape, last));
   }
   return moved;
 }

@@ -20,7 +20,7 @@ ScheduleOptions schedule_options(const SimulationData& data, uint32_t cloth, con
           .spans = c.attachments && !frame.shapes.empty(),
           .self_collision = f.params.self_points > 0,
           .collide = !frame.shapes.empty() || f.params.max_step > 0,
-          .collide_cells = f.collide_cells && !frame.shapes.empty(),
+          .cell_rounds = frame.shapes.empty() ? 0 : f.cell_rounds,
           .check = data.check,
           .asleep = f.asleep,
           .motion = frame.measure_motion,

@@ -64,8 +64,8 @@ struct ClothFrame {
   shader::ClothParams params;
   std::vector<shader::PinTarget> pins;  ///< ascending by pixel, all copies listed
 
-  bool collide_cells = false;  ///< a collider may slip through between pixels
-  bool asleep = false;         ///< nothing is done: everything stays as it is
+  uint32_t cell_rounds = 0;  ///< see ScheduleOptions
+  bool asleep = false;       ///< nothing is done: everything stays as it is
 
   /// The set of pinned pixels differs from the last frame's: inverse_mass (and attachments, when ClothData has them)
   /// replace what the backend holds, before the first substep. Positions stay.

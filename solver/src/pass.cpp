@@ -71,9 +71,9 @@ std::vector<PassStep> substep_schedule(const ScheduleOptions& options) {
          {Pass::self_drift, Pass::self_clear, Pass::self_insert, Pass::self_find, Pass::self_push, Pass::self_move})
       steps.push_back({pass});
   }
-  if (options.collide_cells) {
+  for (uint32_t r = 0; r < options.cell_rounds; ++r) {
     for (uint32_t g = 0; g < shader::kCellGroups; ++g) steps.push_back({Pass::collide_cells, g});
-    if (options.splits) steps.push_back({Pass::stitch});
+    if (options.splits) steps.push_back({Pass::stitch_contacts});
   }
   if (options.collide) steps.push_back({Pass::collide});
   if (options.check && options.splits) steps.push_back({Pass::check_copies});

@@ -33,7 +33,8 @@ enum class Pass : uint8_t {
   self_find,        ///< per point: lists its neighbours
   self_push,        ///< per point: what its neighbours do to it
   self_move,        ///< per pixel: moves it and its velocity, with friction
-  collide_cells,    ///< per cell, groups 0..3: triangles that a collider may slip through, then a stitch
+  collide_cells,    ///< per cell, groups 0..3: triangles that a collider may slip through
+  stitch_contacts,  ///< per split row, after it: as stitch, of the copies' velocities too
   collide,          ///< per pixel: largest speed, then colliders with friction; writes position and previous
   check_copies,     ///< per split row: largest distance between copies
   check_colliders,  ///< per pixel: largest depth in a collider
@@ -45,7 +46,7 @@ struct PassInfo {
   std::string_view name;
   std::string_view shader;  ///< file in shaders/cloth/
 };
-inline constexpr std::array<PassInfo, 27> kPasses{{
+inline constexpr std::array<PassInfo, 28> kPasses{{
     {Pass::normals, "normals", "normals.comp"},
     {Pass::normals_stitch, "normals_stitch", "normals_stitch.comp"},
     {Pass::rescale, "rescale", "rescale.comp"},
@@ -69,6 +70,7 @@ inline constexpr std::array<PassInfo, 27> kPasses{{
     {Pass::self_push, "self_push", "self_push.comp"},
     {Pass::self_move, "self_move", "self_move.comp"},
     {Pass::collide_cells, "collide_cells", "collide_cells.comp"},
+    {Pass::stitch_contacts, "stitch_contacts", "stitch_contacts.comp"},
     {Pass::collide, "collide", "collide.comp"},
     {Pass::check_copies, "check_copies", "check_copies.comp"},
     {Pass::check_colliders, "check_colliders", "check_colliders.comp"},
@@ -110,12 +112,12 @@ struct ScheduleOptions {
   bool attachments = false;  ///< max_stretch > 0 and pins
   bool spans = false;        ///< max_stretch > 0 and colliders: attachments pull too late around them
   bool self_collision = false;
-  bool collide = false;        ///< colliders, or max_speed > 0
-  bool collide_cells = false;  ///< a collider is so thin or so fast that it may slip through between pixels
-  bool check = false;          ///< measure copies and colliders after every substep
-  bool asleep = false;         ///< the frame has no passes
-  bool motion = false;         ///< how far points go is measured after the last substep
-  uint32_t motion_word = 0;    ///< 0 or 1, for even and odd frames
+  bool collide = false;      ///< colliders, or max_speed > 0
+  uint32_t cell_rounds = 0;  ///< over the cells, where a collider is so thin or so fast that it may slip through
+  bool check = false;        ///< measure copies and colliders after every substep
+  bool asleep = false;       ///< the frame has no passes
+  bool motion = false;       ///< how far points go is measured after the last substep
+  uint32_t motion_word = 0;  ///< 0 or 1, for even and odd frames
   uint32_t seam_bend_colors = 0, seam_span_colors = 0;
 
   bool operator==(const ScheduleOptions&) const = default;
@@ -123,8 +125,8 @@ struct ScheduleOptions {
 
 /// The passes of one substep in their order:
 ///   [rescale] [normals] predict pins { shear, stitch, bends over seams, [spans over seams, spans], bending or
-///   curvature, structural, stitch } x relaxation [settle] limit [self_drift .. self_move] [collide_cells stitch]
-///   collide [check]
+///   curvature, structural, stitch } x relaxation [settle] limit [self_drift .. self_move]
+///   { collide_cells, stitch_contacts } x rounds, collide [check]
 [[nodiscard]] std::vector<PassStep> substep_schedule(const ScheduleOptions& options);
 
 /// The passes after the last substep of a frame: normals [measure_motion].

@@ -273,7 +273,6 @@ void Solver::Impl::fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const {
   frame.params.gravity_step.w = static_cast<float>(clock().dt / displaced_in_);
   frame.params.fine = fine_;
   frame.params.stretch_limit = stretch_limit(cloth);
-  frame.collide_cells = cloth.collide_cells;
   frame.params.width = cloth.asset->width;
   frame.params.height = cloth.asset->height;
   frame.params.collider_count = static_cast<uint32_t>(colliders_to_.size());
@@ -305,16 +304,28 @@ void Solver::Impl::fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const {
   }
 }
 
+/// [m] that a collider goes in a substep; planes are too thick to slip through anything.
+float longest_way(std::span<const shader::ColliderShape> shapes) {
+  float way = 0;
+  for (const shader::ColliderShape& s : shapes)
+    if (s.kind != shader::kShapePlane) way = std::max(way, s.way);
+  return way;
+}
+
+/// A fast collider pushes many cells at once, and what one gains the next takes away: several rounds settle it.
+uint32_t cell_rounds(float way, float spacing) {
+  constexpr float kSlow = 0.02F;  // in spacings
+  return way > kSlow * spacing ? 4 : 1;
+}
+
 /// 2 to 4 where a collider goes so far in a substep that the cloth in its way could not follow.
 uint32_t Solver::Impl::substeps_factor() {
   constexpr float kFar = 0.2F;  // in spacings
   constexpr uint32_t kMost = 4, kLargest = 256;
   collider_poses(colliders_from_, colliders_to_, settings_.substeps, origin_, frame_.poses);
   measure_ways(frame_.shapes, frame_.poses, settings_.substeps, 0);
-  float way = 0, spacing = std::numeric_limits<float>::max();
-  for (const shader::ColliderShape& s : frame_.shapes) {
-    if (s.kind != shader::kShapePlane) way = std::max(way, s.way);
-  }
+  const float way = longest_way(frame_.shapes);
+  float spacing = std::numeric_limits<float>::max();
   for (const Cloth& cloth : cloths_) spacing = std::min(spacing, cloth.asset->spacing * cloth.scale);
   uint32_t factor = 1;
   while (factor < kMost && way > kFar * spacing * static_cast<float>(factor)) ++factor;
@@ -359,8 +370,9 @@ void Solver::Impl::step() {
   frame_.cloths.resize(cloths_.size());
   for (size_t c = 0; c < cloths_.size(); ++c) {
     Cloth& cloth = cloths_[c];
-    cloth.collide_cells =
-        cloth.collide_cells || factor > 1 || may_slip_through(frame_.shapes, cloth.asset->spacing * cloth.scale);
+    const float spacing = cloth.asset->spacing * cloth.scale;
+    cloth.collide_cells = cloth.collide_cells || factor > 1 || may_slip_through(frame_.shapes, spacing);
+    frame_.cloths[c].cell_rounds = cloth.collide_cells ? cell_rounds(longest_way(frame_.shapes), spacing) : 0;
     fill_cloth_frame(cloth, frame_.cloths[c]);
   }
   fall_asleep();

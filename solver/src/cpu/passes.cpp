@@ -131,6 +131,23 @@ void stitch(const PassContext& context, ClothState& state) {
   });
 }
 
+void stitch_contacts(const PassContext& context, ClothState& state) {
+  for_split_rows(context.threads, state, [&](std::span<const uint32_t> copies) {
+    const auto place = [&](uint32_t i) { return vec4(state.position.at(i), state.inverse_mass[i]); };
+    const auto way = [&](uint32_t i) { return vec4(shader::way_of(state.point(i)), state.inverse_mass[i]); };
+    const vec4 first = place(copies.front()), first_way = way(copies.front());
+    if (first.w == 0) return;  // pinned, and all its copies with it
+    shader::StitchSum places = shader::stitch_begin(), ways = shader::stitch_begin();
+    for (const uint32_t i : copies) {
+      places = shader::stitch_add(places, first, place(i));
+      ways = shader::stitch_add(ways, first_way, way(i));
+    }
+    const shader::PointState mean =
+        shader::arrived(shader::stitch_mean(places, first), shader::stitch_mean(ways, first_way));
+    for (const uint32_t i : copies) state.set_point(i, mean);
+  });
+}
+
 void settle(const PassContext& context, ClothState& state) {
   for_pixels(context.threads, state, [&](uint32_t i) {
     const shader::Settled next = shader::settle(state.previous.at(i), state.offset.at(i), state.carry.at(i));
@@ -153,13 +170,18 @@ void collide_cells(const PassContext& context, ClothState& state, uint32_t group
   const shader::ColliderSet set = colliders_of(context.frame);
   const uint32_t width = state.data.width, height = state.data.height;
   const auto triangle = [&](uint32_t a, uint32_t b, uint32_t c) {
-    const shader::Corners now{state.position.at(a), state.position.at(b), state.position.at(c)};
-    const shader::Corners start{state.previous.at(a), state.previous.at(b), state.previous.at(c)};
     const vec3 w(state.inverse_mass[a], state.inverse_mass[b], state.inverse_mass[c]);
-    const shader::Corners moved = shader::collide_triangle(set, context.cloth.params, context.substep, now, start, w);
+    const shader::MovedTriangle moved =
+        shader::collide_triangle(set, context.cloth.params, context.substep,
+                                 {state.position.at(a), state.position.at(b), state.position.at(c),
+                                  state.previous.at(a), state.previous.at(b), state.previous.at(c)},
+                                 w);
     state.position.set(a, moved.a);
     state.position.set(b, moved.b);
     state.position.set(c, moved.c);
+    state.previous.set(a, moved.start_a);
+    state.previous.set(b, moved.start_b);
+    state.previous.set(c, moved.start_c);
   };
   const auto cell = [&](uint32_t x, uint32_t y) {
     const uint32_t p0 = y * width + x, p1 = p0 + 1, p2 = p0 + width, p3 = p2 + 1;
@@ -331,6 +353,8 @@ void run_pass(const PassStep& step, const PassContext& context, ClothState& stat
       return self_move(context, state);
     case Pass::collide_cells:
       return collide_cells(context, state, step.group);
+    case Pass::stitch_contacts:
+      return stitch_contacts(context, state);
     case Pass::collide:
       return collide(context, state);
     case Pass::check_copies:

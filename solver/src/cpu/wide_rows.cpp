@@ -66,7 +66,7 @@ void WideRows::widen(const ClothFrame& frame, ClothFrame& wide) const {
   wide.params.width = wide_;
   wide.pins = frame.pins;
   for (shader::PinTarget& pin : wide.pins) pin.pixel.x = pixel(pin.pixel.x);
-  wide.collide_cells = frame.collide_cells;
+  wide.cell_rounds = frame.cell_rounds;
   wide.asleep = frame.asleep;
   wide.pins_changed = frame.pins_changed;
   if (!frame.pins_changed) return;

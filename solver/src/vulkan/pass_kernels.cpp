@@ -34,6 +34,7 @@
 #include "spans_comp.h"
 #include "springs_comp.h"
 #include "stitch_comp.h"
+#include "stitch_contacts_comp.h"
 
 namespace geocloth::vulkan {
 namespace {
@@ -84,6 +85,8 @@ std::span<const uint32_t> spirv(Pass pass) {
       return self_move_comp;
     case Pass::collide_cells:
       return collide_cells_comp;
+    case Pass::stitch_contacts:
+      return stitch_contacts_comp;
     case Pass::collide:
       return collide_comp;
     case Pass::check_copies:
@@ -204,6 +207,7 @@ void PassKernels::dispatch(const vk::raii::CommandBuffer& commands, const ClothR
     case Pass::normals_stitch:
     case Pass::pins:
     case Pass::stitch:
+    case Pass::stitch_contacts:
     case Pass::self_drift:
     case Pass::self_clear:
     case Pass::self_insert:
