@@ -11,8 +11,8 @@
 namespace geocloth {
 namespace {
 
-constexpr double kAngle = 2;           // weight of angles beside lengths
-constexpr double kBend = 0.1;          // [cosine] from here on the norm is linear
+constexpr double kAngle = 4;           // weight of angles beside lengths
+constexpr double kBend = 0.1;          // [cosine] from here on an angle counts less and less
 constexpr double kLeastArea = 0.5;     // [pixels^2] of an angle's parallelogram; below, a penalty sets in
 constexpr double kAreaWeight = 4;      // of that penalty
 constexpr double kLeastSquare = 0.01;  // [pixels^2] of an edge's length, against division by nothing
@@ -53,23 +53,24 @@ Point2 GridSlope::step() const {
 }
 
 /// ((l - 1 / l) / 2)^2 of an edge's length is the symmetric Dirichlet energy of one direction.
-double length_energy(const Point2& edge) {
+double length_energy(const Point2& edge, double tail) {
   const double l = std::sqrt(std::max(dot(edge, edge), kLeastSquare)), strain = (l - 1 / l) / 2;
-  return strain * strain;
+  return strain * strain * (1 + tail * strain * strain);
 }
 
-void add_length(GridSlope& slope, double sign, const Point2& edge) {
+void add_length(GridSlope& slope, double sign, const Point2& edge, double tail) {
   const double squared = std::max(dot(edge, edge), kLeastSquare), l = std::sqrt(squared);
   const double rise = sign * (1 + 1 / squared) / (2 * l);
-  slope.add(1, (l - 1 / l) / 2, {rise * edge[0], rise * edge[1]});
+  const double strain = (l - 1 / l) / 2;
+  slope.add(1 + 2 * tail * strain * strain, strain, {rise * edge[0], rise * edge[1]});
 }
 
 double angle_energy(double cosine) {
-  return kAngle * 2 * kBend * (std::sqrt(cosine * cosine + kBend * kBend) - kBend);
+  return kAngle * kBend * kBend * std::log1p(cosine * cosine / (kBend * kBend));
 }
 
-void add_angle(GridSlope& slope, double cosine, const Point2& derivative) {
-  slope.add(kAngle * kBend / std::sqrt(cosine * cosine + kBend * kBend), cosine, derivative);
+void add_angle(GridSlope& slope, double cosine, const Point2& derivative, double weight) {
+  slope.add(weight * kAngle / (1 + cosine * cosine / (kBend * kBend)), cosine, derivative);
 }
 
 double area_energy(const GridCorner& corner, const Point2& a, const Point2& b) {

@@ -23,6 +23,8 @@ class GridCorners {
   GridCorners(std::vector<GridCorner> corner, size_t pixel_count);
 
   [[nodiscard]] const GridCorner& operator[](uint32_t k) const { return corner_[k]; }
+  [[nodiscard]] auto begin() const { return corner_.begin(); }
+  [[nodiscard]] auto end() const { return corner_.end(); }
   [[nodiscard]] std::span<const uint32_t> around(uint32_t pixel) const {
     return {around_.data() + first_[pixel], around_.data() + first_[pixel + 1]};
   }
@@ -43,13 +45,15 @@ struct GridSlope {
   [[nodiscard]] Point2 step() const;
 };
 
-/// The energy of an edge in the plane, and its slope. @param sign  1: the pixel is the edge's end, -1: its start
-[[nodiscard]] double length_energy(const Point2& edge);
-void add_length(GridSlope& slope, double sign, const Point2& edge);
+/// The energy of an edge in the plane, and its slope.
+/// @param tail  how much more those far off count, by the square of their strain
+/// @param sign  1: the pixel is the edge's end, -1: its start
+[[nodiscard]] double length_energy(const Point2& edge, double tail = 0);
+void add_length(GridSlope& slope, double sign, const Point2& edge, double tail = 0);
 
 /// The energy of an angle between two edges about a unit long. @param cosine  their product, with its derivative
 [[nodiscard]] double angle_energy(double cosine);
-void add_angle(GridSlope& slope, double cosine, const Point2& derivative);
+void add_angle(GridSlope& slope, double cosine, const Point2& derivative, double weight = 1);
 
 /// A penalty for an angle that is nearly closed or turned over. @param a, b  edges in the plane to `beside` and `below`
 [[nodiscard]] double area_energy(const GridCorner& corner, const Point2& a, const Point2& b);
