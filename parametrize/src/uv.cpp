@@ -148,6 +148,7 @@ class PatternReader {
 
   void measure_islands() {
     std::vector<Distortion> of_island(pattern_.island.size());
+    std::vector<uint32_t> flipped_of(pattern_.island.size());
     Distortion all;
     double flipped_area = 0;
     for (uint32_t t = 0; t < surface_.triangle.size(); ++t) {
@@ -159,6 +160,7 @@ class PatternReader {
       ++island.faces;
       if (is_flipped(t)) {
         ++flipped_;
+        ++flipped_of[pattern_.island_of[t]];
         flipped_area += d.area;
         continue;
       }
@@ -172,7 +174,9 @@ class PatternReader {
       island.energy = of_island[i].energy();
       const bool all_flipped = of_island[i].area == 0;
       if (!all_flipped) own_scale_energy_ += island.energy * of_island[i].area / all.area;
-      if (all_flipped || island.area < kStray * patch_area_[i]) flipped_in_pieces_ += island.faces;
+      if (!all_flipped && island.area >= kStray * patch_area_[i]) continue;
+      flipped_pieces_ = true;
+      flipped_ += island.faces - flipped_of[i];
     }
     pattern_.energy = all.energy();
   }
@@ -193,9 +197,8 @@ class PatternReader {
       std::snprintf(text, sizeof text, "%.3g", x);
       return std::string(text);
     };
-    if (flipped_share_ > kStray || flipped_in_pieces_ > 0) {
-      pattern_.refusal = std::to_string(flipped_ + flipped_in_pieces_) +
-                         " triangles are flipped or without area in the texture coordinates";
+    if (flipped_share_ > kStray || flipped_pieces_) {
+      pattern_.refusal = std::to_string(flipped_) + " triangles are flipped or without area in the texture coordinates";
     } else if (faces < kFragmentFaces && pattern_.island.size() > surface_.component_count) {
       pattern_.refusal = "the texture coordinates are in " + std::to_string(pattern_.island.size()) + " fragments of " +
                          number(faces) + " triangles on average";
@@ -211,7 +214,8 @@ class PatternReader {
   std::vector<uint32_t> opposite_;
   UvPattern pattern_;
   double tolerance_ = 0, own_scale_energy_ = 0, flipped_share_ = 0;
-  uint32_t flipped_ = 0, flipped_in_pieces_ = 0;
+  uint32_t flipped_ = 0;
+  bool flipped_pieces_ = false;
   std::vector<double> patch_area_;  // [m^2] per island: of the patch it is part of
 };
 

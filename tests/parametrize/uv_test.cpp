@@ -130,6 +130,13 @@ TEST(Uv, SaysThatTrianglesAreFlipped) {
 }
 
 // The corners that repair turns round, splits or inserts keep their place in the texture.
+TEST(Uv, CountsTrianglesWithoutAreaOnce) {
+  const CleanSurface surface = with_uv(sheet(6, 5), [](const Point3&, const Point3&) { return Point2{0.5, 0.5}; });
+  const std::string count = std::to_string(surface.triangle.size());
+  EXPECT_TRUE(read_uv_pattern(surface).refusal.starts_with(count + " triangles are"))
+      << read_uv_pattern(surface).refusal;
+}
+
 TEST(Uv, RepairCarriesThemAlong) {
   TriangleMesh mesh;
   // Two squares side by side; the right one has a vertex more on the common edge, and is wound the wrong way.
