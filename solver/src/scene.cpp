@@ -376,7 +376,7 @@ Scene parse_scene(std::string_view text, const std::filesystem::path& path) {
   Scene scene;
   scene.path = path;
   if (json.has("frame_rate")) scene.frame_rate = in_range(json.at("frame_rate"), 0.1, 10000);
-  if (json.has("frames")) scene.frames = json.at("frames").count(1, 10'000'000);
+  if (json.has("frames")) scene.frames = json.at("frames").count(0, 10'000'000);
   if (json.has("substeps")) scene.substeps = json.at("substeps").count(1, 256);
   if (json.has("relaxation_steps")) scene.relaxation_steps = json.at("relaxation_steps").count(1, 256);
   if (json.has("keep_momentum")) scene.keep_momentum = json.at("keep_momentum").boolean();

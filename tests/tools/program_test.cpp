@@ -302,6 +302,16 @@ TEST(Simulate, SeveralOutputsAndTheLastState) {
   EXPECT_THAT(folder.entries(), ElementsAre("a.glb", "b_0001.obj", "b_0002.obj", "c.pc2", "last.obj", "scene.json"));
 }
 
+TEST(Simulate, NoFramesAreTheFirstState) {
+  const TemporaryFolder folder;
+  const std::string scene =
+      folder.write("scene.json", R"({"version": 1, "frames": 0, "cloths": [{"asset": ")" + sleeve_asset() + "\"}]}");
+  const ProgramResult result = run_program({"simulate", scene, "-o", folder / "a.glb", "-o", folder / "b.obj", "-o",
+                                            folder / "c.pc2", "--backend", "cpu", "-q"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(folder.entries(), ElementsAre("a.glb", "b_0000.obj", "c.pc2", "scene.json"));
+}
+
 TEST(Simulate, NothingIsLeftWhenTheSecondOutputFails) {
   const TemporaryFolder folder;
   const std::string scene = folder.write("scene.json", scene_text());
