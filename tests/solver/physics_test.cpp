@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "solver_fixture.h"
+#include "support/momentum.h"
 
 namespace geocloth {
 namespace {
@@ -105,43 +106,6 @@ TEST(HangingStrip, IsAsLongCutAcrossAsUncut) {
   EXPECT_NEAR(hanging_elongation(8, 29, material, 4), uncut, 0.06 * uncut);
 }
 
-double component(const Vec3& a, size_t k) {
-  return static_cast<double>(k == 0 ? a.x : k == 1 ? a.y : a.z);
-}
-
-/// Linear and angular momentum about the centre of mass, with what they are measured by: the sums without signs.
-struct Momentum {
-  std::array<double, 3> linear{}, angular{};
-  double linear_scale = 0, angular_scale = 0;
-};
-Momentum momentum_of(Solver& solver, const ClothDesc& cloth) {
-  const std::vector<Vec3> x = test::positions_of(solver), v = test::velocities_of(solver);
-  const std::vector<double> mass = test::masses_of(cloth);
-  std::array<double, 3> center{}, mean{};
-  double total = 0;
-  for (size_t p = 0; p < x.size(); ++p) {
-    total += mass[p];
-    for (size_t k = 0; k < 3; ++k) {
-      center[k] += mass[p] * component(x[p], k);
-      mean[k] += mass[p] * component(v[p], k);
-    }
-  }
-  Momentum sum;
-  sum.linear = mean;
-  for (size_t p = 0; p < x.size(); ++p) {
-    std::array<double, 3> r{}, u{};
-    for (size_t k = 0; k < 3; ++k) {
-      r[k] = component(x[p], k) - center[k] / total;
-      u[k] = component(v[p], k) - mean[k] / total;
-    }
-    for (size_t k = 0; k < 3; ++k)
-      sum.angular[k] += mass[p] * (r[(k + 1) % 3] * u[(k + 2) % 3] - r[(k + 2) % 3] * u[(k + 1) % 3]);
-    sum.linear_scale += mass[p] * static_cast<double>(length(v[p]));
-    sum.angular_scale += mass[p] * std::hypot(r[0], r[1], r[2]) * std::hypot(u[0], u[1], u[2]);
-  }
-  return sum;
-}
-
 class Cutting : public ::testing::TestWithParam<std::pair<uint32_t, uint32_t>> {};
 
 // 8 substeps of 1/60 s. The step is as dissipative as a backward Euler step: a spin of w [1/s] loses the share w^2 dt a
@@ -160,9 +124,9 @@ TEST_P(Cutting, KeepsMomentumOfCloth_ThatFliesFreely) {
     if (cloth.asset->valid(static_cast<uint32_t>(p))) v[p] = {1 - 0.3F * x[p].y, 0.3F * x[p].x, 0.5F * x[p].y * x[p].x};
   }
   solver.write_state(0, x, v);
-  const Momentum before = momentum_of(solver, cloth);
+  const test::Momentum before = test::momentum_of(solver, cloth);
   test::run(solver, 15);
-  const Momentum after = momentum_of(solver, cloth);
+  const test::Momentum after = test::momentum_of(solver, cloth);
   for (size_t k = 0; k < 3; ++k) {
     EXPECT_NEAR(after.linear[k], before.linear[k], 1e-4 * before.linear_scale) << k;
     EXPECT_NEAR(after.angular[k], before.angular[k], 1e-4 * before.angular_scale) << k;
@@ -188,9 +152,9 @@ TEST_P(Cutting, KeepsMomentumOfClothThatSpinsStretchesAndBends) {
       v[p] = 3.F * Vec3{0.3F - x[p].y + 1.5F * x[p].x, x[p].x + x[p].y, 1.5F * x[p].x * x[p].y + 0.5F * x[p].x};
     }
     solver.write_state(0, x, v);
-    const Momentum before = momentum_of(solver, cloth);
+    const test::Momentum before = test::momentum_of(solver, cloth);
     test::run(solver, 60);
-    const Momentum after = momentum_of(solver, cloth);
+    const test::Momentum after = test::momentum_of(solver, cloth);
     for (size_t k = 0; k < 3; ++k) {
       EXPECT_NEAR(after.linear[k], before.linear[k], 1e-4 * before.linear_scale) << substeps << ' ' << k;
       EXPECT_NEAR(after.angular[k], before.angular[k], 1e-4 * before.angular_scale) << substeps << ' ' << k;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Every example scene of the repository, frame by frame: no point of a cloth goes into a collider deeper than the
 // cloth is thick, no number is lost, and copies stay together. The depth is measured here, from positions that were
-// read back, for the points of the grid and for the vertices that are drawn.
+// read back, for the points of the grid and for the vertices that are drawn. And a small one of each ends where it
+// should on a Vulkan device, too.
 #include <algorithm>
 #include <array>
 #include <filesystem>
@@ -14,6 +15,7 @@
 #include "geocloth/solver/scene.h"
 #include "support/run_program.h"
 #include "support/temporary_folder.h"
+#include "support/vulkan_test.h"
 
 namespace geocloth::test {
 namespace {
@@ -32,7 +34,7 @@ std::vector<std::string> example_scenes() {
 }
 
 /// The folder of an example as tools/examples.sh makes it.
-Scene lay_out(const std::string& name, const TemporaryFolder& folder) {
+Scene lay_out(const std::string& name, const TemporaryFolder& folder, const std::string& resolution) {
   Scene scene = read_scene(folder.write(name + ".json", read_text(kMeshes + "scenes/" + name + ".json")));
   std::filesystem::create_directory(folder / "meshes");
   std::filesystem::copy(kMeshes + "defects", folder / "meshes/defects");
@@ -42,7 +44,7 @@ Scene lay_out(const std::string& name, const TemporaryFolder& folder) {
     std::string mesh = kMeshes;
     mesh.append("garments/").append(asset).append(".obj");
     const ProgramResult result =
-        run_program({"convert", mesh, "-o", folder / (asset + ".glb"), "--resolution", "64", "--quiet"});
+        run_program({"convert", mesh, "-o", folder / (asset + ".glb"), "--resolution", resolution, "--quiet"});
     EXPECT_EQ(result.status, 0) << result.err;
   }
   return scene;
@@ -99,7 +101,7 @@ class Example : public testing::TestWithParam<std::string> {};
 
 TEST_P(Example, KeepsOutOfCollidersInEveryFrame) {
   const TemporaryFolder folder;
-  const Scene scene = lay_out(GetParam(), folder);
+  const Scene scene = lay_out(GetParam(), folder, "64");
   SolverSettings settings;
   settings.backend = Backend::cpu;
   settings.check_copies = true;
@@ -130,6 +132,54 @@ TEST_P(Example, KeepsOutOfCollidersInEveryFrame) {
   EXPECT_EQ(statistics.copy_gap, 0.0);
   EXPECT_LE(statistics.penetration, 1e-4);
 }
+
+class SmallExample : public VulkanTest, public testing::WithParamInterface<std::string> {
+ protected:
+  /// Positions of all cloths after a second.
+  std::vector<std::vector<Vec3>> play(const Scene& scene, Backend backend) {
+    SolverSettings settings;
+    settings.backend = backend;
+    Simulation simulation(scene, settings, read_body);
+    if (backend == Backend::vulkan) watch(simulation.solver());
+    for (uint32_t f = 0; f < static_cast<uint32_t>(scene.frame_rate); ++f) simulation.step();
+    std::vector<std::vector<Vec3>> positions(scene.cloths.size());
+    for (uint32_t c = 0; c < positions.size(); ++c) simulation.solver().read_positions(c, positions[c]);
+    cloths_ = simulation.cloths();
+    return positions;
+  }
+  /// [m] diagonal of a cloth's box at rest.
+  [[nodiscard]] double size(size_t c) const {
+    const ClothAsset& asset = *cloths_[c].asset;
+    Vec3 low{1e9F, 1e9F, 1e9F}, high{-1e9F, -1e9F, -1e9F};
+    for (uint32_t p = 0; p < asset.pixel_count(); ++p) {
+      if (!asset.valid(p)) continue;
+      const Vec3& at = asset.rest_position[p];
+      low = {std::min(low.x, at.x), std::min(low.y, at.y), std::min(low.z, at.z)};
+      high = {std::max(high.x, at.x), std::max(high.y, at.y), std::max(high.z, at.z)};
+    }
+    return static_cast<double>(cloths_[c].transform.scale * length(high - low));
+  }
+
+ private:
+  std::vector<ClothDesc> cloths_;
+};
+
+TEST_P(SmallExample, IsOnVulkanWhereItIsOnTheCpuAfterASecond) {
+  const TemporaryFolder folder;
+  const Scene scene = lay_out(GetParam(), folder, "24");
+  const auto cpu = play(scene, Backend::cpu), vulkan = play(scene, Backend::vulkan);
+  const double tolerance = scene.colliders.empty() ? 1e-4 : 1e-3;  // of the size, without contact and with
+  for (size_t c = 0; c < cpu.size(); ++c) {
+    double farthest = 0;
+    for (size_t p = 0; p < cpu[c].size(); ++p)
+      farthest = std::max(farthest, static_cast<double>(length(cpu[c][p] - vulkan[c][p])));
+    EXPECT_LE(farthest, tolerance * size(c)) << "cloth " << c;
+    RecordProperty("farthest_m", std::to_string(farthest));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, SmallExample, testing::ValuesIn(example_scenes()),
+                         [](const auto& scene) { return scene.param; });
 
 INSTANTIATE_TEST_SUITE_P(Scenes, Example, testing::ValuesIn(example_scenes()),
                          [](const auto& scene) { return scene.param; });
