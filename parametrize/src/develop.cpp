@@ -92,6 +92,10 @@ struct Taste {
 constexpr std::array kTastes{Taste{Taste::Likes::most_gain, 6, kCreaseDiscount},
                              Taste{Taste::Likes::most_of_what_lacks, 6, kCreaseDiscount},
                              Taste{Taste::Likes::most_for_its_length, 6}, Taste{Taste::Likes::most_gain, 12}};
+/// For parts so small that it costs nothing.
+constexpr std::array kFurtherTastes{Taste{Taste::Likes::most_of_what_lacks, 12},
+                                    Taste{Taste::Likes::most_of_what_lacks, 12, kCreaseDiscount / 2},
+                                    Taste{Taste::Likes::most_for_its_length, 12, kCreaseDiscount / 2}};
 /// With cuts where they are wished.
 constexpr std::array kWishfulTastes{Taste{Taste::Likes::most_gain, 6, kCreaseDiscount, true},
                                     Taste{Taste::Likes::most_for_its_length, 6, 0, true}};
@@ -344,11 +348,14 @@ struct Way {
 
 /// How many ways a part is worth: time grows with its triangles.
 std::vector<Way> ways_for(size_t triangles, size_t cuts) {
-  constexpr size_t kAll = 4'000, kTwo = 10'000, kOther = 30'000;
+  constexpr size_t kFurther = 1'500, kAll = 4'000, kTwo = 10'000, kOther = 30'000;
   const size_t plain = triangles <= kAll ? kTastes.size() : triangles <= kTwo ? 2 : 1;
   const size_t wishful = triangles <= kAll ? kWishfulTastes.size() : triangles <= kOther ? 1 : 0;
   std::vector<Way> ways;
   for (size_t i = 0; i < plain; ++i) ways.push_back({0, kTastes.at(i)});
+  if (triangles <= kFurther) {
+    for (const Taste& taste : kFurtherTastes) ways.push_back({0, taste});
+  }
   for (size_t c = 1; c < cuts; ++c) {
     for (size_t i = 0; i < wishful; ++i) ways.push_back({c, kWishfulTastes.at(i)});
   }
