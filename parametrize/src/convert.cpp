@@ -15,6 +15,7 @@
 #include <sys/resource.h>
 
 #include "canonical_order.h"
+#include "develop.h"
 #include "fit_image.h"
 #include "geocloth/asset/error.h"
 #include "geocloth/asset/grid_mesh.h"
@@ -123,7 +124,13 @@ std::vector<CutSurface> all_cuts(const CleanSurface& clean, const CutOptions& op
   std::vector<CutSurface> cuts;
   cuts.push_back(cut_to_disks(clean, {.extra_edges = options.extra_edges}, progress));
   const CutPreferences& prefer = options.prefer;
-  if (prefer.creases || !prefer.seams.empty() || prefer.mirror) cuts.push_back(cut_to_disks(clean, options, progress));
+  std::vector<size_t> triangles(clean.component_count, 0);
+  for (const uint32_t c : clean.component) ++triangles[c];
+  const bool some_part_is_small =
+      std::any_of(triangles.begin(), triangles.end(), [](size_t n) { return n <= kMostWithWishes; });
+  if (some_part_is_small && (prefer.creases || !prefer.seams.empty() || prefer.mirror)) {
+    cuts.push_back(cut_to_disks(clean, options, progress));
+  }
   return cuts;
 }
 

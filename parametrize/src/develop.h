@@ -26,6 +26,9 @@ struct DevelopOptions {
   bool straight_cuts = true;         ///< cuts leave the mesh's edges where that shortens them
 };
 
+/// Parts of more triangles are laid out from the first cuts only: time grows with every other way.
+constexpr size_t kMostWithWishes = 30'000;
+
 /// Lays every disk of a cut surface out in the plane: Tutte's embedding (Tutte 1963; Floater 1997) on a circle, then
 /// the symmetric Dirichlet energy with a free border. Where that stays above the target, a path from the worst place to
 /// the outline is cut open (the idea of Gu, Gortler, Hoppe 2002, section 4, and of OptCuts, Li et al. 2018: a cut must
