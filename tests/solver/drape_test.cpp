@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Cusick's drape. Fabrics fold into several equilibria, so what must hold is the coefficient, its trend, and the
-// direction of the folds; not the shape. A soft sheet without grain (shear = stretch / 2, one rigidity in all
-// directions): the square layout turns warp and weft as it likes, so only such a sheet is the same cloth in both
-// layouts.
+// direction of the folds; not the shape. At 128 pixels in both layouts: `convergence_table OUT.md drape`.
 #include "support/drape.h"
 
 #include <algorithm>
@@ -15,21 +13,6 @@
 
 namespace geocloth::test {
 namespace {
-
-Material sheet(double bend_warp, double bend_weft, double bend_bias) {
-  Material material;
-  material.stretch_warp = material.stretch_weft = 50;
-  material.shear = 25;
-  material.bend_warp = static_cast<float>(bend_warp);
-  material.bend_weft = static_cast<float>(bend_weft);
-  material.bend_bias = static_cast<float>(bend_bias);
-  material.damping = 4;
-  material.max_stretch = 0;
-  return material;
-}
-Material even_sheet(double rigidity) {
-  return sheet(rigidity, rigidity, rigidity);
-}
 
 double coefficient(uint32_t resolution, Layout layout, double rigidity) {
   const DrapeEffort effort{32, resolution / 8, 90};
@@ -61,14 +44,16 @@ TEST(Cusick, StifferClothCoversMoreAndHangsEvenly) {
   }
 }
 
-// What is stiff reaches farther out; swapping warp and weft turns that by a right angle.
+// What is stiff reaches farther out; swapping warp and weft turns that by a right angle. At 32 pixels the ring is so
+// few cells wide that the grid itself is not the same turned (0.17 and 0.25); at 64 it is 0.34 and 0.33.
 TEST(Cusick, SwappingWarpAndWeftTurnsTheDrape) {
-  const auto disc = make_specimen(32, Layout::panels);
-  const Drape one = drape(disc, sheet(1e-4, 2e-6, -1), {});
-  const Drape other = drape(disc, sheet(2e-6, 1e-4, -1), {}, std::numbers::pi / 2);
+  const auto disc = make_specimen(64, Layout::panels);
+  const DrapeEffort effort{32, 8, 90};
+  const Drape one = drape(disc, soft_sheet(1e-4, 2e-6, -1), effort);
+  const Drape other = drape(disc, soft_sheet(2e-6, 1e-4, -1), effort, std::numbers::pi / 2);
   const auto lengthwise = [](const Drape& d) { return std::log(d.extent[0] / d.extent[1]); };
   EXPECT_GT(std::abs(lengthwise(one)), 0.2);
-  EXPECT_NEAR(lengthwise(one), -lengthwise(other), 0.13);  // 0.26 and 0.15: the grid itself is not the same turned
+  EXPECT_NEAR(lengthwise(one), -lengthwise(other), 0.05);
   EXPECT_NEAR(one.coefficient, other.coefficient, 3.0);
 }
 

@@ -106,6 +106,22 @@ std::shared_ptr<const ClothAsset> make_specimen(uint32_t resolution, Layout layo
   return std::make_shared<const ClothAsset>(convert(make_disc(), options).asset);
 }
 
+Material soft_sheet(double bend_warp, double bend_weft, double bend_bias) {
+  Material material;
+  material.stretch_warp = material.stretch_weft = 50;
+  material.shear = 25;
+  material.bend_warp = static_cast<float>(bend_warp);
+  material.bend_weft = static_cast<float>(bend_weft);
+  material.bend_bias = static_cast<float>(bend_bias);
+  material.damping = 4;
+  material.max_stretch = 0;
+  return material;
+}
+
+Material even_sheet(double rigidity) {
+  return soft_sheet(rigidity, rigidity, rigidity);
+}
+
 Drape drape(const std::shared_ptr<const ClothAsset>& specimen, const Material& material, const DrapeEffort& effort,
             double turn) {
   SolverSettings settings;

@@ -14,6 +14,12 @@ namespace geocloth::test {
 /// The specimen, from a mesh of rings.
 [[nodiscard]] std::shared_ptr<const ClothAsset> make_specimen(uint32_t resolution, Layout layout);
 
+/// Soft, and without grain: shear = stretch / 2, one rigidity [N m] in all directions. Only such a sheet is the same
+/// cloth in both layouts, for the square turns warp and weft as it likes.
+[[nodiscard]] Material even_sheet(double rigidity);
+/// The same with a rigidity for each direction. @param bend_bias  [N m] on the bias; -1: a weave
+[[nodiscard]] Material soft_sheet(double bend_warp, double bend_weft, double bend_bias);
+
 struct DrapeEffort {
   uint32_t substeps = 32, relaxation_steps = 4;
   uint32_t frames = 120;
