@@ -5,7 +5,8 @@
 // chart's plane, its diagonal is chosen by what remains after a fit, and the pixels move to the L2 projection of the
 // surface on to the piecewise linear functions of the grid, one unknown per surface point. The mass matrix with its own
 // diagonal as preconditioner has all eigenvalues in [1/2, 2] (Wathen 1987): a dozen conjugate gradient steps do. Later
-// rounds count only what is missing across the surface, so that the grid may slide a little along it, towards folds.
+// rounds count only what is missing across the surface, so that the grid may slide a little along it, towards folds,
+// and count what is far off more, so that the largest deviation falls as well (iteratively reweighted least squares).
 #include "fit_image.h"
 
 #include <algorithm>
@@ -26,6 +27,8 @@ namespace geocloth {
 namespace {
 
 constexpr int kRounds = 2;
+constexpr double kFarOff = 0.15;     ///< [spacings] that are missing where a target counts twice
+constexpr double kMostWeight = 20;   ///< that a target may get
 constexpr double kLeastArea = 1e-3;  ///< [pixels^2] of a grid triangle in the plane that takes part
 
 /// A place of a cell and the surface there.
@@ -40,6 +43,7 @@ struct Target {
 struct CellFit {
   CellTriangles split;
   std::array<std::array<Point3, 3>, 2> pull{};  ///< per triangle and corner: integral of what is missing [m pixels^2]
+  std::array<double, 2> weight{1, 1};           ///< per triangle: mean of its targets' weights
   double error = 0;                             ///< integral of what is missing, squared [m^2 pixels^2]
 };
 
@@ -51,7 +55,8 @@ class ImageFitter {
         asset_(asset),
         first_(first_copies(asset)),
         shift_(asset.pixel_count()),
-        pull_(asset.pixel_count()) {
+        pull_(asset.pixel_count()),
+        weight_(2 * std::size_t{asset.pixel_count()}, 1) {
     is_split_.assign(asset.pixel_count(), 0);
     for (const uint32_t pixel : asset.splits.pixel) is_split_[pixel] = 1;
     places_per_edge_ = count_valid_pixels(asset) < kFewPixels ? 4 : 2;
@@ -156,9 +161,16 @@ class ImageFitter {
     }
   }
 
+  [[nodiscard]] double weight_of(const Point3& missing) const {
+    if (!may_slide_) return 1;
+    const double unit = kFarOff * asset_.spacing;
+    return std::min(1 + dot(missing, missing) / (unit * unit), kMostWeight);
+  }
+
   /// @param split  triangles that cover the targets
   [[nodiscard]] CellFit compare(const CellTriangles& split, const std::vector<Target>& targets) const {
     CellFit fit{split};
+    std::array<double, 2> area{}, weighted{};
     for (const Target& target : targets) {
       std::size_t k = 0;
       Point3 w = weights(split.triangle[0], target.place);
@@ -170,7 +182,13 @@ class ImageFitter {
       for (std::size_t i = 0; i < 3; ++i) missing = missing - fitted_position(split.triangle[k][i]) * w[i];
       if (may_slide_) missing = target.normal * dot(missing, target.normal);
       fit.error += target.area * dot(missing, missing);
-      for (std::size_t i = 0; i < 3; ++i) fit.pull[k][i] = fit.pull[k][i] + missing * (target.area * w[i]);
+      const double counts = target.area * weight_of(missing);
+      area[k] += target.area;
+      weighted[k] += counts;
+      for (std::size_t i = 0; i < 3; ++i) fit.pull[k][i] = fit.pull[k][i] + missing * (counts * w[i]);
+    }
+    for (std::size_t k = 0; k < 2; ++k) {
+      if (area[k] > 0) fit.weight[k] = weighted[k] / area[k];
     }
     return fit;
   }
@@ -221,6 +239,7 @@ class ImageFitter {
         Point3& pull = pull_[first_[fit.split.triangle[k][i]]];
         pull = pull + fit.pull[k][i];
       }
+      weight_[2 * std::size_t{cell} + k] = fit.weight[k];
     }
     if (fit.split.count < 2) return;
     const bool is_left = fit.split.triangle[0][2] == cell + 1;
@@ -244,12 +263,16 @@ class ImageFitter {
     triangle_.clear();
     area_.clear();
     std::vector<double> diagonal(pull_.size(), 0);
-    for (const Triangle& t : pixel_triangles(asset_)) {
-      const double area = plane_area(t);
-      if (area < kLeastArea) continue;
-      triangle_.push_back({first_[t[0]], first_[t[1]], first_[t[2]]});
-      area_.push_back(area / 12);
-      for (const uint32_t i : triangle_.back()) diagonal[i] += area / 6;
+    for (uint32_t cell = 0; cell < asset_.pixel_count(); ++cell) {
+      const CellTriangles split = cell_triangles(asset_, cell);
+      for (std::size_t k = 0; k < split.count; ++k) {
+        const Triangle& t = split.triangle[k];
+        const double area = plane_area(t), counts = area * weight_[2 * std::size_t{cell} + k];
+        if (area < kLeastArea) continue;
+        triangle_.push_back({first_[t[0]], first_[t[1]], first_[t[2]]});
+        area_.push_back(counts / 12);
+        for (const uint32_t i : triangle_.back()) diagonal[i] += counts / 6;
+      }
     }
     const auto product = [](const std::vector<Point3>& a, const std::vector<Point3>& b) {
       double sum = 0;
@@ -323,11 +346,12 @@ class ImageFitter {
   std::vector<uint32_t> first_;     ///< per pixel: the first copy of its point
   std::vector<Point3> shift_;       ///< per first copy: how far the pixel has moved [m]
   std::vector<Point3> pull_;        ///< per first copy: right side of the fit [m pixels^2]
+  std::vector<double> weight_;      ///< per cell and triangle: how much it counts
   std::vector<uint8_t> is_split_;   ///< per pixel
   bool may_slide_ = false;          ///< along the surface
   int places_per_edge_ = 0;         ///< of a grid triangle, at which the surface is asked
   std::vector<Triangle> triangle_;  ///< grid triangles that take part, as first copies
-  std::vector<double> area_;        ///< of each in the plane, over 12 [pixels^2]
+  std::vector<double> area_;        ///< of each in the plane, by its weight, over 12 [pixels^2]
 };
 
 }  // namespace

@@ -28,15 +28,16 @@ constexpr double kStill = 0.01;           // [pixels] shorter steps are not made
 constexpr double kLongest = 0.5;          // [pixels] of a step
 constexpr double kLeastDirections = 0.1;  // [pixels^2] that the four pixels around one span
 constexpr int kSweeps = 6;
-/// Tried in this order: how much angles count, and lengths far off.
+/// Tried in this order: how much angles count, and lengths far off. The second is for springs that are even enough to
+/// pay for straighter angles, those after it for springs that are too uneven.
 struct Weights {
   double angle, tail;
 };
-constexpr std::array kWeights{Weights{1, 0},  Weights{4, 0},  Weights{1, 8},
+constexpr std::array kWeights{Weights{1, 0},  Weights{5, 0},  Weights{1, 8},
                               Weights{1, 14}, Weights{1, 24}, Weights{1, 45}};
 /// What is to hold: springs p99 / p1, and the cosine of the angle that is not met in 5 of 100 places. The fit
 /// afterwards takes the rest up to 1.5 and 6 degrees, and a little more where angles do not hold.
-constexpr double kMostSpread = 1.487, kMostSpreadAlone = 1.478, kMostSkew = 0.0985;
+constexpr double kMostSpread = 1.487, kMostSpreadAlone = 1.474, kMostSkew = 0.0985;
 constexpr double kHopeless = 1.8;  // springs p99 / p1 that no weights mend
 
 class SampleRelaxation {
@@ -65,10 +66,9 @@ class SampleRelaxation {
       for (int sweep = 0; sweep < kSweeps; ++sweep) this->sweep();
       const auto [spread, skew] = measure();
       const bool straight = skew <= kMostSkew, even = spread <= (straight ? kMostSpread : kMostSpreadAlone);
-      const int held = (straight ? 1 : 0) + (even ? 1 : 0);
+      const int held = even || weights.angle == 1 ? (straight ? 1 : 0) + (even ? 1 : 0) : 0;
       if (held > most) best = {raster_.position, raster_.place, raster_.triangle};
       most = std::max(most, held);
-      // Later ones are for springs that are too uneven.
       if (even && (straight || weights.tail > 0)) break;
       if (spread > kHopeless) break;
     }
