@@ -314,7 +314,7 @@ float longest_way(std::span<const shader::ColliderShape> shapes) {
 
 /// A fast collider pushes many cells at once, and what one gains the next takes away: several rounds settle it.
 uint32_t cell_rounds(float way, float spacing) {
-  constexpr float kSlow = 0.02F;  // in spacings
+  constexpr float kSlow = 0.1F;  // in spacings
   return way > kSlow * spacing ? 4 : 1;
 }
 
