@@ -26,6 +26,7 @@ constexpr double kSameGrain = 0.82;      // least cosine between two charts' gra
 constexpr double kLevel = 0.3;           // strength below which a chart's grain says nothing
 constexpr size_t kMostWork = 1'000'000;  // triangles relaxed in attempts
 constexpr size_t kFreshStart = 5;        // what a start from Tutte's embedding costs, in attempts
+constexpr double kUnsettled = 1e-4;      // that a chart's energy may still fall
 constexpr size_t kNarrowTip = 8;         // steps of a new slit near its tip, both sides, that are no matter
 constexpr double kLeastShare = 0.05;     // of the shorter outline: shorter arcs make no good seam to keep closed
 
@@ -164,6 +165,7 @@ class Merger {
     if (arc.length < kLeastShare * std::min(outline_length(a), outline_length(b))) return std::nullopt;
     if (work_ + a.triangle.size() + b.triangle.size() > kMostWork) return std::nullopt;
     const double before = (energy_[arc.a] * total_area(a) + energy_[arc.b] * total_area(b)) / area;
+    if (before > options_.most_energy + kUnsettled) return std::nullopt;  // sewn together they lie no better
     const double most = std::min(options_.most_energy, before + options_.seam_price * arc.length / std::sqrt(area));
     std::optional<Chart> merged = sewn(arc);
     if (!merged) return std::nullopt;
