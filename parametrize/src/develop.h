@@ -27,7 +27,7 @@ struct DevelopOptions {
 };
 
 /// Parts of more triangles are laid out from the first cuts only: time grows with every other way.
-constexpr size_t kMostWithWishes = 30'000;
+constexpr size_t kMostWithWishes = 15'000;
 
 /// Lays every disk of a cut surface out in the plane: Tutte's embedding (Tutte 1963; Floater 1997) on a circle, then
 /// the symmetric Dirichlet energy with a free border. Where that stays above the target, a path from the worst place to
