@@ -137,48 +137,65 @@ HWY_INLINE bool collide_lanes(D d, const PassContext& context, Mask<D> lanes, Po
   return true;
 }
 
-/// Points that a collider may touch when they went no farther than that way.
-template <class D>
-HWY_INLINE Mask<D> near_colliders(D d, const SweepFrame& frame, uint32_t substep, const Points<D>& position,
-                                  Vec<D> way) {
-  const size_t count = frame.contexts[substep].frame.shapes.size();
-  const ColliderGuard* guards = frame.guards + substep * count;
-  const auto twice = hn::Add(way, way);
-  Mask<D> near = hn::Gt(hn::Zero(d), hn::Zero(d));
-  for (size_t c = 0; c < count; ++c) {
-    const ColliderGuard& guard = guards[c];
-    const Points<D> place = set(d, guard.x, guard.y, guard.z);
-    const auto reach = hn::Add(hn::Set(d, guard.reach), twice);
-    if (guard.plane) {
-      near = hn::Or(near, hn::Lt(dot(d, position, place), reach));
-    } else {
-      const Points<D> from = sub(position, place);
-      near = hn::Or(near, hn::Lt(dot(d, from, from), hn::Mul(reach, reach)));
+/// The colliders of a substep, from which most points are too far.
+struct Guards {
+  const ColliderGuard* guards;
+  size_t count;
+
+  Guards(const SweepFrame& frame, uint32_t substep)
+      : guards(frame.guards + substep * frame.contexts[substep].frame.shapes.size()),
+        count(frame.contexts[substep].frame.shapes.size()) {}
+  /// Points that a collider may touch when they went no farther than that way.
+  template <class D>
+  HWY_INLINE Mask<D> near(D d, const Points<D>& position, Vec<D> way) const {
+    const auto twice = hn::Add(way, way);
+    Mask<D> near = hn::Gt(hn::Zero(d), hn::Zero(d));
+    for (size_t c = 0; c < count; ++c) {
+      const ColliderGuard& guard = guards[c];
+      const Points<D> place = set(d, guard.x, guard.y, guard.z);
+      const auto reach = hn::Add(hn::Set(d, guard.reach), twice);
+      if (guard.plane) {
+        near = hn::Or(near, hn::Lt(dot(d, position, place), reach));
+      } else {
+        const Points<D> from = sub(position, place);
+        near = hn::Or(near, hn::Lt(dot(d, from, from), hn::Mul(reach, reach)));
+      }
     }
+    return near;
   }
-  return near;
+};
+
+/// From pixel i on, where a collider may be near. By itself, so that passing over the others keeps its registers.
+template <class D, class Lanes>
+HWY_NOINLINE void collide_near(D d, const SweepFrame& frame, uint32_t substep, const Run& run, uint32_t i, Lanes lanes,
+                               Mask<D> near) {
+  const PassContext& context = frame.contexts[substep];
+  ClothState& state = *frame.state;
+  const PointRow p = at(state.position, i), pp = at(state.previous, i), pc = at(state.carry, i);
+  PointStates<D> points{load(d, p), load(d, pp), load(d, pc)};
+  const auto free = hn::Gt(hn::LoadU(d, &state.inverse_mass[i]), hn::Zero(d));
+  if (!frame.simple_colliders || !collide_lanes(d, context, hn::And(free, counted(d, lanes, near)), points)) {
+    return collide_pixels(context, state, i, std::min(run.last, i + static_cast<uint32_t>(hn::Lanes(d))));
+  }
+  store(d, points.position, p);
+  store(d, points.previous, pp);
+  store(d, points.carry, pc);
 }
 
 /// Where no collider can reach, collide.h leaves a point as it is.
 template <class D>
 HWY_NOINLINE void collide(D d, const SweepFrame& frame, uint32_t substep, const Run& run) {
-  const PassContext& context = frame.contexts[substep];
   ClothState& state = *frame.state;
-  if (frame.collide_all) return collide_pixels(context, state, run.first, run.last);
+  if (frame.collide_all) return collide_pixels(frame.contexts[substep], state, run.first, run.last);
+  const Guards guards(frame, substep);
+  const PointRow position = at(state.position, 0), previous = at(state.previous, 0);
   for_run(d, run, [&](uint32_t i, auto lanes) GEOCLOTH_LANES {
-    const PointRow p = at(state.position, i), pp = at(state.previous, i), pc = at(state.carry, i);
-    const Points<D> position = load(d, p), previous = load(d, pp), moved = sub(position, previous);
+    const Points<D> p = load(d, after(position, i));
+    const Points<D> moved = sub(p, load(d, after(previous, i)));
     const auto at_most = hn::Add(hn::Add(hn::Abs(moved.x), hn::Abs(moved.y)), hn::Abs(moved.z));  // needs no root
-    const auto near = counted(d, lanes, near_colliders(d, frame, substep, position, at_most));
-    if (hn::AllFalse(d, near)) return;
-    PointStates<D> points{position, previous, load(d, pc)};
-    const auto free = hn::Gt(hn::LoadU(d, &state.inverse_mass[i]), hn::Zero(d));
-    if (!frame.simple_colliders || !collide_lanes(d, context, hn::And(free, near), points)) {
-      return collide_pixels(context, state, i, std::min(run.last, i + static_cast<uint32_t>(hn::Lanes(d))));
-    }
-    store(d, points.position, p);
-    store(d, points.previous, pp);
-    store(d, points.carry, pc);
+    const auto near = guards.near(d, p, at_most);
+    if (hn::AllFalse(d, counted(d, lanes, near))) return;
+    collide_near(d, frame, substep, run, i, lanes, near);
   });
 }
 
@@ -186,10 +203,11 @@ template <class D>
 HWY_NOINLINE void check_colliders(D d, const SweepFrame& frame, uint32_t substep, const Run& run) {
   const PassContext& context = frame.contexts[substep];
   ClothState& state = *frame.state;
+  const Guards guards(frame, substep);
   float depth = frame.penetration[substep];
   for_run(d, run, [&](uint32_t i, auto lanes) GEOCLOTH_LANES {
     const Points<D> position = load(d, at(state.position, i));
-    const auto near = near_colliders(d, frame, substep, position, hn::Zero(d));
+    const auto near = guards.near(d, position, hn::Zero(d));
     if (hn::AllFalse(d, counted(d, lanes, near))) return;
     const uint32_t last = std::min(run.last, i + static_cast<uint32_t>(hn::Lanes(d)));
     depth = std::max(depth, penetration_of_pixels(context, state, i, last));

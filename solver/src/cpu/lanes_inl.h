@@ -47,6 +47,11 @@ HWY_INLINE PointRow at(Vec3Array& a, size_t i) {
   return {a.x.data() + i, a.y.data() + i, a.z.data() + i};
 }
 
+/// So many pixels further on.
+HWY_INLINE PointRow after(const PointRow& p, size_t i) {
+  return {p.x + i, p.y + i, p.z + i};
+}
+
 template <class D>
 HWY_INLINE Points<D> load(D d, const PointRow& p) {
   return {hn::LoadU(d, p.x), hn::LoadU(d, p.y), hn::LoadU(d, p.z)};

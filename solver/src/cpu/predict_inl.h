@@ -91,27 +91,33 @@ HWY_INLINE FramedSteps<D> take_along(D d, const shader::ClothParams& params, flo
 }
 
 /// lib/predict.h. What is pinned stays.
-template <class D>
+/// @param kForces  air acts, or the cloth's parent moves
+template <bool kForces, class D>
 HWY_NOINLINE void predict(D d, const PassContext& context, ClothState& state, const Run& run) {
   const shader::ClothParams& params = context.cloth.params;
   const Points<D> gravity = set(d, params.gravity_step.x, params.gravity_step.y, params.gravity_step.z);
   const auto keep = hn::Set(d, params.keep), dt2 = hn::Set(d, params.dt * params.dt);
+  const PointRow positions = at(state.position, 0), before = at(state.previous, 0), carried = at(state.carry, 0);
+  const float* const inverse_mass = state.inverse_mass.data();
   // Masked stores are slow: the last vector of a run gives back what follows the run as it was.
   for_run(d, run, [&](uint32_t i, auto lanes) GEOCLOTH_LANES {
-    const PointRow p = at(state.position, i), pp = at(state.previous, i), pc = at(state.carry, i);
+    const PointRow p = after(positions, i), pp = after(before, i), pc = after(carried, i);
     const Points<D> position = load(d, p), previous = load(d, pp), carry = load(d, pc);
     const Points<D> way = add(sub(position, previous), carry);
-    Points<D> acceleration{hn::Zero(d), hn::Zero(d), hn::Zero(d)};
-    if (params.air != 0) {
-      acceleration = air_acceleration(d, params, context.frame.substeps[context.substep], position,
-                                      scale(d, way, hn::Set(d, params.inverse_dt)), load(d, at(state.normal, i)));
-    }
+    const auto zero = hn::Zero(d);
+    Points<D> acceleration{zero, zero, zero};
     FramedSteps<D> step{position, scale(d, way, keep)};
-    if (params.moving != 0) step = take_along(d, params, static_cast<float>(context.substep), position, way);
+    if constexpr (kForces) {
+      if (params.air != 0) {
+        acceleration = air_acceleration(d, params, context.frame.substeps[context.substep], position,
+                                        scale(d, way, hn::Set(d, params.inverse_dt)), load(d, at(state.normal, i)));
+      }
+      if (params.moving != 0) step = take_along(d, params, static_cast<float>(context.substep), position, way);
+    }
     const Points<D> increment = add(add(step.way, gravity), scale(d, acceleration, dt2));
     const Points<D> next = add(step.start, increment);
     const Points<D> lost = sub(increment, sub(next, step.start));
-    const auto free = counted(d, lanes, hn::Gt(hn::LoadU(d, &state.inverse_mass[i]), hn::Zero(d)));
+    const auto free = counted(d, lanes, hn::Gt(hn::LoadU(d, inverse_mass + i), zero));
     store(d, choose<D>(free, step.start, counted_or(d, lanes, position, previous)), pp);
     store(d, choose<D>(free, next, position), p);
     store(d, choose<D>(free, lost, carry), pc);

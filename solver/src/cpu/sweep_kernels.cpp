@@ -54,7 +54,11 @@ HWY_INLINE void run_row(D d, const SweepFrame& frame, const SweepOp& op, uint32_
       for (uint32_t k = first; k < last; ++k) normals(d, state, stream.runs[k]);
       break;
     case RowKernel::predict:
-      for (uint32_t k = first; k < last; ++k) predict(d, frame.contexts[substep], state, stream.runs[k]);
+      for (uint32_t k = first; k < last; ++k) {
+        const PassContext& context = frame.contexts[substep];
+        const bool forces = context.cloth.params.air != 0 || context.cloth.params.moving != 0;
+        forces ? predict<true>(d, context, state, stream.runs[k]) : predict<false>(d, context, state, stream.runs[k]);
+      }
       break;
     case RowKernel::pins:
       if (first < last) move_pins(frame.contexts[substep], state, first, last);
