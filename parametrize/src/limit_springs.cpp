@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kShortest = 0.35, kLongest = 1.85;  // [spacing]
 constexpr double kNoDirection = 0.05;                // [spacing] below, a spring's own direction means nothing
-constexpr double kFarthest = 0.4;                    // [spacing] that a pixel may move from the surface
+constexpr double kFarthest = 0.8;                    // [spacing] that a pixel may move from the surface
 constexpr int kSweeps = 30;
 
 /// The point of the ball around `home` that is nearest to p.
