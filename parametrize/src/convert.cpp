@@ -239,7 +239,11 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& optio
       break;
     } catch (const Error& e) {
       const bool refused = e.code() == ErrorCode::verification || e.code() == ErrorCode::limit;
-      if (!refused || i + 1 == attempts.size()) throw;
+      if (!refused) throw;
+      if (i + 1 == attempts.size()) {
+        if (panels_failed.empty() || attempts[i].options.layout != Layout::square) throw;
+        throw Error(e.code(), panels_failed + "; nor in squares: " + e.what());
+      }
       if (attempts[i].options.layout == Layout::panels && panels_failed.empty()) panels_failed = e.what();
     }
   }

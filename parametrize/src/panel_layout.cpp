@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <numeric>
 #include <string>
 
@@ -34,6 +35,8 @@ namespace {
 constexpr uint32_t kLeastLoopSteps = 4;  // a closed chain without sharp turns
 constexpr double kLeastCut = 5;          // [pixels] shorter cut extensions are not worth their pixels
 constexpr int kRounds = 40;
+/// Pixels that a round chart may have, and how many times those of all charts as they are.
+constexpr double kMostDisk = 4096, kMostDiskShare = 8;
 
 /// What a chart looks like to the pixels of its outline: as it is; where that has no room for them, as if it were a few
 /// pixels wide everywhere; where that has none either, round.
@@ -209,6 +212,20 @@ void lengthen(Plan& plan, size_t chart) {
   for (const uint32_t seam : seams) ++plan.steps[seam];
 }
 
+/// A disk has room for an outline of any length, at the price of an area that grows with its square: right for a
+/// button, nonsense for a net whose threads are narrower than a pixel.
+/// @throws Error(verification) when the disk would be many times as large as all charts as they are
+void check_room_for_disk(const Plan& plan, const Laid& laid, size_t chart) {
+  const auto outline = static_cast<double>(sample_vertices(laid.sampled[chart]).size());
+  double area = 0;
+  for (const double a : chart_areas(plan.developed.cut)) area += a;
+  const double disk = outline * outline / (4 * std::numbers::pi);
+  if (disk <= std::max(kMostDisk, kMostDiskShare * area / (plan.spacing * plan.spacing))) return;
+  throw Error(ErrorCode::verification,
+              "the strips of a part are too narrow for pixels on either side (its outline has " +
+                  std::to_string(std::lround(outline)) + " of them); raise the resolution or try --layout square");
+}
+
 /// Changes the plan where pixels could not be found. @returns how many charts that concerns
 size_t give_room(Plan& plan, const Laid& laid, std::vector<ChartChain>& charts) {
   std::vector<size_t> crowded, too_short;
@@ -225,6 +242,7 @@ size_t give_room(Plan& plan, const Laid& laid, std::vector<ChartChain>& charts) 
   }
   for (const size_t c : crowded) {
     if (plan.shape[c] == Shape::round) too_short.push_back(c);
+    if (plan.shape[c] == Shape::widened) check_room_for_disk(plan, laid, c);
     plan.shape[c] = plan.shape[c] == Shape::own ? Shape::widened : Shape::round;
     charts[c].target.clear();
   }

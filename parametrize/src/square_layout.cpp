@@ -231,8 +231,10 @@ FlatChart lay_out(Disk& disk, const RefinedMesh& mesh, const Size& wanted, uint3
   disk.bottom = size[1] - 1.0;
   if (!embed(disk, mesh, size, DiskEmbedding::Weights::mean_value) &&
       !embed(disk, mesh, size, DiskEmbedding::Weights::uniform)) {
-    throw Error(ErrorCode::verification,
-                "component " + std::to_string(component) + " cannot be laid out in a square without flipped triangles");
+    throw Error(
+        ErrorCode::verification,
+        "component " + std::to_string(component) +
+            " cannot be laid out in a square without flipped triangles; raise the resolution or try --layout panels");
   }
   FlatChart chart;
   chart.width = size[0];

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What is smaller than a pixel: the image leaves it out, the report says so, and it rides on the cloth.
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "geocloth/asset/error.h"
 #include "geocloth/parametrize/convert.h"
 
 namespace geocloth {
@@ -232,6 +234,46 @@ TEST(SmallPieces, AtMostAHundredthOfTheAreaIsCarried) {
   EXPECT_LE(total_share(report), 0.01);
   EXPECT_EQ(report.represented.components + report.carried.size(), 300U);
   EXPECT_EQ(report.welded.components, report.represented.components);
+}
+
+/// A fishnet sleeve: threads one cell wide, three cells apart, on a tube of 0.3 m.
+TriangleMesh fishnet(uint32_t meshes) {
+  TriangleMesh mesh;
+  const uint32_t n = 4 * meshes;
+  std::vector<uint32_t> number(static_cast<std::size_t>(n) * (n + 1), kNone);
+  const auto vertex = [&](uint32_t i, uint32_t j) {
+    uint32_t& v = number[static_cast<std::size_t>(j) * n + i % n];
+    if (v == kNone) {
+      v = static_cast<uint32_t>(mesh.position.size());
+      const double angle = 2 * std::numbers::pi * i / n;
+      mesh.position.push_back({0.3 * std::cos(angle), static_cast<double>(j) / n, 0.3 * std::sin(angle)});
+    }
+    return v;
+  };
+  for (uint32_t j = 0; j < n; ++j) {
+    for (uint32_t i = 0; i < n; ++i) {
+      if (i % 4 != 0 && j % 4 != 0) continue;
+      const uint32_t a = vertex(i, j), b = vertex(i + 1, j), c = vertex(i + 1, j + 1), d = vertex(i, j + 1);
+      mesh.triangle.push_back({a, b, c});
+      mesh.triangle.push_back({a, c, d});
+    }
+  }
+  mesh.name = "net";
+  mesh.polygon.resize(mesh.triangle.size());
+  std::iota(mesh.polygon.begin(), mesh.polygon.end(), 0U);
+  mesh.material.emplace_back();
+  mesh.part = {{"net", 0, 0, static_cast<uint32_t>(mesh.triangle.size())}};
+  return mesh;
+}
+
+// A chart whose outline finds no room becomes a disk, whose area grows with the square of the outline: a net's was
+// hundreds of images large and thousands of times as stretched as the cloth.
+TEST(SmallPieces, ANetOfThreadsBelowAPixelTakesNoDisk) {
+  try {
+    EXPECT_LT(count_valid_pixels(convert_at(fishnet(8), 16).asset), 4 * 16 * 16);
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("raise the resolution"));
+  }
 }
 
 }  // namespace
