@@ -81,11 +81,10 @@ void pull_span(uvec2 pa, uvec2 pb, float rest) {
 void span_at(uvec2 pa) {
   bool down = span_component(constants.group) == 1u;
   uvec2 next = down ? uvec2(0u, 1u) : uvec2(1u, 0u);
-  uint pixels = span_pixels(constants.group);
-  uvec2 pb = pa + next * pixels;
+  uvec2 pb = pa + next * kSpanPixels;
   if (pb.x >= params.width || pb.y >= params.height || !is_here(pb)) return;
   precise float rest = 0.0f;
-  for (uint i = 0u; i < pixels; ++i) {
+  for (uint i = 0u; i < kSpanPixels; ++i) {
     vec4 springs = imageLoad(structural_image, texel(pa + next * i));
     float own = down ? springs.z : springs.x;
     if (own == 0.0f) return;

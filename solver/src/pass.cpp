@@ -41,14 +41,6 @@ void add_bending(std::vector<PassStep>& steps, const ScheduleOptions& options, u
   }
 }
 
-/// Twice: what one spring gives, the next one gets. In every substep they would cost five times as much for a tenth
-/// less.
-void add_ties(std::vector<PassStep>& steps, uint32_t relaxation) {
-  for (uint32_t k = 0; k < 3 * shader::kTieGroups; ++k) {
-    steps.push_back({Pass::spans, shader::kSpanGroups + k % shader::kTieGroups, relaxation, true});
-  }
-}
-
 void add_relaxation(std::vector<PassStep>& steps, const ScheduleOptions& options, uint32_t relaxation) {
   add_family(steps, Pass::shear, kGroupsPerFamily, relaxation);
   if (options.splits) steps.push_back({Pass::stitch, 0, relaxation});
@@ -60,7 +52,6 @@ void add_relaxation(std::vector<PassStep>& steps, const ScheduleOptions& options
   }
   add_bending(steps, options, relaxation);
   add_family(steps, Pass::structural, 0, relaxation);
-  if (options.spans && relaxation + 1 == options.relaxation_steps) add_ties(steps, relaxation);
   if (options.splits) steps.push_back({Pass::stitch, 0, relaxation});
 }
 

@@ -23,7 +23,7 @@ enum class Pass : uint8_t {
   curvature,        ///< per bend over three pixels in a row, groups 0..5 of lib/bend_groups.h
   seam_curvature,   ///< per seam bend, one group for each colour
   seam_spans,       ///< per span over a seam, one group for each colour after those of the bends
-  spans,            ///< per span of lib/span.h, groups 0..7, only with max_stretch and colliders
+  spans,            ///< per span of lib/span.h, groups 0..3, only with max_stretch and colliders
   stitch,           ///< per split row: mass-weighted mean of the copies, written to every copy
   settle,           ///< per pixel: base and offset become the position, only with ClothParams::fine
   limit,            ///< per pixel: long-range attachment; copies are equal before it and so they are after it
@@ -90,7 +90,6 @@ struct PassStep {
   Pass pass;
   uint32_t group = 0;       ///< spring group 0..11, group 0..5 of the curvatures, or a colour of the list over seams
   uint32_t relaxation = 0;  ///< 0..relaxation_steps - 1
-  bool last_only = false;   ///< only in a frame's last substep
 };
 
 /// How the cloth resists bending.
@@ -126,7 +125,7 @@ struct ScheduleOptions {
 
 /// The passes of one substep in their order:
 ///   [rescale] [normals] predict pins { shear, stitch, bends over seams, [spans over seams, spans], bending or
-///   curvature, structural, [spans over a pixel], stitch } x relaxation [settle] limit [self_drift .. self_move]
+///   curvature, structural, stitch } x relaxation [settle] limit [self_drift .. self_move]
 ///   { collide_cells, stitch_contacts } x rounds, collide [check]
 [[nodiscard]] std::vector<PassStep> substep_schedule(const ScheduleOptions& options);
 

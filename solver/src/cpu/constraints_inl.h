@@ -37,12 +37,10 @@ struct Multipliers<false, D> {
 /// @param weight  of the error
 template <bool kSeveral, class D>
 HWY_INLINE Vec<D> change_over_length(D d, Vec<D> l, Vec<D> rest, Vec<D> inverse, const float* compliance,
-                                     const Multipliers<kSeveral, D>& multipliers, Vec<D> weight, bool weighted,
-                                     bool pulls_only = false) {
+                                     const Multipliers<kSeveral, D>& multipliers, Vec<D> weight, bool weighted) {
   // Where the inverse is 0 so are rest and compliance, and with them the change.
   const auto exists = hn::Gt(l, hn::Set(d, 1e-12F));
   auto error = hn::Sub(l, rest);
-  if (pulls_only) error = hn::Max(error, hn::Zero(d));
   if constexpr (kSeveral) error = hn::Add(error, hn::Mul(hn::LoadU(d, compliance), multipliers.so_far(d)));
   const auto change = hn::Mul(weighted ? hn::Mul(weight, error) : error, inverse);
   if constexpr (kSeveral) multipliers.keep(d, hn::Sub(multipliers.so_far(d), hn::IfThenElseZero(exists, change)));
@@ -71,14 +69,14 @@ struct Ways {
   HWY_INLINE Points<D> scaled(Vec<D> s) const { return {hn::Mul(x, s), hn::Mul(y, s), hn::Mul(z, s)}; }
 };
 
-/// lib/spring.h with inverse = 1 / (wa + wb + compliance), 0 where there is no spring; pulling only it is lib/span.h.
-template <bool kPullsOnly, bool kSeveral, class D>
+/// lib/spring.h with inverse = 1 / (wa + wb + compliance), 0 where there is no spring.
+template <bool kSeveral, class D>
 HWY_INLINE void project_spring(D d, const Ways<D>& ways, Points<D>& a, Vec<D> wa, Points<D>& b, Vec<D> wb,
                                const float* constants, const Multipliers<kSeveral, D>& multipliers, Vec<D> share) {
   const size_t lanes = hn::Lanes(d);
   const auto rest = hn::LoadU(d, constants), inverse = hn::LoadU(d, constants + lanes);
   const auto factor =
-      change_over_length(d, ways.length, rest, inverse, constants + 2 * lanes, multipliers, share, true, kPullsOnly);
+      change_over_length(d, ways.length, rest, inverse, constants + 2 * lanes, multipliers, share, true);
   const Points<D> step = ways.scaled(factor);
   a = add(a, scale(d, step, wa));
   b = sub(b, scale(d, step, wb));
@@ -278,7 +276,7 @@ struct Blocks {
   [[nodiscard]] HWY_INLINE const float* constants_of(uint32_t block) const { return constants + block * floats; }
 };
 
-template <bool kSeveral, bool kPullsOnly = false, class D>
+template <bool kSeveral, class D>
 HWY_NOINLINE void springs_across(D d, const SweepOp& op, ClothState& state, uint32_t first, uint32_t last) {
   const auto share = hn::Set(d, op.share);
   const size_t lanes = hn::Lanes(d), offset = op.offset;
@@ -294,15 +292,14 @@ HWY_NOINLINE void springs_across(D d, const SweepOp& op, ClothState& state, uint
         const size_t i = blocks.pixel[k], j = i + offset;
         const PointRow pa = points.at(i), pb = points.at(j);
         Points<D> a = load(d, pa), b = load(d, pb);
-        project_spring<kPullsOnly>(d, ways, a, hn::LoadU(d, points.inverse_mass + i), b,
-                                   hn::LoadU(d, points.inverse_mass + j), blocks.constants_of(k),
-                                   Multipliers<kSeveral, D>(op, k, lanes), share);
+        project_spring(d, ways, a, hn::LoadU(d, points.inverse_mass + i), b, hn::LoadU(d, points.inverse_mass + j),
+                       blocks.constants_of(k), Multipliers<kSeveral, D>(op, k, lanes), share);
         store(d, a, pa);
         store(d, b, pb);
       });
 }
 
-template <size_t kColumns, bool kSeveral, bool kPullsOnly = false, class D>
+template <size_t kColumns, bool kSeveral, class D>
 HWY_NOINLINE void springs_along(D d, const SweepOp& op, ClothState& state, uint32_t first, uint32_t last) {
   const auto share = hn::Set(d, op.share);
   const size_t lanes = hn::Lanes(d);
@@ -322,8 +319,7 @@ HWY_NOINLINE void springs_along(D d, const SweepOp& op, ClothState& state, uint3
         const Ends<D> z = take_apart<kColumns>(d, p.z);
         const Ends<D> w = take_apart<kColumns>(d, points.inverse_mass + blocks.pixel[k]);
         Points<D> a{x.a, y.a, z.a}, b{x.b, y.b, z.b};
-        project_spring<kPullsOnly>(d, ways, a, w.a, b, w.b, blocks.constants_of(k),
-                                   Multipliers<kSeveral, D>(op, k, lanes), share);
+        project_spring(d, ways, a, w.a, b, w.b, blocks.constants_of(k), Multipliers<kSeveral, D>(op, k, lanes), share);
         put_together<kColumns>(d, a.x, b.x, p.x);
         put_together<kColumns>(d, a.y, b.y, p.y);
         put_together<kColumns>(d, a.z, b.z, p.z);

@@ -148,8 +148,7 @@ class CpuBackend final : public SolverBackend {
     cpu::PassContext context{frame, input, threads, 0, data_.relaxation_steps};
     for (uint32_t s = 0; s < options.substeps; ++s) {
       context.substep = s;
-      for (const PassStep& step : substep)
-        if (!step.last_only || s + 1 == options.substeps) run(step, context, cloth);
+      for (const PassStep& step : substep) run(step, context, cloth);
     }
   }
 

@@ -24,11 +24,10 @@ void pull(const PointLine& a, const PointLine& b, float longest, Mode mode) {
 
 }  // namespace
 
-float span_length(const ClothState& state, uint32_t group, size_t pixel) {
-  const uint32_t component = shader::span_component(group), pixels = shader::span_pixels(group);
+float span_length(const ClothState& state, uint32_t component, size_t pixel) {
   const size_t next = component == 0 ? 1 : state.data.width;
   float length = 0;
-  for (uint32_t i = 0; i < pixels; ++i) {
+  for (uint32_t i = 0; i < shader::kSpanPixels; ++i) {
     const float own = state.rest[component][pixel + i * next];
     if (own == 0) return 0;
     length = length + own;
@@ -38,11 +37,11 @@ float span_length(const ClothState& state, uint32_t group, size_t pixel) {
 
 void spans(const PassContext& context, ClothState& state, const PassStep& step) {
   const shader::ClothParams& params = context.cloth.params;
-  const uint32_t pixels = shader::span_pixels(step.group), width = state.data.width, height = state.data.height;
-  const uint32_t reach_x = shader::span_component(step.group) == 0 ? pixels : 0, reach_y = pixels - reach_x;
+  const uint32_t component = shader::span_component(step.group), width = state.data.width, height = state.data.height;
+  const uint32_t reach_x = component == 0 ? shader::kSpanPixels : 0, reach_y = shader::kSpanPixels - reach_x;
   if (width <= reach_x || height <= reach_y) return;
   const auto pull_from = [&](size_t pixel, auto mode) {
-    const float length = span_length(state, step.group, pixel);
+    const float length = span_length(state, component, pixel);
     if (!(length > 0)) return;
     pull(PointLine(state, pixel, params.fine), PointLine(state, pixel + reach_x + size_t{reach_y} * width, params.fine),
          length * params.stretch_limit, mode);

@@ -9,6 +9,7 @@
 
 #include "cpu/cloth_state.h"
 #include "cpu/passes.h"
+#include "lib/span.h"
 
 namespace geocloth::cpu {
 
@@ -20,16 +21,17 @@ enum class RowKernel : uint8_t {
   pins,               ///< pins of the row
   springs_across,     ///< blocks: rest, inverse, compliance
   springs_along,      ///< blocks over every second column and its neighbour: rest, inverse, compliance
-  ties_across,        ///< as springs_across, pulling only: longest, inverse
-  ties_along,         ///< as springs_along, pulling only: longest, inverse
   springs_along_two,  ///< blocks over two of four columns and the next two: rest, inverse, compliance
   bends_across,       ///< blocks: rest, inverse, chord, compliance
   bends_along,        ///< blocks over every third column and the next two: rest, inverse, chord, compliance
-  spans,              ///< blocks, along a row of kSpanPixels at most: longest, inverse
+  spans,              ///< blocks of kSpanLanes at most: longest, inverse
   limit,              ///< blocks: longest; anchors
   collide,            ///< runs
   check_colliders     ///< runs
 };
+
+/// Springs over so many pixels share none when no more of them than that lie next to each other.
+inline constexpr uint32_t kSpanLanes = shader::kSpanPixels;
 
 /// Neighbouring pixels, first <= i < last.
 struct Run {
@@ -59,7 +61,6 @@ struct SweepOp {
   float share = 1;
   const RowStream* stream = nullptr;
   float* multipliers = nullptr;  ///< the stream's; nullptr: of one relaxation step
-  bool last_only = false;        ///< only in a frame's last substep
   bool read_multipliers = false, write_multipliers = false;
 };
 

@@ -4,7 +4,6 @@
 #include <chrono>
 
 #include "cpu/sweep.h"
-#include "lib/span.h"
 
 // Vectors whose length is not known when compiling cannot be members of a struct.
 #undef HWY_DISABLED_TARGETS
@@ -34,21 +33,12 @@ uint32_t lanes_here() {
 
 #else
 
-/// Spans to the right share points with those that begin as many pixels on as they are long.
-template <class D>
-HWY_INLINE void spans_of_row(D d, const SweepOp& op, ClothState& state, uint32_t first, uint32_t last) {
-  constexpr size_t kNarrow = HWY_MIN(size_t{shader::kSpanPixels}, hn::MaxLanes(D()));
-  if (op.offset == shader::kSpanPixels) return spans(hn::CappedTag<float, kNarrow>(), op, state, first, last);
-  spans(d, op, state, first, last);
-}
-
 template <class D>
 HWY_INLINE void run_row(D d, const SweepFrame& frame, const SweepOp& op, uint32_t substep, uint32_t y) {
   ClothState& state = *frame.state;
   const RowStream& stream = *op.stream;
   const uint32_t first = stream.row_first[y], last = stream.row_first[y + 1];
   const bool several = op.multipliers != nullptr;  // relaxation steps
-  if (op.last_only && substep + 1 < frame.contexts[substep].frame.substeps.size()) return;
   switch (op.kernel) {
     case RowKernel::normals:
       for (uint32_t k = first; k < last; ++k) normals(d, state, stream.runs[k]);
@@ -69,12 +59,6 @@ HWY_INLINE void run_row(D d, const SweepFrame& frame, const SweepOp& op, uint32_
     case RowKernel::springs_along:
       several ? springs_along<1, true>(d, op, state, first, last) : springs_along<1, false>(d, op, state, first, last);
       break;
-    case RowKernel::ties_across:
-      springs_across<false, true>(d, op, state, first, last);
-      break;
-    case RowKernel::ties_along:
-      springs_along<1, false, true>(d, op, state, first, last);
-      break;
     case RowKernel::springs_along_two:
       several ? springs_along<2, true>(d, op, state, first, last) : springs_along<2, false>(d, op, state, first, last);
       break;
@@ -85,7 +69,7 @@ HWY_INLINE void run_row(D d, const SweepFrame& frame, const SweepOp& op, uint32_
       several ? bends_along<true>(d, op, state, first, last) : bends_along<false>(d, op, state, first, last);
       break;
     case RowKernel::spans:
-      spans_of_row(d, op, state, first, last);
+      spans(hn::CappedTag<float, HWY_MIN(kSpanLanes, hn::MaxLanes(D()))>(), op, state, first, last);
       break;
     case RowKernel::limit:
       limit(d, op, state, frame.anchors + size_t{3} * frame.anchor_count * substep, frame.anchor_count, first, last);

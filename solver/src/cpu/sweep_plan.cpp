@@ -18,7 +18,6 @@
 #include "cpu/springs.h"
 #include "lib/bend.h"
 #include "lib/bend_groups.h"
-#include "lib/span.h"
 #include "lib/spring_groups.h"
 
 namespace geocloth::cpu {
@@ -132,7 +131,6 @@ class SweepPlanner {
       case RowKernel::normals:
         return {1, 1};
       case RowKernel::springs_across:
-      case RowKernel::ties_across:
         return {0, (op.offset + 1) / width_};  // down-left: width - 1
       case RowKernel::bends_across:
         return {0, 2};
@@ -182,7 +180,7 @@ class SweepPlanner {
       case Pass::curvature:
         return relaxed(step, &SweepPlanner::bends);
       case Pass::spans:
-        return shader::is_tie(step.group) ? ties(step) : spans(step.group);
+        return spans(step.group);
       case Pass::limit:
         return limit();
       default:
@@ -256,22 +254,7 @@ class SweepPlanner {
     }
   }
 
-  /// They lie where the structural springs do.
-  SweepOp ties(const PassStep& step) {
-    const auto known = first_relaxation_.find({step.pass, step.group});
-    if (known != first_relaxation_.end()) return known->second;
-    SweepOp op = lay_out_springs(step.group - shader::kSpanGroups, true);
-    op.kernel = op.kernel == RowKernel::springs_along ? RowKernel::ties_along : RowKernel::ties_across;
-    op.share = 1;
-    op.last_only = step.last_only;
-    first_relaxation_.emplace(std::pair{step.pass, step.group}, op);
-    return op;
-  }
-
-  SweepOp springs(uint32_t group) { return lay_out_springs(group, false); }
-
-  SweepOp lay_out_springs(uint32_t group, bool tie) {
-    const bool compliant = several() && !tie;
+  SweepOp springs(uint32_t group) {
     const uint32_t component = shader::group_component(group), odd = group % 2;
     const bool along = shader::group_by_column(group) == 1;
     const RowKernel kernel = !along           ? RowKernel::springs_across
@@ -291,16 +274,16 @@ class SweepPlanner {
       stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
       if (!in_row(y)) continue;
       const auto inverse_of = [&](uint32_t x) {
-        return in_column(x) ? spring_inverse(component, y * width_ + x, offset, !tie) : 0.F;
+        return in_column(x) ? spring_inverse(component, y * width_ + x, offset) : 0.F;
       };
       cover_row(
           shape, y, [&](uint32_t x) { return inverse_of(x) > 0; },
-          [&](uint32_t first) { add_block(stream, first, compliant ? 3 : 2); },
+          [&](uint32_t first) { add_block(stream, first, several() ? 3 : 2); },
           [&](uint32_t lane, uint32_t x) {
-            float* block = &stream.constants[stream.constants.size() - size_t{compliant ? 3U : 2U} * lanes_];
-            block[lane] = state_.rest[component][y * width_ + x] * (tie ? cloth_.params.stretch_limit : 1.F);
+            float* block = &stream.constants[stream.constants.size() - size_t{several() ? 3U : 2U} * lanes_];
+            block[lane] = state_.rest[component][y * width_ + x];
             block[lanes_ + lane] = inverse_of(x);
-            if (compliant) block[2 * lanes_ + lane] = scaled_compliance(component, y * width_ + x);
+            if (several()) block[2 * lanes_ + lane] = scaled_compliance(component, y * width_ + x);
           });
     }
     stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
@@ -318,11 +301,11 @@ class SweepPlanner {
   }
 
   /// 1 / (w + compliance), as spring.h has it; 0 where the spring does not exist or cannot move.
-  [[nodiscard]] float spring_inverse(uint32_t component, size_t a, uint32_t offset, bool compliant) const {
+  [[nodiscard]] float spring_inverse(uint32_t component, size_t a, uint32_t offset) const {
     if (!(state_.rest[component][a] > 0)) return 0;
     const float w = state_.inverse_mass[a] + state_.inverse_mass[a + offset];
     if (!(w > 0)) return 0;
-    return 1.F / (compliant ? w + scaled_compliance(component, a) : w);
+    return 1.F / (w + scaled_compliance(component, a));
   }
 
   [[nodiscard]] float scaled_compliance(uint32_t component, size_t a) const {
@@ -376,20 +359,19 @@ class SweepPlanner {
   }
 
   SweepOp spans(uint32_t group) {
-    const uint32_t pixels = shader::span_pixels(group);
-    const bool along = shader::span_component(group) == 0;
-    const uint32_t lanes = along ? std::min(lanes_, pixels) : lanes_;  // neighbours in a row share no pixel
-    const uint32_t offset = pixels * (along ? 1 : width_);
-    const uint32_t end = width_ - (along ? pixels : 0);
+    const uint32_t component = shader::span_component(group), lanes = std::min(lanes_, kSpanLanes);
+    const bool along = component == 0;
+    const uint32_t offset = shader::kSpanPixels * (along ? 1 : width_);
+    const uint32_t end = width_ - (along ? shader::kSpanPixels : 0);
     const BlockShape shape{RowKernel::spans, lanes, 1, 0, 0, end, end};
     RowStream& stream = new_stream();
     for (uint32_t y = 0; y < height_; ++y) {
       stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
-      if (!along && y + pixels >= height_) continue;
+      if (!along && y + shader::kSpanPixels >= height_) continue;
       const auto length_of = [&](uint32_t x) {
         const size_t a = size_t{y} * width_ + x;
         const bool moves = state_.inverse_mass[a] + state_.inverse_mass[a + offset] > 0;
-        return shader::span_starts(group, x, y) && moves ? span_length(state_, group, a) : 0.F;
+        return shader::span_starts(group, x, y) && moves ? span_length(state_, component, a) : 0.F;
       };
       cover_row(
           shape, y, [&](uint32_t x) { return length_of(x) > 0; },
@@ -484,7 +466,7 @@ class SweepPlanner {
   uint32_t lanes_, width_, height_;
   std::unique_ptr<SweepPlan> plan_ = std::make_unique<SweepPlan>();
   RowStream* run_stream_ = nullptr;
-  std::map<std::pair<Pass, uint32_t>, SweepOp> first_relaxation_;  ///< of what comes again, by pass and group
+  std::map<std::pair<Pass, uint32_t>, SweepOp> first_relaxation_;  ///< of several, by pass and group
   std::vector<Reach> reaches_;                                     ///< of the sweep that is being made
 };
 
@@ -518,7 +500,6 @@ size_t SweepPlan::bytes_per_substep() const {
     if (!std::holds_alternative<Sweep>(part)) continue;
     bool moves_history = false;
     for (const SweepOp& op : std::get<Sweep>(part).ops) {
-      if (op.last_only) continue;
       moves_history = moves_history || op.kernel == RowKernel::predict || op.kernel == RowKernel::collide;
       sum += sizeof(float) * (op.stream->constants.size() + op.stream->anchors.size()) +
              sizeof(uint32_t) * op.stream->pixel.size();

@@ -103,7 +103,7 @@ class Planner {
         return in_scratch ? is_in_second_tile(schedule[i].pass) : is_in_first_tile(schedule[i].pass);
       };
       size_t end = k;
-      // What follows a stitch or the spans behind the second tile is points by themselves, which has no use for tiles.
+      // What follows the stitch of the second tile is points by themselves, which has no use for tiles.
       const bool begins = in_scratch ? is_in_second_tile(schedule[k].pass) : schedule[k].pass == Pass::predict;
       while (begins && end < schedule.size() && belongs(end)) ++end;
       if (end == k) {
@@ -202,19 +202,16 @@ uint32_t tile_side(const TileLimits& limits, uint32_t border) {
 FramePlan plan_frame(SolverPath path, const ScheduleOptions& options, uint32_t substeps, const ClothLists& lists) {
   if (options.asleep) return {};
   Planner planner(options, lists);
-  std::vector<PassStep> substep = substep_schedule(options);
-  const std::vector<PassStep> last = substep, end = frame_schedule(options);
-  std::erase_if(substep, [](const PassStep& step) { return step.last_only; });
+  const std::vector<PassStep> substep = substep_schedule(options), end = frame_schedule(options);
   const auto runs_alone = [](const PassStep& step) { return tile_pass(step.pass).has_value(); };
   if (path == SolverPath::tiny && !std::ranges::all_of(substep, runs_alone)) path = SolverPath::plain;
   for (uint32_t s = 0; s < substeps; ++s) {
-    const std::vector<PassStep>& steps = s + 1 < substeps ? substep : last;
     if (path == SolverPath::tiny) {
-      planner.add_all_steps(steps, s);
+      planner.add_all_steps(substep, s);
     } else if (path == SolverPath::tiled) {
-      planner.add_tiles(steps, s);
+      planner.add_tiles(substep, s);
     } else {
-      planner.add_passes(steps, s);
+      planner.add_passes(substep, s);
     }
   }
   if (path == SolverPath::tiny) {
