@@ -106,6 +106,20 @@ std::unique_ptr<SolverBackend> make_backend(SimulationData data, const SolverSet
   return make_cpu_backend(std::move(data), settings.threads);
 }
 
+/// [m] that a collider goes in a substep; planes are too thick to slip through anything.
+float longest_way(std::span<const shader::ColliderShape> shapes) {
+  float way = 0;
+  for (const shader::ColliderShape& s : shapes)
+    if (s.kind != shader::kShapePlane) way = std::max(way, s.way);
+  return way;
+}
+
+/// A fast collider pushes many cells at once, and what one gains the next takes away: several rounds settle it.
+uint32_t cell_rounds(float way, float spacing) {
+  constexpr float kSlow = 0.1F;  // in spacings
+  return way > kSlow * spacing ? 4 : 1;
+}
+
 }  // namespace
 
 Solver::Impl::Impl(std::span<const ClothDesc> cloths, const SolverSettings& settings, const BackendFactory& factory)
@@ -304,20 +318,6 @@ void Solver::Impl::fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const {
   }
 }
 
-/// [m] that a collider goes in a substep; planes are too thick to slip through anything.
-float longest_way(std::span<const shader::ColliderShape> shapes) {
-  float way = 0;
-  for (const shader::ColliderShape& s : shapes)
-    if (s.kind != shader::kShapePlane) way = std::max(way, s.way);
-  return way;
-}
-
-/// A fast collider pushes many cells at once, and what one gains the next takes away: several rounds settle it.
-uint32_t cell_rounds(float way, float spacing) {
-  constexpr float kSlow = 0.1F;  // in spacings
-  return way > kSlow * spacing ? 4 : 1;
-}
-
 /// 2 to 4 where a collider goes so far in a substep that the cloth in its way could not follow.
 uint32_t Solver::Impl::substeps_factor() {
   constexpr float kFar = 0.2F;  // in spacings
@@ -367,12 +367,13 @@ void Solver::Impl::step() {
   collider_poses(colliders_from_, colliders_to_, substeps_, origin_, frame_.poses);
   measure_ways(frame_.shapes, frame_.poses, substeps_, kThickestCloth);
   substep_inputs(clock(), wind_, origin_, frame_.substeps);
+  const float way = longest_way(frame_.shapes);
   frame_.cloths.resize(cloths_.size());
   for (size_t c = 0; c < cloths_.size(); ++c) {
     Cloth& cloth = cloths_[c];
     const float spacing = cloth.asset->spacing * cloth.scale;
     cloth.collide_cells = cloth.collide_cells || factor > 1 || may_slip_through(frame_.shapes, spacing);
-    frame_.cloths[c].cell_rounds = cloth.collide_cells ? cell_rounds(longest_way(frame_.shapes), spacing) : 0;
+    frame_.cloths[c].cell_rounds = cloth.collide_cells ? cell_rounds(way, spacing) : 0;
     fill_cloth_frame(cloth, frame_.cloths[c]);
   }
   fall_asleep();

@@ -13,17 +13,10 @@ namespace {
 
 /// Entries of the list that a pass goes through.
 size_t length_of(const PassStep& step, const ClothState& state) {
-  switch (step.pass) {
-    case Pass::stitch:
-    case Pass::normals_stitch:
-      return state.data.split_rows();
-    case Pass::seam_bends:
-    case Pass::seam_curvature:
-    case Pass::seam_spans:
-      return state.data.seam_color_offset[step.group + 1] - state.data.seam_color_offset[step.group];
-    default:
-      return state.pixel_count();
-  }
+  if (is_over_seams(step.pass))
+    return state.data.seam_color_offset[step.group + 1] - state.data.seam_color_offset[step.group];
+  const bool over_rows = step.pass == Pass::stitch || step.pass == Pass::normals_stitch;
+  return over_rows ? state.data.split_rows() : state.pixel_count();
 }
 
 bool runs_alone(const PassStep& step, const ClothState& state) {
