@@ -67,10 +67,14 @@ uint64_t count_non_finite(const ClothAsset& asset, std::span<const Vec3> positio
 void SimulationRecorder::add_energy(Simulation& simulation) {
   Energy sum;
   std::vector<Vec3> positions, velocities;
-  for (uint32_t i = 0; i < simulation.solver().cloth_count(); ++i) {
+  meters_.resize(simulation.solver().cloth_count());
+  for (uint32_t i = 0; i < meters_.size(); ++i) {
+    const ClothDesc& cloth = simulation.cloths()[i];
+    CutMeter& meter = meters_[i];
+    if (meter.asset != cloth.asset) meter = {cloth.asset, EnergyMeter(cloth)};
     simulation.solver().read_positions(i, positions);
     simulation.solver().read_velocities(i, velocities);
-    const Energy one = measure_energy(simulation.cloths()[i], simulation.scene().gravity, positions, velocities);
+    const Energy one = meter.meter->measure(simulation.scene().gravity, positions, velocities);
     sum.kinetic += one.kinetic;
     sum.potential += one.potential;
     sum.elastic += one.elastic;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -28,7 +30,14 @@ class SimulationRecorder {
   [[nodiscard]] std::string summary(Simulation& simulation) const;
 
  private:
+  /// Of a cloth as it is cut now.
+  struct CutMeter {
+    std::shared_ptr<const ClothAsset> asset;
+    std::optional<EnergyMeter> meter;
+  };
+
   std::vector<double> frame_seconds_;
+  std::vector<CutMeter> meters_;
   std::vector<Energy> energy_;
 };
 

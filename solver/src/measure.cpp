@@ -98,9 +98,18 @@ StretchStatistics measure_stretch(const ClothAsset& asset, float scale, std::spa
   return result;
 }
 
-Energy measure_energy(const ClothDesc& cloth, const Vec3& gravity, std::span<const Vec3> positions,
-                      std::span<const Vec3> velocities) {
-  const ClothData data = make_cloth_data(cloth, {});
+struct EnergyMeter::Impl {
+  ClothData data;
+};
+
+EnergyMeter::EnergyMeter(const ClothDesc& cloth) : impl_(std::make_unique<Impl>(Impl{make_cloth_data(cloth, {})})) {}
+EnergyMeter::~EnergyMeter() = default;
+EnergyMeter::EnergyMeter(EnergyMeter&&) noexcept = default;
+EnergyMeter& EnergyMeter::operator=(EnergyMeter&&) noexcept = default;
+
+Energy EnergyMeter::measure(const Vec3& gravity, std::span<const Vec3> positions,
+                            std::span<const Vec3> velocities) const {
+  const ClothData& data = impl_->data;
   Energy energy;
   for (uint32_t p = 0; p < data.pixel_count(); ++p) {
     if (!(data.position[p].w > 0)) continue;
@@ -110,6 +119,11 @@ Energy measure_energy(const ClothDesc& cloth, const Vec3& gravity, std::span<con
   }
   energy.elastic = elastic_energy(data, positions);
   return energy;
+}
+
+Energy measure_energy(const ClothDesc& cloth, const Vec3& gravity, std::span<const Vec3> positions,
+                      std::span<const Vec3> velocities) {
+  return EnergyMeter(cloth).measure(gravity, positions, velocities);
 }
 
 uint64_t hash_state(const ClothAsset& asset, std::span<const Vec3> positions) {

@@ -181,6 +181,22 @@ struct Energy {
   /// pulls: then this is more than what it has taken up, and nothing turns it into motion.
   double elastic = 0;
 };
+/// Measures the energy of a cloth in many states: what it is made of is worked out once.
+class EnergyMeter {
+ public:
+  explicit EnergyMeter(const ClothDesc& cloth);
+  ~EnergyMeter();
+  EnergyMeter(EnergyMeter&&) noexcept;
+  EnergyMeter& operator=(EnergyMeter&&) noexcept;
+
+  [[nodiscard]] Energy measure(const Vec3& gravity, std::span<const Vec3> positions,
+                               std::span<const Vec3> velocities) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+/// The same for one state.
 [[nodiscard]] Energy measure_energy(const ClothDesc& cloth, const Vec3& gravity, std::span<const Vec3> positions,
                                     std::span<const Vec3> velocities);
 
