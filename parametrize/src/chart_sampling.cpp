@@ -111,6 +111,19 @@ PlanePlace PlaneLocator::locate(const Point2& place) const {
   return best;
 }
 
+std::optional<Point3> surface_point(const FlatSurface& flat, const PlanePlace& found, const Point2& place,
+                                    double beside) {
+  const Triangle& t = flat.triangle[found.triangle];
+  Point3 position{};
+  Point2 at{};
+  for (size_t k = 0; k < 3; ++k) {
+    position = position + flat.position[t[k]] * found.weight[k];
+    for (size_t x = 0; x < 2; ++x) at[x] += found.weight[k] * flat.uv[t[k]][x];
+  }
+  if (std::hypot(at[0] - place[0], at[1] - place[1]) > beside) return std::nullopt;
+  return position;
+}
+
 std::vector<Point2> sampling_places(const FlatSurface& flat, const FlatChart& chart) {
   std::vector<Pixel> chain;
   std::vector<Point2> place;

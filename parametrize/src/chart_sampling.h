@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "geocloth/parametrize/flatten.h"
@@ -28,6 +29,12 @@ class PlaneLocator {
   int32_t width_, height_;  ///< [bins] one per pixel, with a margin
   std::vector<std::vector<uint32_t>> bin_;
 };
+
+/// The point of the surface that lies at a place of a chart's plane; nothing where the chart ends farther than `beside`
+/// [pixels] before it.
+/// @param found  what the chart's locator says of the place
+[[nodiscard]] std::optional<Point3> surface_point(const FlatSurface& flat, const PlanePlace& found, const Point2& place,
+                                                  double beside);
 
 /// Where the pixels of a chart sample its plane: outline pixels at their vertex, pixels deep inside at themselves, and
 /// those between so that the grid is as even as it can be there.

@@ -123,18 +123,13 @@ class ImageFitter {
   [[nodiscard]] std::optional<Target> surface_at(const PlaneLocator& locator, const Point2& place) const {
     constexpr double kBeside = 0.02;  // [pixels]
     const PlanePlace found = locator.locate(place);
+    const std::optional<Point3> position = surface_point(flat_, found, place, kBeside);
+    if (!position) return std::nullopt;
     const Triangle& t = flat_.triangle[found.triangle];
-    Point3 position{};
-    Point2 at{};
-    for (std::size_t k = 0; k < 3; ++k) {
-      position = position + flat_.position[t[k]] * found.weight[k];
-      for (std::size_t x = 0; x < 2; ++x) at[x] += found.weight[k] * flat_.uv[t[k]][x];
-    }
-    if (std::hypot(at[0] - place[0], at[1] - place[1]) > kBeside) return std::nullopt;
     const Point3 normal =
         cross(flat_.position[t[1]] - flat_.position[t[0]], flat_.position[t[2]] - flat_.position[t[0]]);
     const double l = length(normal);
-    return Target{place, position, l > 0 ? normal * (1 / l) : normal};
+    return Target{place, *position, l > 0 ? normal * (1 / l) : normal};
   }
 
   /// Places spread evenly over a grid triangle: the middles of the triangles that its edges' division makes.

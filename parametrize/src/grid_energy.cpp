@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The energy of an elastic grid: every right angle of it has one for the length of its two edges and for its angle.
-// Angles are counted by an almost linear norm (Charbonnier): where the outline runs askew some cell has to be askew
-// too, and one such cell is better than four that are so a little.
+// Angles are counted by a norm that gives up on the few that cannot be mended (Cauchy): where the outline runs askew
+// some cell has to be askew too, and one such cell is better than four that are so a little.
 #include "grid_energy.h"
 
 #include <algorithm>

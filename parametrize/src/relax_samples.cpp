@@ -191,13 +191,14 @@ class SampleRelaxation {
 
   /// Takes the step or a part of it, where that is better.
   void try_step(uint32_t pixel, const Point2& step) {
+    constexpr double kBeyond = 1e-6;  // [pixels] of the chart's edge
     const Point2 place = raster_.place[pixel];
     const Point3 position = raster_.position[pixel];
     const double before = energy(pixel);
     for (const double share : {1.0, 0.5, 0.25}) {
       const Point2 trial{place[0] + share * step[0], place[1] + share * step[1]};
       const PlanePlace found = locator_[raster_.chart[pixel]].locate(trial);
-      const auto at = position_at(found, trial);
+      const auto at = surface_point(flat_, found, trial, kBeyond);
       if (!at) continue;
       raster_.place[pixel] = trial;
       raster_.position[pixel] = *at;
@@ -208,20 +209,6 @@ class SampleRelaxation {
     }
     raster_.place[pixel] = place;
     raster_.position[pixel] = position;
-  }
-
-  /// Nothing beyond the chart's edge.
-  [[nodiscard]] std::optional<Point3> position_at(const PlanePlace& found, const Point2& place) const {
-    constexpr double kBeyond = 1e-6;  // [pixels]
-    const Triangle& t = flat_.triangle[found.triangle];
-    Point3 position{};
-    Point2 at{};
-    for (std::size_t k = 0; k < 3; ++k) {
-      position = position + flat_.position[t[k]] * found.weight[k];
-      for (std::size_t x = 0; x < 2; ++x) at[x] += found.weight[k] * flat_.uv[t[k]][x];
-    }
-    if (std::hypot(at[0] - place[0], at[1] - place[1]) > kBeyond) return std::nullopt;
-    return position;
   }
 
   const FlatSurface& flat_;
