@@ -3,6 +3,7 @@
 // friction, terminal velocity, cut invariance, a fast ball. The references are those of the tests of the cpu.
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -76,20 +77,11 @@ TEST_F(VulkanPhysicsTest, MomentumOfFreeClothStaysHoweverItIsCut) {
     const ClothDesc cloth = test::describe(
         test::make_sheet({.nx = 9, .ny = 9, .charts_x = charts_x, .charts_y = charts_y}), test::undamped());
     Solver solver = make(cloth, 30, true, {});
-    const std::vector<Vec3> x = test::positions_of(solver);
-    std::vector<Vec3> v(x.size());
-    for (uint32_t p = 0; p < x.size(); ++p) {
-      if (!cloth.asset->valid(p)) continue;
-      v[p] = 3.F * Vec3{0.3F - x[p].y + 1.5F * x[p].x, x[p].x + x[p].y, 1.5F * x[p].x * x[p].y + 0.5F * x[p].x};
-    }
-    solver.write_state(0, x, v);
+    test::spin_stretch_and_bend(solver, cloth);
     const test::Momentum before = test::momentum_of(solver, cloth);
     test::run(solver, 30);
     const test::Momentum after = test::momentum_of(solver, cloth);
-    for (size_t k = 0; k < 3; ++k) {
-      EXPECT_NEAR(after.linear[k], before.linear[k], 1e-4 * before.linear_scale) << charts_x << ' ' << k;
-      EXPECT_NEAR(after.angular[k], before.angular[k], 1e-4 * before.angular_scale) << charts_x << ' ' << k;
-    }
+    test::expect_same_momentum(after, before, std::to_string(charts_x) + " charts wide");
   }
 }
 

@@ -4,7 +4,11 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <string>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 #include "solver/solver_fixture.h"
 
@@ -45,6 +49,25 @@ inline Momentum momentum_of(Solver& solver, const ClothDesc& cloth) {
     sum.angular_scale += mass[p] * std::hypot(r[0], r[1], r[2]) * std::hypot(u[0], u[1], u[2]);
   }
   return sum;
+}
+
+/// To 1e-4 of what they are measured by.
+inline void expect_same_momentum(const Momentum& after, const Momentum& before, const std::string& where) {
+  for (size_t k = 0; k < 3; ++k) {
+    EXPECT_NEAR(after.linear[k], before.linear[k], 1e-4 * before.linear_scale) << where << ' ' << k;
+    EXPECT_NEAR(after.angular[k], before.angular[k], 1e-4 * before.angular_scale) << where << ' ' << k;
+  }
+}
+
+/// A lively start: the cloth spins once in two seconds, is stretched and sheared at 3 m/s and bends.
+inline void spin_stretch_and_bend(Solver& solver, const ClothDesc& cloth) {
+  const std::vector<Vec3> x = positions_of(solver);
+  std::vector<Vec3> v(x.size());
+  for (uint32_t p = 0; p < x.size(); ++p) {
+    if (!cloth.asset->valid(p)) continue;
+    v[p] = 3.F * Vec3{0.3F - x[p].y + 1.5F * x[p].x, x[p].x + x[p].y, 1.5F * x[p].x * x[p].y + 0.5F * x[p].x};
+  }
+  solver.write_state(0, x, v);
 }
 
 }  // namespace geocloth::test
