@@ -143,6 +143,8 @@ inline MovedCorner push_corner(ColliderPose before, ColliderPose after, vec3 now
   return r;
 }
 
+const float kLargestLever = 4.0f;  // way of a corner against that of the point that it lifts; 1.4 where all are free
+
 // One contact of the point of these weights.
 // @param start  the corners when the substep began, in the collider's frame of then
 // @param w      inverse masses of the corners
@@ -155,7 +157,9 @@ inline MovedTriangle push_point(ColliderSet set, ClothParams params, ColliderSha
   precise float sum = dot3(share, weights);
   if (!contact.touches || sum <= 0.0f) return t;
   precise float approach = max(dot3(p0 - p1, contact.normal), 0.0f) + shape.way + kLiftSpeed * params.dt;
-  precise float push = min(contact.depth, approach) * (1.0f / sum);
+  // Where only a corner with little weight is free it would be thrown far to lift the point by a little.
+  precise float heaviest = max(share.x, max(share.y, share.z));
+  precise float push = min(contact.depth, approach) * (1.0f / max(sum, heaviest * (1.0f / kLargestLever)));
   vec3 n = rotate_to_world(after, contact.normal);
   MovedCorner a = push_corner(before, after, t.a, t.start_a, n, contact.normal, push * share.x);
   MovedCorner b = push_corner(before, after, t.b, t.start_b, n, contact.normal, push * share.y);
