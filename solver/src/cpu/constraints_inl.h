@@ -34,17 +34,128 @@ struct Multipliers<false, D> {
 };
 
 /// Factor of a constraint's direction: the change of its multiplier, 0 where it does not exist, over its length.
-/// @param weight  of the error
-template <bool kSeveral, class D>
+/// @param weigh  weigh(error): the share of it to remove
+template <bool kSeveral, class D, class Weigh>
 HWY_INLINE Vec<D> change_over_length(D d, Vec<D> l, Vec<D> rest, Vec<D> inverse, const float* compliance,
-                                     const Multipliers<kSeveral, D>& multipliers, Vec<D> weight, bool weighted) {
+                                     const Multipliers<kSeveral, D>& multipliers, const Weigh& weigh) {
   // Where the inverse is 0 so are rest and compliance, and with them the change.
   const auto exists = hn::Gt(l, hn::Set(d, 1e-12F));
   auto error = hn::Sub(l, rest);
   if constexpr (kSeveral) error = hn::Add(error, hn::Mul(hn::LoadU(d, compliance), multipliers.so_far(d)));
-  const auto change = hn::Mul(weighted ? hn::Mul(weight, error) : error, inverse);
+  const auto change = hn::Mul(weigh(error), inverse);
   if constexpr (kSeveral) multipliers.keep(d, hn::Sub(multipliers.so_far(d), hn::IfThenElseZero(exists, change)));
   return hn::IfThenElseZero(exists, hn::Mul(change, hn::Div(hn::Set(d, 1.F), l)));
+}
+
+/// Where the points are, as values of their own: behind a reference the compiler would have to read every pointer again
+/// after each store.
+struct PointBase {
+  float *x, *y, *z;
+  const float* inverse_mass;
+
+  HWY_INLINE PointBase(ClothState& state, size_t offset)
+      : x(state.position.x.data() + offset),
+        y(state.position.y.data() + offset),
+        z(state.position.z.data() + offset),
+        inverse_mass(state.inverse_mass.data() + offset) {}
+  [[nodiscard]] HWY_INLINE PointRow at(size_t i) const { return {x + i, y + i, z + i}; }
+};
+
+/// Floats of a block's constants.
+constexpr size_t spring_floats(size_t lanes, bool several) {
+  return (several ? 3 : 2) * lanes;
+}
+constexpr size_t bend_floats(size_t lanes, bool several) {
+  return (several ? 4 : 3) * lanes;
+}
+
+/// How the springs of a row are gone through: at places first, first + kStep, ... before last.
+/// Any springs: a place is a block's number.
+template <size_t kLanes, bool kSomeSteps>
+struct Listed {
+  static constexpr bool kSeveral = kSomeSteps;  ///< relaxation steps
+  static constexpr bool kWhole = false;
+  static constexpr size_t kStep = 1;
+
+  HWY_INLINE Listed(const SweepOp& op, uint32_t first_block, uint32_t last_block)
+      : pixels(op.stream->pixel.data()), constants(op.stream->constants.data()), first(first_block), last(last_block) {}
+  [[nodiscard]] HWY_INLINE size_t pixel(size_t place) const { return pixels[place]; }
+  [[nodiscard]] HWY_INLINE const float* constants_of(size_t place) const {
+    return constants + place * spring_floats(kLanes, kSeveral);
+  }
+
+  const uint32_t* pixels;
+  const float* constants;
+  size_t origin = 0, first, last;
+};
+/// Most: each block begins where the one before ends, so many columns further, and all of a spring's error is removed.
+/// A place is its distance from the first one, so that one number leads to all addresses; they were a quarter of the
+/// instructions.
+template <size_t kLanes, size_t kColumns>
+struct Following {
+  static constexpr bool kSeveral = false;
+  static constexpr bool kWhole = true;
+  static constexpr size_t kStep = kColumns;
+
+  HWY_INLINE Following(const SweepOp& op, uint32_t first_block, uint32_t last_block)
+      : constants(op.stream->constants.data() + first_block * spring_floats(kLanes, false)),
+        origin(op.stream->pixel[first_block]),
+        last((last_block - first_block) * kColumns) {}
+  [[nodiscard]] HWY_INLINE size_t pixel(size_t place) const { return place; }
+  [[nodiscard]] HWY_INLINE const float* constants_of(size_t place) const {
+    return constants + place * (spring_floats(kLanes, false) / kColumns);
+  }
+
+  const float* constants;
+  size_t origin, first = 0, last;  ///< origin: to add to pixels
+};
+
+/// lib/spring.h with inverse = 1 / (wa + wb + compliance), 0 where there is no spring.
+template <class Where, class D>
+HWY_INLINE Vec<D> spring_factor(D d, const SweepOp& op, const Where& where, size_t place, Vec<D> length, Vec<D> share) {
+  const size_t lanes = hn::Lanes(d);
+  const float* const constants = where.constants_of(place);
+  return change_over_length(d, length, hn::LoadU(d, constants), hn::LoadU(d, constants + lanes), constants + 2 * lanes,
+                            Multipliers<Where::kSeveral, D>(op, place, lanes), [&](Vec<D> error) GEOCLOTH_LANES {
+                              if constexpr (Where::kWhole) return error;
+                              return hn::Mul(share, error);
+                            });
+}
+template <class D>
+HWY_INLINE void apply_spring(D d, Vec<D> factor, Points<D>& a, Vec<D> wa, Points<D>& b, Vec<D> wb) {
+  const Points<D> step = scale(d, sub(b, a), factor);
+  a = add(a, scale(d, step, wa));
+  b = sub(b, scale(d, step, wb));
+}
+
+/// length(place), factor(place, length) and apply(place, factor) for all blocks, one or two blocks ahead of the next:
+/// what has to wait for a root or a division would fill the processor's queues. Blocks may share pixels, but no
+/// constraint's: what length() has read is not changed until apply() reads it again.
+template <class D, class Where, class Length, class Factor, class Apply>
+HWY_INLINE void in_turn(D d, const Where& where, const Length& length, const Factor& factor, const Apply& apply) {
+  constexpr size_t kStep = Where::kStep;
+  const size_t last = where.last;
+  size_t p = where.first;
+  if (p >= last) return;
+  const auto length_before_end = [&](size_t place)
+                                     GEOCLOTH_LANES { return place < last ? length(place) : hn::Zero(d); };
+  Vec<D> now = factor(p, length(p));
+  Vec<D> next = length_before_end(p + kStep), after_next = length_before_end(p + 2 * kStep);
+  for (; p + 3 * kStep < last; p += kStep) {
+    const Vec<D> newest = length(p + 3 * kStep);
+    const Vec<D> soon = factor(p + kStep, next);
+    apply(p, now);
+    next = after_next;
+    after_next = newest;
+    now = soon;
+  }
+  for (;;) {
+    apply(p, now);
+    p += kStep;
+    if (p >= last) return;
+    now = factor(p, next);
+    next = after_next;
+  }
 }
 
 /// A constraint's direction and length, for as many as a vector has lanes. Members one by one, because compilers copy
@@ -69,19 +180,6 @@ struct Ways {
   HWY_INLINE Points<D> scaled(Vec<D> s) const { return {hn::Mul(x, s), hn::Mul(y, s), hn::Mul(z, s)}; }
 };
 
-/// lib/spring.h with inverse = 1 / (wa + wb + compliance), 0 where there is no spring.
-template <bool kSeveral, class D>
-HWY_INLINE void project_spring(D d, const Ways<D>& ways, Points<D>& a, Vec<D> wa, Points<D>& b, Vec<D> wb,
-                               const float* constants, const Multipliers<kSeveral, D>& multipliers, Vec<D> share) {
-  const size_t lanes = hn::Lanes(d);
-  const auto rest = hn::LoadU(d, constants), inverse = hn::LoadU(d, constants + lanes);
-  const auto factor =
-      change_over_length(d, ways.length, rest, inverse, constants + 2 * lanes, multipliers, share, true);
-  const Points<D> step = ways.scaled(factor);
-  a = add(a, scale(d, step, wa));
-  b = sub(b, scale(d, step, wb));
-}
-
 /// lib/bend.h with inverse = 1 / (w + compliance), 0 where there is no bend.
 template <class D>
 HWY_INLINE Points<D> bend_way(D d, const Points<D>& a, const Points<D>& middle, const Points<D>& b,
@@ -96,8 +194,8 @@ HWY_INLINE void project_bend(D d, const Ways<D>& ways, Points<D>& a, Vec<D> wa, 
   const size_t lanes = hn::Lanes(d);
   const auto rest = hn::LoadU(d, constants), inverse = hn::LoadU(d, constants + lanes);
   const auto chord = hn::LoadU(d, constants + 2 * lanes), back = hn::Sub(hn::Set(d, 1.F), chord);
-  const auto factor =
-      change_over_length(d, ways.length, rest, inverse, constants + 3 * lanes, multipliers, rest, false);
+  const auto factor = change_over_length(d, ways.length, rest, inverse, constants + 3 * lanes, multipliers,
+                                         [](Vec<D> error) GEOCLOTH_LANES { return error; });
   const Points<D> step = ways.scaled(factor);
   a = sub(a, scale(d, step, hn::Mul(wa, back)));
   middle = add(middle, scale(d, step, wm));
@@ -118,28 +216,6 @@ HWY_INLINE void overlapped(uint32_t first, uint32_t last, const Begin& begin, co
     now.take(next);
   }
   finish(last - 1, now);
-}
-
-/// Where the points and a stream's blocks are, as values of their own: behind a reference the compiler would have to
-/// read every pointer again after each store.
-struct PointBase {
-  float *x, *y, *z;
-  const float* inverse_mass;
-
-  explicit PointBase(ClothState& state)
-      : x(state.position.x.data()),
-        y(state.position.y.data()),
-        z(state.position.z.data()),
-        inverse_mass(state.inverse_mass.data()) {}
-  [[nodiscard]] HWY_INLINE PointRow at(size_t i) const { return {x + i, y + i, z + i}; }
-};
-
-/// Floats of a block's constants.
-constexpr size_t spring_floats(size_t lanes, bool several) {
-  return (several ? 3 : 2) * lanes;
-}
-constexpr size_t bend_floats(size_t lanes, bool several) {
-  return (several ? 4 : 3) * lanes;
 }
 
 /// Even and odd columns of two vectors: within 128 bits those of the first one, then those of the second one.
@@ -272,54 +348,56 @@ struct Blocks {
   size_t floats;  ///< of a block's constants
 
   Blocks(const SweepOp& op, ClothState& state, size_t block_floats)
-      : points(state), pixel(op.stream->pixel.data()), constants(op.stream->constants.data()), floats(block_floats) {}
+      : points(state, 0),
+        pixel(op.stream->pixel.data()),
+        constants(op.stream->constants.data()),
+        floats(block_floats) {}
   [[nodiscard]] HWY_INLINE const float* constants_of(uint32_t block) const { return constants + block * floats; }
 };
 
-template <bool kSeveral, class D>
+template <class Where, class D>
 HWY_NOINLINE void springs_across(D d, const SweepOp& op, ClothState& state, uint32_t first, uint32_t last) {
+  const Where where(op, first, last);
+  const PointBase up(state, where.origin), down(state, where.origin + op.offset);
   const auto share = hn::Set(d, op.share);
-  const size_t lanes = hn::Lanes(d), offset = op.offset;
-  const Blocks blocks(op, state, spring_floats(lanes, kSeveral));
-  const PointBase& points = blocks.points;
-  overlapped<Ways<D>>(
-      first, last,
-      [&](uint32_t k, Ways<D>& ways) GEOCLOTH_LANES {
-        const size_t i = blocks.pixel[k];
-        ways.set(d, sub(load(d, points.at(i + offset)), load(d, points.at(i))));
+  in_turn(
+      d, where,
+      [&](size_t place) GEOCLOTH_LANES {
+        const size_t i = where.pixel(place);
+        return length(d, sub(load(d, down.at(i)), load(d, up.at(i))));
       },
-      [&](uint32_t k, const Ways<D>& ways) GEOCLOTH_LANES {
-        const size_t i = blocks.pixel[k], j = i + offset;
-        const PointRow pa = points.at(i), pb = points.at(j);
-        Points<D> a = load(d, pa), b = load(d, pb);
-        project_spring(d, ways, a, hn::LoadU(d, points.inverse_mass + i), b, hn::LoadU(d, points.inverse_mass + j),
-                       blocks.constants_of(k), Multipliers<kSeveral, D>(op, k, lanes), share);
-        store(d, a, pa);
-        store(d, b, pb);
+      [&](size_t place, Vec<D> l) GEOCLOTH_LANES { return spring_factor(d, op, where, place, l, share); },
+      [&](size_t place, Vec<D> factor) GEOCLOTH_LANES {
+        const size_t i = where.pixel(place);
+        Points<D> a = load(d, up.at(i)), b = load(d, down.at(i));
+        apply_spring(d, factor, a, hn::LoadU(d, up.inverse_mass + i), b, hn::LoadU(d, down.inverse_mass + i));
+        store(d, a, up.at(i));
+        store(d, b, down.at(i));
       });
 }
 
-template <size_t kColumns, bool kSeveral, class D>
+template <size_t kColumns, class Where, class D>
 HWY_NOINLINE void springs_along(D d, const SweepOp& op, ClothState& state, uint32_t first, uint32_t last) {
+  const Where where(op, first, last);
+  const PointBase points(state, where.origin);
   const auto share = hn::Set(d, op.share);
-  const size_t lanes = hn::Lanes(d);
-  const Blocks blocks(op, state, spring_floats(lanes, kSeveral));
-  const PointBase& points = blocks.points;
-  overlapped<Ways<D>>(
-      first, last,
-      [&](uint32_t k, Ways<D>& ways) GEOCLOTH_LANES {
-        const PointRow p = points.at(blocks.pixel[k]);
+  in_turn(
+      d, where,
+      [&](size_t place) GEOCLOTH_LANES {
+        const PointRow p = points.at(where.pixel(place));
         const Ends<D> x = take_apart<kColumns>(d, p.x), y = take_apart<kColumns>(d, p.y);
         const Ends<D> z = take_apart<kColumns>(d, p.z);
-        ways.set(d, Points<D>{hn::Sub(x.b, x.a), hn::Sub(y.b, y.a), hn::Sub(z.b, z.a)});
+        return length(d, Points<D>{hn::Sub(x.b, x.a), hn::Sub(y.b, y.a), hn::Sub(z.b, z.a)});
       },
-      [&](uint32_t k, const Ways<D>& ways) GEOCLOTH_LANES {
-        const PointRow p = points.at(blocks.pixel[k]);
+      [&](size_t place, Vec<D> l) GEOCLOTH_LANES { return spring_factor(d, op, where, place, l, share); },
+      [&](size_t place, Vec<D> factor) GEOCLOTH_LANES {
+        const size_t i = where.pixel(place);
+        const PointRow p = points.at(i);
         const Ends<D> x = take_apart<kColumns>(d, p.x), y = take_apart<kColumns>(d, p.y);
         const Ends<D> z = take_apart<kColumns>(d, p.z);
-        const Ends<D> w = take_apart<kColumns>(d, points.inverse_mass + blocks.pixel[k]);
+        const Ends<D> w = take_apart<kColumns>(d, points.inverse_mass + i);
         Points<D> a{x.a, y.a, z.a}, b{x.b, y.b, z.b};
-        project_spring(d, ways, a, w.a, b, w.b, blocks.constants_of(k), Multipliers<kSeveral, D>(op, k, lanes), share);
+        apply_spring(d, factor, a, w.a, b, w.b);
         put_together<kColumns>(d, a.x, b.x, p.x);
         put_together<kColumns>(d, a.y, b.y, p.y);
         put_together<kColumns>(d, a.z, b.z, p.z);
@@ -414,7 +492,7 @@ HWY_NOINLINE void limit(D d, const SweepOp& op, ClothState& state, const float* 
   const hn::RebindToSigned<D> di;
   const size_t lanes = hn::Lanes(d);
   const auto one = hn::Set(d, 1.F);
-  const PointBase points(state);
+  const PointBase points(state, 0);
   const RowStream& stream = *op.stream;
   const uint32_t* const pixel = stream.pixel.data();
   const uint32_t* const first_anchor = stream.first_anchor.data();

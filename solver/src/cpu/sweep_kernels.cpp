@@ -33,6 +33,20 @@ uint32_t lanes_here() {
 
 #else
 
+template <class T>
+struct Chosen {
+  using Type = T;
+};
+/// Calls body(Chosen<Where>()) with the fastest way through the springs of a row, whose blocks reach over `kVectors` of
+/// columns. The kernel makes the Where: to hand it over goes through memory, in pieces that are read as a whole.
+template <size_t kVectors, class D, class Body>
+HWY_INLINE void with_where(D, const SweepOp& op, uint32_t y, const Body& body) {
+  constexpr size_t kLanes = hn::MaxLanes(D()), kColumns = kVectors * kLanes;
+  if (op.multipliers != nullptr) return body(Chosen<Listed<kLanes, true>>());
+  if (op.share == 1 && op.stream->following[y] != 0) return body(Chosen<Following<kLanes, kColumns>>());
+  body(Chosen<Listed<kLanes, false>>());
+}
+
 template <class D>
 HWY_INLINE void run_row(D d, const SweepFrame& frame, const SweepOp& op, uint32_t substep, uint32_t y) {
   ClothState& state = *frame.state;
@@ -54,13 +68,19 @@ HWY_INLINE void run_row(D d, const SweepFrame& frame, const SweepOp& op, uint32_
       if (first < last) move_pins(frame.contexts[substep], state, first, last);
       break;
     case RowKernel::springs_across:
-      several ? springs_across<true>(d, op, state, first, last) : springs_across<false>(d, op, state, first, last);
+      with_where<1>(d, op, y, [&](auto where) GEOCLOTH_LANES {
+        springs_across<typename decltype(where)::Type>(d, op, state, first, last);
+      });
       break;
     case RowKernel::springs_along:
-      several ? springs_along<1, true>(d, op, state, first, last) : springs_along<1, false>(d, op, state, first, last);
+      with_where<2>(d, op, y, [&](auto where) GEOCLOTH_LANES {
+        springs_along<1, typename decltype(where)::Type>(d, op, state, first, last);
+      });
       break;
     case RowKernel::springs_along_two:
-      several ? springs_along<2, true>(d, op, state, first, last) : springs_along<2, false>(d, op, state, first, last);
+      with_where<2>(d, op, y, [&](auto where) GEOCLOTH_LANES {
+        springs_along<2, typename decltype(where)::Type>(d, op, state, first, last);
+      });
       break;
     case RowKernel::bends_across:
       several ? bends_across<true>(d, op, state, first, last) : bends_across<false>(d, op, state, first, last);

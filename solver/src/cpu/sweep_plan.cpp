@@ -12,6 +12,7 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <span>
 #include <utility>
 
 #include "cpu/spans.h"
@@ -287,7 +288,18 @@ class SweepPlanner {
           });
     }
     stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
+    find_following(stream, shape.span);
     return {.kernel = kernel, .offset = offset, .share = share_of(cloth_.params, component), .stream = &stream};
+  }
+
+  static void find_following(RowStream& stream, uint32_t span) {
+    for (size_t y = 0; y + 1 < stream.row_first.size(); ++y) {
+      const auto row =
+          std::span(stream.pixel).subspan(stream.row_first[y], stream.row_first[y + 1] - stream.row_first[y]);
+      const auto gap =
+          std::adjacent_find(row.begin(), row.end(), [&](uint32_t a, uint32_t b) { return a + span != b; });
+      stream.following.push_back(!row.empty() && gap == row.end() ? 1 : 0);
+    }
   }
 
   void add_block(RowStream& stream, uint32_t first, uint32_t constants) const {
@@ -484,8 +496,8 @@ size_t SweepPlan::memory_bytes() const {
   const auto bytes = [](const auto& values) { return values.capacity() * sizeof(values.front()); };
   size_t sum = 0;
   for (const auto& s : streams_) {
-    sum += bytes(s->row_first) + bytes(s->pixel) + bytes(s->constants) + bytes(s->multipliers) + bytes(s->anchors) +
-           bytes(s->first_anchor) + bytes(s->runs);
+    sum += bytes(s->row_first) + bytes(s->pixel) + bytes(s->following) + bytes(s->constants) + bytes(s->multipliers) +
+           bytes(s->anchors) + bytes(s->first_anchor) + bytes(s->runs);
   }
   return sum;
 }
