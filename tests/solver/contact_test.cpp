@@ -15,107 +15,6 @@ namespace {
 using test::make_sheet;
 using test::SheetOptions;
 
-constexpr double kGravity = 9.81;
-
-/// Cloth on an incline; returns how far it has slid after a second [m].
-double slid(double tangent, double friction) {
-  const double angle = std::atan(tangent);
-  SheetOptions options{.nx = 9, .ny = 9, .width = 0.2F, .height = 0.2F, .charts_x = 2, .horizontal = true};
-  options.center = {0, 0.002F, 0};
-  Material material = test::undamped();
-  material.friction = static_cast<float>(friction);
-  SolverSettings settings = test::cpu_settings();
-  // Gravity is tilted instead of the plane.
-  settings.gravity = {static_cast<float>(kGravity * std::sin(angle)), static_cast<float>(-kGravity * std::cos(angle)),
-                      0};
-  Solver solver(std::vector{test::describe(make_sheet(options), material)}, settings);
-  solver.set_colliders(std::vector<Collider>{{"plane", Plane{}, static_cast<float>(friction), {}}});
-  const std::vector<Vec3> start = test::positions_of(solver);
-  test::run(solver, 60);
-  const std::vector<Vec3> end = test::positions_of(solver);
-  return end[test::sheet_pixel(options, 4, 4)].x - start[test::sheet_pixel(options, 4, 4)].x;
-}
-
-TEST(Incline, SticksBelowTheAngleOfFrictionAndSlidesByCoulombAboveIt) {
-  for (const double mu : {0.2, 0.5, 0.9}) {
-    EXPECT_NEAR(slid(0.95 * mu, mu), 0, 1e-3) << mu;
-    for (const double tangent : {1.1 * mu, 2 * mu}) {
-      const double angle = std::atan(tangent);
-      const double acceleration = kGravity * (std::sin(angle) - mu * std::cos(angle));
-      EXPECT_NEAR(slid(tangent, mu), 0.5 * acceleration, 0.02 * 0.5 * acceleration + 1e-3) << mu << ' ' << tangent;
-    }
-  }
-}
-
-TEST(Incline, WithoutFrictionNothingHolds) {
-  EXPECT_NEAR(slid(0.1, 0), 0.5 * kGravity * std::sin(std::atan(0.1)), 0.01);
-}
-
-/// Capstan: a strip over a horizontal cylinder, half a turn. At which ratio of the loads on its ends does it begin to
-/// slide? The load is gravity on hanging lengths, so the longer end is cut back until the strip stays.
-/// @return shift of the strip [m] in a second, the long end's length being `ratio` times the short one's
-double capstan_shift(double ratio, double mu) {
-  constexpr double kRadius = 0.1, kShort = 0.1;
-  const double arc = std::numbers::pi * kRadius;
-  const double length = kShort + arc + ratio * kShort;
-  const SheetOptions options{.nx = 4,
-                             .ny = static_cast<uint32_t>(std::lround(length / 0.02)) + 1,
-                             .width = 0.06F,
-                             .height = static_cast<float>(length)};
-  const ClothAsset asset = make_sheet(options);
-  Material material;
-  material.damping = 0.5F;
-  material.friction = static_cast<float>(mu);
-  material.stretch_warp = material.stretch_weft = 3000;
-  material.bend_warp = material.bend_weft = 0;
-  material.thickness = 0;
-  SolverSettings settings = test::cpu_settings();
-  settings.substeps = 32;
-  settings.relaxation_steps = 8;
-  Solver solver(std::vector{test::describe(asset, material)}, settings);
-  std::vector<Vec3> x(asset.pixel_count());
-  for (uint32_t j = 0; j < options.ny; ++j)
-    for (uint32_t i = 0; i < options.nx; ++i) {
-      const double s = length * j / (options.ny - 1) - kShort;  // along the arc from where it touches
-      const double z = 0.02 * i;
-      Vec3 p{static_cast<float>(-kRadius), static_cast<float>(s), static_cast<float>(z)};
-      if (s > arc) p = {static_cast<float>(kRadius), static_cast<float>(arc - s), static_cast<float>(z)};
-      if (s > 0 && s <= arc) {
-        const double angle = s / kRadius;
-        p = {static_cast<float>(-kRadius * std::cos(angle)), static_cast<float>(kRadius * std::sin(angle)),
-             static_cast<float>(z)};
-      }
-      x[test::sheet_pixel(options, i, j)] = p;
-    }
-  solver.write_state(0, x, std::vector<Vec3>(x.size()));
-  solver.set_colliders(
-      std::vector<Collider>{{"cylinder",
-                             Capsule{{0, 0, -2}, {0, 0, 2}, static_cast<float>(kRadius), static_cast<float>(kRadius)},
-                             static_cast<float>(mu),
-                             {}}});
-  test::run(solver, 60);
-  const uint32_t end = test::sheet_pixel(options, 1, options.ny - 1);
-  return x[end].y - test::positions_of(solver)[end].y;
-}
-
-TEST(Capstan, HoldsBelowAndSlidesAboveTheExponentialOfTheAngle) {
-  // Equilibrium of a heavy strip on a cylinder: dT/dphi = mu (T + w r sin) + w r cos, T falling by w times the height.
-  // From the short end T0 = w l up to the long end T1: integrated numerically, as no weight may be left out.
-  constexpr double kRadius = 0.1, kShort = 0.1;
-  for (const double mu : {0.2, 0.3}) {
-    double tension = kShort;  // in units of the weight per length
-    constexpr int kSteps = 20000;
-    for (int i = 0; i < kSteps; ++i) {
-      const double phi = std::numbers::pi * (i + 0.5) / kSteps;
-      const double normal = tension + kRadius * std::sin(phi);  // tension is over the radius, the weight presses too
-      tension += (mu * normal + kRadius * std::cos(phi)) * std::numbers::pi / kSteps;
-    }
-    const double critical = tension / kShort;
-    EXPECT_LT(capstan_shift(0.95 * critical, mu), 0.01) << "mu " << mu << " critical " << critical;
-    EXPECT_GT(capstan_shift(1.05 * critical, mu), 0.03) << "mu " << mu << " critical " << critical;
-  }
-}
-
 /// How often a ray from a point along +z meets the sheet.
 uint32_t layers_ahead(const SheetOptions& options, const std::vector<Vec3>& x, const Vec3& from) {
   const auto side = [&](const Vec3& p, const Vec3& q) {
@@ -248,18 +147,6 @@ TEST(Fast, ClothThatLiesOnAThinPlateStaysAboveItWhenThePlateIsJerkedUp) {
     solver.set_colliders(std::vector{plate});
     solver.step();
     for (const Vec3& p : test::positions_of(solver)) EXPECT_GT(p.y, plate.pose.translate.y) << f;
-  }
-}
-
-TEST(Air, ASheetThatFallsFlatEndsAtItsTerminalVelocity) {
-  for (const float drag : {1.F, 2.F}) {
-    SheetOptions options{.nx = 9, .ny = 9, .charts_x = 2, .horizontal = true};
-    Material material = test::undamped();
-    Solver solver(std::vector{test::describe(make_sheet(options), material)}, test::cpu_settings());
-    solver.set_wind({{0, 0, 0}, 0, 1, drag, 0});
-    test::run(solver, 120);
-    const double expected = std::sqrt(2 * material.areal_density * kGravity / (1.204 * drag));
-    EXPECT_NEAR(-test::velocities_of(solver)[0].y, expected, 0.01 * expected) << drag;
   }
 }
 

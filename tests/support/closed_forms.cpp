@@ -43,7 +43,7 @@ Strip make_strip(double length, uint32_t cells, bool lying, const Material& mate
   return strip;
 }
 
-Solver make_solver(const Strip& strip, const Effort& effort, const MakeSolver& make) {
+Solver solver_of(const Strip& strip, const Effort& effort, const MakeSolver& make) {
   SolverSettings settings;
   settings.substeps = effort.substeps;
   settings.relaxation_steps = effort.relaxation_steps;
@@ -90,7 +90,7 @@ Material material_of(double stretch, double damping) {
 /// A strip of 1 m and 1000 N/m that hangs from its upper edge: strain at the pins.
 double hanging_strip(const Effort& effort, const MakeSolver& make) {
   const Strip strip = make_strip(1, effort.cells, false, material_of(1000, 6));
-  Solver solver = make_solver(strip, effort, make);
+  Solver solver = solver_of(strip, effort, make);
   place(
       solver, strip,
       [&](uint32_t row) {
@@ -110,7 +110,7 @@ double hanging_strip(const Effort& effort, const MakeSolver& make) {
 /// A strip `ratio` times as long as the way between its pinned ends: sag / way.
 double catenary(double ratio, const Effort& effort, const MakeSolver& make) {
   const Strip strip = make_strip(ratio, effort.cells, true, material_of(20000, 6));
-  Solver solver = make_solver(strip, effort, make);
+  Solver solver = solver_of(strip, effort, make);
   const double depth = 0.5 * std::sqrt(ratio * ratio - 1);  // two straight halves to begin with
   place(
       solver, strip,
@@ -126,7 +126,7 @@ double catenary(double ratio, const Effort& effort, const MakeSolver& make) {
 /// A strip of 1 m that swings by a little about its upper edge, in its first mode: period [s].
 double swinging_strip(const Effort& effort, const MakeSolver& make) {
   const Strip strip = make_strip(1, effort.cells, false, material_of(5000, 0));
-  Solver solver = make_solver(strip, effort, make);
+  Solver solver = solver_of(strip, effort, make);
   constexpr double kFirstZero = 2.404825557695773;  // of the Bessel function J0
   place(
       solver, strip,
@@ -158,7 +158,7 @@ Tip cantilever(double gamma, const Effort& effort, const MakeSolver& make) {
   const double weight = kDensity * kGravity;
   material.bend_warp = material.bend_weft = static_cast<float>(weight * kLength * kLength * kLength / gamma);
   const Strip strip = make_strip(kLength * effort.cells / (effort.cells - 0.5), effort.cells, true, material);
-  Solver solver = make_solver(strip, effort, make);
+  Solver solver = solver_of(strip, effort, make);
   place(
       solver, strip,
       [&](uint32_t row) {
@@ -179,6 +179,56 @@ double chord_degrees(double gamma, const Effort& effort, const MakeSolver& make)
   return std::atan2(tip.down, tip.along) * 180 / std::numbers::pi;
 }
 
+/// A strip lies half a turn around a cylinder and hangs down on both sides; its own weight pulls at it.
+constexpr double kCylinder = 0.1, kShortEnd = 0.1;  ///< [m] radius, length of what hangs on the light side
+
+/// By how much the heavy end goes down in a second [m], when it is `ratio` times as long as the light one.
+double capstan_slip(double ratio, double mu, const Effort& effort, const MakeSolver& make) {
+  constexpr double kArc = std::numbers::pi * kCylinder;
+  Material material = material_of(3000, 0.5);
+  material.friction = static_cast<float>(mu);
+  material.thickness = 0;
+  const Strip strip = make_strip(kShortEnd + kArc + ratio * kShortEnd, effort.cells, false, material);
+  Solver solver = solver_of(strip, effort, make);
+  place(solver, strip,
+        [&](uint32_t row) {
+          const double s = strip.cell * row - kShortEnd;  // along the arc from where it touches
+          if (s <= 0) return std::pair{s, -kCylinder};
+          if (s >= kArc) return std::pair{kArc - s, kCylinder};
+          return std::pair{kCylinder * std::sin(s / kCylinder), -kCylinder * std::cos(s / kCylinder)};
+        },
+        {});
+  const auto radius = static_cast<float>(kCylinder);
+  solver.set_colliders(
+      std::vector<Collider>{{"cylinder", Capsule{{-2, 0, 0}, {2, 0, 0}, radius, radius}, static_cast<float>(mu), {}}});
+  const double end = -ratio * kShortEnd;
+  const std::vector<Vec3> x = positions_after(solver, 1);
+  return end - static_cast<double>(x[strip.pixel(strip.middle_column(), effort.cells)].y);
+}
+
+/// dT/dphi = mu (T + w r sin phi) + w r cos phi, where w is the weight of a length: no weight may be left out.
+double capstan_limit(double mu) {
+  double tension = kShortEnd;  // in units of w
+  constexpr int kSteps = 20000;
+  for (int i = 0; i < kSteps; ++i) {
+    const double phi = std::numbers::pi * (i + 0.5) / kSteps;
+    const double normal = tension + kCylinder * std::sin(phi);
+    tension += (mu * normal + kCylinder * std::cos(phi)) * std::numbers::pi / kSteps;
+  }
+  return tension / kShortEnd;
+}
+
+/// How many times as long as the light end the heavy one may be before the strip slides, to one in a hundred.
+double capstan(double mu, const Effort& effort, const MakeSolver& make) {
+  constexpr double kSlides = 0.02;  // [m]
+  double holds = 0.8 * capstan_limit(mu), slides = 1.25 * capstan_limit(mu);
+  for (int i = 0; i < 5; ++i) {
+    const double middle = 0.5 * (holds + slides);
+    (capstan_slip(middle, mu, effort, make) < kSlides ? holds : slides) = middle;
+  }
+  return 0.5 * (holds + slides);
+}
+
 std::string number(double value) {
   std::string text = std::to_string(value);
   text.erase(text.find_last_not_of('0') + 1);
@@ -193,55 +243,88 @@ std::vector<ClosedForm> make_closed_forms() {
                    kDensity * kGravity * 1 / 1000,
                    0.02,
                    {16, 32, 8},
+                   {8, 16, 4},
+                   {},
                    "rho g L / K",
                    hanging_strip});
-  const std::pair<double, double> sags[]{
-      {1.05, 0.13930}, {1.1, 0.20030}, {1.25, 0.33180}, {1.5, 0.50263}, {2, 0.79639}};
-  for (const auto& [ratio, sag] : sags) {
-    std::string name = "catenary_" + number(ratio);
+  struct Sag {
+    double ratio, sag;
+    Effort least;
+    std::optional<Effort> single;
+  };
+  const Sag sags[]{{1.05, 0.13930, {16, 16, 4}, {}},
+                   {1.1, 0.20030, {16, 16, 2}, {}},
+                   {1.25, 0.33180, {16, 16, 1}, Effort{8, 16, 1}},
+                   {1.5, 0.50263, {16, 16, 1}, {}},
+                   {2, 0.79639, {16, 16, 1}, {}}};
+  for (const Sag& s : sags) {
+    std::string name = "catenary_" + number(s.ratio);
     std::ranges::replace(name, '.', '_');
     forms.push_back({name,
-                     "sag / span at length / span " + number(ratio),
-                     sag,
+                     "sag / span at length / span " + number(s.ratio),
+                     s.sag,
                      0.01,
                      {32, 32, 8},
+                     s.least,
+                     s.single,
                      "catenary",
-                     [r = ratio](const Effort& e, const MakeSolver& make) { return catenary(r, e, make); }});
+                     [r = s.ratio](const Effort& e, const MakeSolver& make) { return catenary(r, e, make); }});
   }
   forms.push_back({"swinging_strip",
                    "period of the first mode [s]",
                    1.6684,
                    0.02,
                    {16, 16, 4},
+                   {8, 8, 2},
+                   Effort{8, 8, 1},
                    "4 pi sqrt(L / g) / j01 (Bernoulli's hanging chain)",
                    swinging_strip});
-  const std::pair<double, double> droops[]{{1, 0.1246}, {2, 0.2467}, {5, 0.5857}, {10, 1.0668}, {20, 1.8639}};
-  for (const auto& [gamma, ratio] : droops) {
-    forms.push_back({"cantilever_" + number(gamma),
-                     "height / width at Gamma " + number(gamma),
-                     ratio,
+  struct Droop {
+    double gamma, ratio;
+    Effort least;
+  };
+  const Droop droops[]{{1, 0.1246, {8, 16, 4}},
+                       {2, 0.2467, {8, 16, 2}},
+                       {5, 0.5857, {8, 16, 2}},
+                       {10, 1.0668, {8, 16, 2}},
+                       {20, 1.8639, {8, 16, 2}}};
+  for (const Droop& d : droops) {
+    forms.push_back({"cantilever_" + number(d.gamma),
+                     "height / width at Gamma " + number(d.gamma),
+                     d.ratio,
                      0.03,
                      {16, 32, 8},
+                     d.least,
+                     {},
                      "heavy elastica, Gamma = w L^3 / B",
-                     [g = gamma](const Effort& e, const MakeSolver& make) { return droop(g, e, make); }});
+                     [g = d.gamma](const Effort& e, const MakeSolver& make) { return droop(g, e, make); }});
   }
   forms.push_back({"chord_8",
                    "angle of the chord [degrees] at Gamma 8",
                    41.5,
                    0.03,
                    {12, 32, 4},
+                   {8, 16, 2},
+                   {},
                    "ASTM D1388: bending length = half the overhang at 41.5 degrees",
                    [](const Effort& e, const MakeSolver& make) { return chord_degrees(8, e, make); }});
+  for (const double mu : {0.2, 0.3}) {
+    std::string name = "capstan_" + number(mu);
+    std::ranges::replace(name, '.', '_');
+    forms.push_back({name,
+                     "load / load at which it slides, friction " + number(mu),
+                     capstan_limit(mu),
+                     0.05,
+                     {37, 32, 8},
+                     {18, 16, 2},
+                     {},
+                     "exp(mu pi), and the weight of the strip on the cylinder",
+                     [mu](const Effort& e, const MakeSolver& make) { return capstan(mu, e, make); }});
+  }
   return forms;
 }
 
 }  // namespace
-
-Solver make_cpu_solver(std::span<const ClothDesc> cloths, const SolverSettings& settings) {
-  SolverSettings on_cpu = settings;
-  on_cpu.backend = Backend::cpu;
-  return {cloths, on_cpu};
-}
 
 std::span<const ClosedForm> closed_forms() {
   static const std::vector<ClosedForm> forms = make_closed_forms();

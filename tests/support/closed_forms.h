@@ -5,10 +5,11 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 
-#include "geocloth/solver/solver.h"
+#include "support/make_solver.h"
 
 namespace geocloth::test {
 
@@ -19,17 +20,15 @@ struct Effort {
   uint32_t relaxation_steps = 8;
 };
 
-/// The solver to measure: its backend is the maker's business.
-using MakeSolver = std::function<Solver(std::span<const ClothDesc>, const SolverSettings&)>;
-[[nodiscard]] Solver make_cpu_solver(std::span<const ClothDesc> cloths, const SolverSettings& settings);
-
 struct ClosedForm {
-  std::string name;    ///< letters, digits and underscores
-  std::string what;    ///< the measured value, in words
-  double reference;    ///< what a converged solution gives
-  double tolerance;    ///< relative
-  Effort enough;       ///< meets the tolerance
-  std::string source;  ///< where the reference comes from
+  std::string name;              ///< letters, digits and underscores
+  std::string what;              ///< the measured value, in words
+  double reference;              ///< what a converged solution gives
+  double tolerance;              ///< relative
+  Effort enough;                 ///< meets the tolerance
+  Effort least;                  ///< meets it too, for slow devices
+  std::optional<Effort> single;  ///< with one relaxation step, all that tiles can do
+  std::string source;            ///< where the reference comes from
   std::function<double(const Effort&, const MakeSolver&)> measure;
 };
 
