@@ -169,6 +169,32 @@ TEST(Wind, IsTheSameForAllCopies) {
   EXPECT_TRUE(test::all_finite(test::positions_of(solver)));
 }
 
+TEST(Wind, GustsNeverRepeatWithinAMinute) {
+  // A stiff pinned strip cannot show the air itself, but a light free patch follows it.
+  const SheetOptions options{.nx = 3, .ny = 3, .width = 0.02F, .height = 0.02F};
+  SolverSettings settings = test::cpu_settings();
+  settings.gravity = {};
+  settings.substeps = 2;
+  Material material = test::undamped();
+  material.areal_density = 0.01F;
+  Solver solver(std::vector{test::describe(make_sheet(options), material)}, settings);
+  solver.set_wind({{0, 0, 2}, 1, 1, 2, 0});
+  const std::vector<Vec3> start = test::positions_of(solver);
+  std::vector<double> speed;
+  for (int f = 0; f < 1800; ++f) {
+    solver.write_state(0, start, std::vector<Vec3>(start.size()));  // from rest at one place in every frame
+    solver.step();
+    speed.push_back(test::velocities_of(solver)[4].z);
+  }
+  // The slowest gust has a period of 60 frames: no shift by whole periods gives the same course again.
+  for (size_t shift = 60; shift <= 900; shift += 60) {
+    double difference = 0;
+    for (size_t f = 0; f + shift < speed.size(); ++f)
+      difference = std::max(difference, std::abs(speed[f] - speed[f + shift]));
+    EXPECT_GT(difference, 0.05 * *std::max_element(speed.begin(), speed.end())) << shift;
+  }
+}
+
 /// A small sheet on a plane tilted about z by `degrees`, resting on it; returns how far it slid in one second [m].
 double slide(double degrees, float friction) {
   const double angle = degrees * std::numbers::pi / 180;
