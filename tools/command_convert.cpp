@@ -157,6 +157,9 @@ void run(const Options& options) {
 std::vector<NamedFile> written_files(const Options& options) {
   std::vector<NamedFile> files{{"--output", options.asset}};
   for (const std::filesystem::path& report : options.reports) files.push_back({"--report", report});
+  if (!options.stages.empty()) {
+    for (const std::filesystem::path& stage : stage_files(options.stages)) files.push_back({"--stages", stage});
+  }
   return files;
 }
 
@@ -210,7 +213,9 @@ CommandRun add_convert(CLI::App& app) {
       ->allow_extra_args(false);
   add_text(app, "--pictures", "DIR", options->pictures,
            "write PNGs: geometry image, chart map with the split points, distortion", "default none");
-  add_text(app, "--stages", "DIR", options->stages, "write every intermediate as a file", "default none");
+  add_text(app, "--stages", "DIR", options->stages,
+           "write every intermediate as a file; where a stage fails, those before it stay to be looked at",
+           "default none");
   add_quiet(app, options->quiet);
   return [options] { run(*options); };
 }

@@ -59,9 +59,13 @@ bool is_numbered(const std::filesystem::path& output) {
   return ending == ".obj" || ending == ".png" || ending == ".exr";
 }
 
-std::vector<NamedFile> written_files(const Options& options) {
+/// @param cloths  of the scene; several have files of their own where the format holds one
+std::vector<NamedFile> written_files(const Options& options, size_t cloths) {
   std::vector<NamedFile> files;
-  for (const std::string& output : options.outputs) files.push_back({"--output", output, is_numbered(output)});
+  for (const std::string& output : options.outputs) {
+    for (const std::filesystem::path& path : output_names(output, cloths))
+      files.push_back({"--output", path, is_numbered(output)});
+  }
   if (!options.report.empty()) files.push_back({"--report", options.report});
   if (!options.last_state.empty()) files.push_back({"--last-state", options.last_state});
   return files;
@@ -69,12 +73,12 @@ std::vector<NamedFile> written_files(const Options& options) {
 
 /// What the scene names is known once it is read.
 void check_files_of_scene(const Options& options, const Scene& scene) {
-  std::vector<NamedFile> read;
+  std::vector<NamedFile> read{{"the scene", options.input}};
   for (const SceneCloth& cloth : scene.cloths) read.push_back({"an asset of the scene", cloth.asset});
   for (const SceneCollider& collider : scene.colliders) {
     if (collider.mesh) read.push_back({"a collider of the scene", collider.mesh->file});
   }
-  const std::string clash = find_name_clash(read, written_files(options));
+  const std::string clash = find_name_clash(read, written_files(options, scene.cloths.size()));
   if (!clash.empty()) throw Error(ErrorCode::invalid_argument, clash);
 }
 
@@ -196,7 +200,9 @@ void play(const Options& options, Simulation& simulation) {
   for (const auto& writer : writers) writer->commit();
   for (const auto& file : files) file->commit();
   progress.reset();
-  for (const std::string& output : options.outputs) fmt::print("{}\n", output);
+  for (const std::string& output : options.outputs) {
+    for (const std::filesystem::path& path : output_names(output, state.size())) fmt::print("{}\n", path.string());
+  }
   fmt::print("{}\n", recorder.summary(simulation));
 }
 
@@ -248,7 +254,7 @@ CommandRun add_simulate(CLI::App& app) {
       app.add_flag("--check", options->check, "only read the scene and its assets and say what is wrong [default off]");
   add_quiet(app, options->quiet);
   app.final_callback([options, output, report, last_state, check] {
-    if (const std::string clash = find_name_clash({{"the scene", options->input}}, written_files(*options));
+    if (const std::string clash = find_name_clash({{"the scene", options->input}}, written_files(*options, 1));
         !clash.empty())
       throw CLI::ValidationError(clash);
     if (output->count() + report->count() + last_state->count() + check->count() == 0) {

@@ -14,6 +14,14 @@
 namespace geocloth {
 namespace {
 
+constexpr const char* kImport = "1_import.obj";
+constexpr const char* kClean = "2_clean.obj";
+constexpr const char* kCut = "3_cut.obj";
+constexpr const char* kFlat = "4_flat.obj";
+constexpr const char* kImage = "5_image.obj";
+constexpr const char* kSplits = "5_splits.csv";
+constexpr const char* kWelded = "6_welded.obj";
+
 void append(std::string& text, double value) {
   char digits[32];
   text.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
@@ -67,6 +75,12 @@ std::string splits_csv(const ClothAsset& asset) {
 
 }  // namespace
 
+std::vector<std::filesystem::path> stage_files(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files;
+  for (const char* name : {kImport, kClean, kCut, kFlat, kImage, kSplits, kWelded}) files.push_back(folder / name);
+  return files;
+}
+
 StageFiles::StageFiles(std::filesystem::path folder) : folder_(std::move(folder)) {
   if (folder_.empty()) return;
   std::error_code failed;
@@ -82,19 +96,17 @@ void StageFiles::save(const TriangleMesh& mesh) const {
   for (uint32_t p = 0; p < mesh.part.size(); ++p) {
     for (uint32_t t = 0; t < mesh.part[p].triangle_count; ++t) part[mesh.part[p].first_triangle + t] = p;
   }
-  write_file(folder_ / "1_import.obj", to_obj(mesh.position, mesh.triangle, numbered("part_", part)));
+  write_file(folder_ / kImport, to_obj(mesh.position, mesh.triangle, numbered("part_", part)));
 }
 
 void StageFiles::save(const CleanSurface& surface) const {
   if (folder_.empty()) return;
-  write_file(folder_ / "2_clean.obj",
-             to_obj(surface.position, surface.triangle, numbered("component_", surface.component)));
+  write_file(folder_ / kClean, to_obj(surface.position, surface.triangle, numbered("component_", surface.component)));
 }
 
 void StageFiles::save(const CutSurface& surface) const {
   if (folder_.empty()) return;
-  write_file(folder_ / "3_cut.obj",
-             to_obj(surface.position, surface.triangle, numbered("component_", surface.component)));
+  write_file(folder_ / kCut, to_obj(surface.position, surface.triangle, numbered("component_", surface.component)));
 }
 
 void StageFiles::save(const FlatSurface& flat) const {
@@ -106,14 +118,14 @@ void StageFiles::save(const FlatSurface& flat) const {
       uv[v] = {(chart.x0 + flat.uv[v][0]) / (flat.width - 1), 1 - (chart.y0 + flat.uv[v][1]) / (flat.height - 1)};
     }
   }
-  write_file(folder_ / "4_flat.obj", to_obj(flat.position, flat.triangle, numbered("chart_", flat.chart), uv));
+  write_file(folder_ / kFlat, to_obj(flat.position, flat.triangle, numbered("chart_", flat.chart), uv));
 }
 
 void StageFiles::save(const ClothAsset& asset) const {
   if (folder_.empty()) return;
-  write_file(folder_ / "5_image.obj", geocloth::to_obj(unwelded_grid_mesh(asset, asset.rest_position), true));
-  write_file(folder_ / "5_splits.csv", splits_csv(asset));
-  write_file(folder_ / "6_welded.obj", geocloth::to_obj(welded_grid_mesh(asset, asset.rest_position), false));
+  write_file(folder_ / kImage, geocloth::to_obj(unwelded_grid_mesh(asset, asset.rest_position), true));
+  write_file(folder_ / kSplits, splits_csv(asset));
+  write_file(folder_ / kWelded, geocloth::to_obj(welded_grid_mesh(asset, asset.rest_position), false));
 }
 
 }  // namespace geocloth

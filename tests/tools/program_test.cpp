@@ -17,6 +17,7 @@ namespace geocloth::test {
 namespace {
 
 using nlohmann::json;
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -302,6 +303,15 @@ TEST(Simulate, SeveralOutputsAndTheLastState) {
   EXPECT_THAT(folder.entries(), ElementsAre("a.glb", "b_0001.obj", "b_0002.obj", "c.pc2", "last.obj", "scene.json"));
 }
 
+TEST(Convert, StagesNeverReplaceTheMesh) {
+  const TemporaryFolder folder;
+  const std::string mesh = folder.write("2_clean.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  const ProgramResult result = run_program({"convert", mesh, "-o", folder / "a.glb", "--stages", folder.path(), "-q"});
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.err, HasSubstr("2_clean.obj would replace the mesh"));
+  EXPECT_THAT(folder.entries(), ElementsAre("2_clean.obj"));
+}
+
 TEST(Simulate, NoFramesAreTheFirstState) {
   const TemporaryFolder folder;
   const std::string scene =
@@ -328,6 +338,21 @@ TEST(Simulate, AnOutputNeverReplacesTheAssetThatTheSceneNames) {
   const ProgramResult result = run_program({"simulate", scene, "-o", garment, "--backend", "cpu", "-q"});
   expect_one_line(result, "garment.glb would replace");
   EXPECT_EQ(read_text(garment), read_text(sleeve_asset()));
+}
+
+TEST(Simulate, CachesOfSeveralClothsAreNamedByTheFilesThatTheyAre) {
+  const TemporaryFolder folder;
+  const std::string cloth = R"({"asset": ")" + sleeve_asset() + "\"}";
+  const std::string scene =
+      folder.write("scene.json", R"({"version": 1, "frames": 0, "cloths": [)" + cloth + ", " + cloth + "]}");
+  ProgramResult result = run_program({"simulate", scene, "-o", folder / "out.pc2", "--backend", "cpu", "-q"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.out, AllOf(HasSubstr("out_1.pc2\n"), HasSubstr("out_2.pc2\n"), Not(HasSubstr("out.pc2"))));
+  EXPECT_THAT(folder.entries(), ElementsAre("out_1.pc2", "out_2.pc2", "scene.json"));
+
+  result = run_program(
+      {"simulate", scene, "-o", folder / "out.pc2", "--report", folder / "out_2.pc2", "--backend", "cpu", "-q"});
+  expect_one_line(result, "would replace what --output writes");
 }
 
 TEST(Simulate, CheckOnlyReads) {

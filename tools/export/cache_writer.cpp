@@ -19,23 +19,37 @@ using MakeWriter = std::unique_ptr<CacheWriter> (*)(const std::filesystem::path&
 struct Format {
   std::string_view ending;
   MakeWriter make;
+  bool holds_one_cloth;
 };
-constexpr std::array<Format, 5> kFormats{{{".glb", make_gltf_writer},
-                                          {".obj", make_obj_writer},
-                                          {".pc2", make_pc2_writer},
-                                          {".mdd", make_mdd_writer},
-                                          {".exr", make_exr_writer}}};
+constexpr std::array<Format, 5> kFormats{{{".glb", make_gltf_writer, false},
+                                          {".obj", make_obj_writer, false},
+                                          {".pc2", make_pc2_writer, true},
+                                          {".mdd", make_mdd_writer, true},
+                                          {".exr", make_exr_writer, true}}};
+
+/// Null for another ending.
+const Format* find_format(const std::filesystem::path& path) {
+  std::string ending = path.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const auto* const found =
+      std::find_if(kFormats.begin(), kFormats.end(), [&](const Format& format) { return format.ending == ending; });
+  return found == kFormats.end() ? nullptr : found;
+}
 
 }  // namespace
 
 std::unique_ptr<CacheWriter> make_cache_writer(const std::filesystem::path& path, const CacheDescription& description) {
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  for (const Format& format : kFormats) {
-    if (format.ending == ending) return format.make(path, description);
-  }
-  return nullptr;
+  const Format* const format = find_format(path);
+  return format == nullptr ? nullptr : format->make(path, description);
+}
+
+std::vector<std::filesystem::path> output_names(const std::filesystem::path& path, std::size_t cloth_count) {
+  const Format* const format = find_format(path);
+  if (format == nullptr || !format->holds_one_cloth) return {path};
+  std::vector<std::filesystem::path> names;
+  for (std::size_t i = 0; i < cloth_count; ++i) names.push_back(cloth_path(path, i, cloth_count));
+  return names;
 }
 
 std::unique_ptr<FrameWriter> make_cache_writer(const std::filesystem::path& path, const Simulation& simulation) {

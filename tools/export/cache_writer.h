@@ -38,4 +38,9 @@ class CacheWriter : public FrameWriter {
 [[nodiscard]] std::unique_ptr<FrameWriter> make_cache_writer(const std::filesystem::path& path,
                                                              const Simulation& simulation);
 
+/// The names that an output has on the disk: one for each cloth where the format holds only one, else its own. Those of
+/// a numbered series stand for its files.
+[[nodiscard]] std::vector<std::filesystem::path> output_names(const std::filesystem::path& path,
+                                                              std::size_t cloth_count);
+
 }  // namespace geocloth

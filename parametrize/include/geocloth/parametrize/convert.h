@@ -20,6 +20,9 @@ struct ConvertOptions {
   std::filesystem::path stages;  ///< folder for every intermediate as a file; empty: none
 };
 
+/// The files that ConvertOptions::stages names.
+[[nodiscard]] std::vector<std::filesystem::path> stage_files(const std::filesystem::path& folder);
+
 /// A piece that is too small for a pixel at the chosen spacing and rides on the cloth beside it, or a hole that is too
 /// small and is closed in the image.
 struct CarriedPart {
