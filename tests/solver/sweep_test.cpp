@@ -118,6 +118,13 @@ Material attached() {
   material.max_stretch = 0.02F;
   return material;
 }
+/// Every projection removes all of its spring's error, and attachments are taut.
+Material hung() {
+  Material material;
+  material.stiffness = material.bend_stiffness = 1;
+  material.max_stretch = 0.002F;
+  return material;
+}
 /// As stiff in bending at 45 degrees as along warp and weft.
 Material without_grain() {
   Material material;
@@ -196,6 +203,8 @@ std::vector<Case> cases() {
       {"bands of springs", make_sheet({.nx = 40, .ny = 170, .charts_x = 2}), stiff(), few_substeps(), {}, {}});
   list.push_back({"one substep", make_sheet({.nx = 60, .ny = 30}), stiff(), few_substeps(), {}, {}});
   list.back().settings.substeps = 1;
+  for (const uint32_t n : {33U, 48U, 53U, 64U, 97U, 100U})  // rows end anywhere in a vector
+    list.push_back({"hung", make_sheet({.nx = n, .ny = 31}), hung(), few_substeps(), {}, {}, "top"});
   for (const uint32_t n : {2U, 3U, 5U, 15U, 16U, 17U, 28U, 29U, 52U}) {
     list.push_back({"narrow", make_sheet({.nx = n, .ny = 9}), attached(), few_substeps(), {}, {}});
     list.push_back({"low", make_sheet({.nx = 52, .ny = n}), attached(), few_substeps(), {}, breeze});

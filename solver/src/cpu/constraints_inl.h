@@ -485,41 +485,86 @@ HWY_NOINLINE void spans(D d, const SweepOp& op, ClothState& state, uint32_t firs
   }
 }
 
-/// lib/limit.h. Points well within their reach need no root.
-template <class D>
-HWY_NOINLINE void limit(D d, const SweepOp& op, ClothState& state, const float* anchors, uint32_t count, uint32_t first,
-                        uint32_t last) {
-  const hn::RebindToSigned<D> di;
-  const size_t lanes = hn::Lanes(d);
-  const auto one = hn::Set(d, 1.F);
-  const PointBase points(state, 0);
-  const RowStream& stream = *op.stream;
-  const uint32_t* const pixel = stream.pixel.data();
-  const uint32_t* const first_anchor = stream.first_anchor.data();
-  const int32_t* const anchor_of = stream.anchors.data();
-  const float* const longest_of = stream.constants.data();
-  const float *const x = anchors, *const y = x + count, *const z = y + count;
-  for (uint32_t k = first; k < last; ++k) {
-    const PointRow p = points.at(pixel[k]);
-    const Points<D> position = load(d, p);
-    const uint32_t start = first_anchor[k];
-    const auto own = hn::IndicesFromVec(d, hn::LoadU(di, anchor_of + k * lanes));
-    const Points<D> anchor{hn::TableLookupLanes(hn::LoadU(d, x + start), own),
-                           hn::TableLookupLanes(hn::LoadU(d, y + start), own),
-                           hn::TableLookupLanes(hn::LoadU(d, z + start), own)};
-    const auto longest = hn::LoadU(d, longest_of + k * lanes);
-    const Points<D> way = sub(position, anchor);
-    const auto l2 = dot(d, way, way);
-    if (hn::AllFalse(d, hn::Gt(l2, hn::Mul(hn::Mul(longest, longest), hn::Set(d, 0.9999F))))) continue;
-    const auto l = hn::Sqrt(l2);
-    const auto far = hn::Gt(l, longest);
-    const auto factor = hn::Mul(longest, hn::Div(one, hn::IfThenElse(far, l, one)));
-    const Points<D> pulled = add(anchor, scale(d, way, factor));
-    store(d,
-          Points<D>{hn::IfThenElse(far, pulled.x, position.x), hn::IfThenElse(far, pulled.y, position.y),
-                    hn::IfThenElse(far, pulled.z, position.z)},
-          p);
+/// The anchors of a substep as limit() wants them, lane by lane.
+/// Any: each lane chooses among as many as a vector has.
+template <size_t kLanes>
+struct ChosenAnchors {
+  static constexpr size_t kStep = 1;
+
+  HWY_INLINE ChosenAnchors(const RowStream& stream, const float* anchors, uint32_t count, uint32_t first_block,
+                           uint32_t last_block)
+      : pixels(stream.pixel.data()),
+        first_anchor(stream.first_anchor.data()),
+        own(stream.anchors.data()),
+        longest(stream.constants.data()),
+        x(anchors),
+        y(x + count),
+        z(y + count),
+        first(first_block),
+        last(last_block) {}
+  [[nodiscard]] HWY_INLINE size_t pixel(size_t place) const { return pixels[place]; }
+  [[nodiscard]] HWY_INLINE const float* longest_of(size_t place) const { return longest + place * kLanes; }
+  template <class D>
+  [[nodiscard]] HWY_INLINE Points<D> at(D d, size_t place) const {
+    const size_t start = first_anchor[place];
+    const auto lanes = hn::IndicesFromVec(d, hn::LoadU(hn::RebindToSigned<D>(), own + place * kLanes));
+    return {hn::TableLookupLanes(hn::LoadU(d, x + start), lanes), hn::TableLookupLanes(hn::LoadU(d, y + start), lanes),
+            hn::TableLookupLanes(hn::LoadU(d, z + start), lanes)};
   }
+
+  const uint32_t *pixels, *first_anchor;
+  const int32_t* own;
+  const float *longest, *x, *y, *z;
+  size_t origin = 0, first, last;
+};
+/// Of a sheet below its pins: neighbours have neighbouring anchors all along the row.
+template <size_t kLanes>
+struct AnchorsBeside {
+  static constexpr size_t kStep = kLanes;
+
+  HWY_INLINE AnchorsBeside(const RowStream& stream, const float* anchors, uint32_t count, uint32_t first_block,
+                           uint32_t last_block)
+      : longest(stream.constants.data() + first_block * kLanes),
+        x(anchors + stream.first_anchor[first_block]),
+        y(x + count),
+        z(y + count),
+        origin(stream.pixel[first_block]),
+        last((last_block - first_block) * kLanes) {}
+  [[nodiscard]] HWY_INLINE size_t pixel(size_t place) const { return place; }
+  [[nodiscard]] HWY_INLINE const float* longest_of(size_t place) const { return longest + place; }
+  template <class D>
+  [[nodiscard]] HWY_INLINE Points<D> at(D d, size_t place) const {
+    return {hn::LoadU(d, x + place), hn::LoadU(d, y + place), hn::LoadU(d, z + place)};
+  }
+
+  const float *longest, *x, *y, *z;
+  size_t origin, first = 0, last;
+};
+
+/// lib/limit.h.
+template <class Anchors, class D>
+HWY_NOINLINE void limit(D d, const SweepOp& op, ClothState& state, const float* all_anchors, uint32_t count,
+                        uint32_t first, uint32_t last) {
+  const Anchors anchors(*op.stream, all_anchors, count, first, last);
+  const PointBase points(state, anchors.origin);
+  const auto one = hn::Set(d, 1.F), within = hn::Set(d, -1.F);
+  in_turn(
+      d, anchors,
+      [&](size_t place)
+          GEOCLOTH_LANES { return length(d, sub(load(d, points.at(anchors.pixel(place))), anchors.at(d, place))); },
+      [&](size_t place, Vec<D> l) GEOCLOTH_LANES {
+        const auto longest = hn::LoadU(d, anchors.longest_of(place));
+        const auto far = hn::Gt(l, longest);
+        return hn::IfThenElse(far, hn::Mul(longest, hn::Div(one, hn::IfThenElse(far, l, one))), within);
+      },
+      [&](size_t place, Vec<D> factor) GEOCLOTH_LANES {
+        const auto far = hn::Ge(factor, hn::Zero(d));
+        if (hn::AllFalse(d, far)) return;
+        const PointRow p = points.at(anchors.pixel(place));
+        const Points<D> position = load(d, p), anchor = anchors.at(d, place);
+        const Points<D> pulled = add(anchor, scale(d, sub(position, anchor), factor));
+        store(d, choose<D>(far, pulled, position), p);
+      });
 }
 
 #endif

@@ -90,6 +90,19 @@ HWY_INLINE FramedSteps<D> take_along(D d, const shader::ClothParams& params, flo
   return {start, add(add(left, scale(d, sub(turned, left), hn::Set(d, params.keep))), lost)};
 }
 
+/// lib/predict.h where nothing is pinned and only gravity acts: each coordinate by itself, so that few addresses and
+/// vectors are in use at a time.
+template <class D>
+HWY_INLINE void fall(D d, float* position, float* previous, float* carry, Vec<D> keep, Vec<D> gravity) {
+  const auto start = hn::LoadU(d, position);
+  const auto way = hn::Add(hn::Sub(start, hn::LoadU(d, previous)), hn::LoadU(d, carry));
+  const auto increment = hn::Add(hn::Add(hn::Mul(way, keep), gravity), hn::Zero(d));
+  const auto next = hn::Add(start, increment);
+  hn::StoreU(start, d, previous);
+  hn::StoreU(next, d, position);
+  hn::StoreU(hn::Sub(increment, hn::Sub(next, start)), d, carry);
+}
+
 /// lib/predict.h. What is pinned stays.
 /// @param kForces  air acts, or the cloth's parent moves
 template <bool kForces, class D>
@@ -102,6 +115,12 @@ HWY_NOINLINE void predict(D d, const PassContext& context, ClothState& state, co
   // Masked stores are slow: the last vector of a run gives back what follows the run as it was.
   for_run(d, run, [&](uint32_t i, auto lanes) GEOCLOTH_LANES {
     const PointRow p = after(positions, i), pp = after(before, i), pc = after(carried, i);
+    const auto free = counted(d, lanes, hn::Gt(hn::LoadU(d, inverse_mass + i), hn::Zero(d)));
+    if (!kForces && hn::AllTrue(d, free)) {
+      fall(d, p.x, pp.x, pc.x, keep, gravity.x);
+      fall(d, p.y, pp.y, pc.y, keep, gravity.y);
+      return fall(d, p.z, pp.z, pc.z, keep, gravity.z);
+    }
     const Points<D> position = load(d, p), previous = load(d, pp), carry = load(d, pc);
     const Points<D> way = add(sub(position, previous), carry);
     const auto zero = hn::Zero(d);
@@ -117,7 +136,6 @@ HWY_NOINLINE void predict(D d, const PassContext& context, ClothState& state, co
     const Points<D> increment = add(add(step.way, gravity), scale(d, acceleration, dt2));
     const Points<D> next = add(step.start, increment);
     const Points<D> lost = sub(increment, sub(next, step.start));
-    const auto free = counted(d, lanes, hn::Gt(hn::LoadU(d, inverse_mass + i), zero));
     store(d, choose<D>(free, step.start, counted_or(d, lanes, position, previous)), pp);
     store(d, choose<D>(free, next, position), p);
     store(d, choose<D>(free, lost, carry), pc);

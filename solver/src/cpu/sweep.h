@@ -44,7 +44,9 @@ struct Run {
 struct RowStream {
   std::vector<uint32_t> row_first;  ///< height + 1 entries: the row's blocks, runs or pins
   std::vector<uint32_t> pixel;      ///< first pixel of a block
-  std::vector<uint8_t> following;   ///< springs: for each row whether each block begins where the one before ends
+  /// Springs and limit: for each row whether each block begins where the one before ends, and each lane's anchor lies
+  /// beside the one of the lane before.
+  std::vector<uint8_t> following;
   Floats constants;
   std::vector<float> multipliers;      ///< of constraints with several relaxation steps, for each lane
   std::vector<uint32_t> first_anchor;  ///< limit: of as many as a block has lanes

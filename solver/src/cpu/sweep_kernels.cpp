@@ -52,6 +52,7 @@ HWY_INLINE void run_row(D d, const SweepFrame& frame, const SweepOp& op, uint32_
   ClothState& state = *frame.state;
   const RowStream& stream = *op.stream;
   const uint32_t first = stream.row_first[y], last = stream.row_first[y + 1];
+  if (first == last) return;
   const bool several = op.multipliers != nullptr;  // relaxation steps
   switch (op.kernel) {
     case RowKernel::normals:
@@ -65,7 +66,7 @@ HWY_INLINE void run_row(D d, const SweepFrame& frame, const SweepOp& op, uint32_
       }
       break;
     case RowKernel::pins:
-      if (first < last) move_pins(frame.contexts[substep], state, first, last);
+      move_pins(frame.contexts[substep], state, first, last);
       break;
     case RowKernel::springs_across:
       with_where<1>(d, op, y, [&](auto where) GEOCLOTH_LANES {
@@ -91,9 +92,13 @@ HWY_INLINE void run_row(D d, const SweepFrame& frame, const SweepOp& op, uint32_
     case RowKernel::spans:
       spans(hn::CappedTag<float, HWY_MIN(kSpanLanes, hn::MaxLanes(D()))>(), op, state, first, last);
       break;
-    case RowKernel::limit:
-      limit(d, op, state, frame.anchors + size_t{3} * frame.anchor_count * substep, frame.anchor_count, first, last);
+    case RowKernel::limit: {
+      constexpr size_t kLanes = hn::MaxLanes(D());
+      const float* const anchors = frame.anchors + size_t{3} * frame.anchor_count * substep;
+      stream.following[y] != 0 ? limit<AnchorsBeside<kLanes>>(d, op, state, anchors, frame.anchor_count, first, last)
+                               : limit<ChosenAnchors<kLanes>>(d, op, state, anchors, frame.anchor_count, first, last);
       break;
+    }
     case RowKernel::collide:
       for (uint32_t k = first; k < last; ++k) collide(d, frame, substep, stream.runs[k]);
       break;

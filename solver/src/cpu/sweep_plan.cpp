@@ -105,7 +105,7 @@ class SweepPlanner {
   void append(Sweep& sweep, Pass pass, SweepOp op) {
     op.pass = pass;
     const Reach reach = reach_of(op);
-    if (gives_back(op.kernel)) op.lag = reach.down;  // a band below has begun with its first row already
+    if (gives_back(op)) op.lag = reach.down;  // a band below has begun with its first row already
     for (size_t k = 0; k < sweep.ops.size(); ++k) {
       op.lag = std::max(op.lag, sweep.ops[k].lag + reach.down + reaches_[k].up);
       op.rise = std::max(op.rise, sweep.ops[k].rise + reach.up + reaches_[k].down);
@@ -138,13 +138,16 @@ class SweepPlanner {
       case RowKernel::spans:
         return {0, op.offset / width_};
       default:
-        return gives_back(op.kernel) ? Reach{0, 1} : Reach{};
+        return gives_back(op) ? Reach{0, 1} : Reach{};
     }
   }
 
-  /// Kernels that write what follows a row as they found it.
-  static bool gives_back(RowKernel kernel) {
-    return kernel == RowKernel::predict || kernel == RowKernel::collide || kernel == RowKernel::springs_along_two;
+  /// Passes that write what follows a row as they found it.
+  [[nodiscard]] bool gives_back(const SweepOp& op) const {
+    if (op.kernel == RowKernel::predict || op.kernel == RowKernel::collide) return true;
+    if (op.kernel != RowKernel::springs_along && op.kernel != RowKernel::springs_along_two) return false;
+    const std::vector<uint32_t>& blocks = op.stream->pixel;
+    return std::any_of(blocks.begin(), blocks.end(), [&](uint32_t p) { return p % width_ + 2 * lanes_ > width_; });
   }
 
   static bool goes_by_rows(Pass pass) {
@@ -265,8 +268,9 @@ class SweepPlanner {
     const uint32_t offset = end.y * width_ + end.x - 1;
     const uint32_t across_end = width_ - (component == 2 ? 1U : 0U);
     BlockShape shape{kernel, lanes_, 1, 0, component == 3 ? 1U : 0U, across_end, across_end};
-    if (component == 0) shape = {kernel, 2 * lanes_, 2, odd, odd, width_, width_};
-    // The last two springs of a row may be one: the block of both then reaches over the row's end.
+    // So the last block of a row may begin where the one before ends; of the springs over two columns the last two may
+    // be one, and the block of both reaches over the row's end.
+    if (component == 0) shape = {kernel, 2 * lanes_, 2, odd, odd, width_, width_ + kRowOverhang};
     if (component == 4) shape = {kernel, 2 * lanes_, 4, 2 * odd, 2 * odd, width_, width_ + kRowOverhang};
     RowStream& stream = new_stream();
     const auto in_row = [&](uint32_t y) { return along || group_has_line(group, y); };
@@ -448,7 +452,26 @@ class SweepPlanner {
       add_limits(stream, block, anchors);
     }
     stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
+    find_following(stream, lanes_);
+    find_neighbouring_anchors(stream);
     return SweepOp{.kernel = RowKernel::limit, .stream = &stream};
+  }
+
+  /// Takes out of the rows whose blocks follow each other those where some anchor is not beside its neighbour's.
+  void find_neighbouring_anchors(RowStream& stream) const {
+    for (size_t y = 0; y < height_; ++y) {
+      if (stream.following[y] == 0) continue;
+      const uint32_t first = stream.row_first[y];
+      for (uint32_t k = first; k < stream.row_first[y + 1]; ++k) {
+        const uint32_t expected = stream.first_anchor[first] + (k - first) * lanes_;
+        for (uint32_t lane = 0; lane < lanes_; ++lane) {
+          const size_t n = size_t{k} * lanes_ + lane;
+          const bool held = std::isfinite(stream.constants[n]);
+          const uint32_t anchor = stream.first_anchor[k] + static_cast<uint32_t>(stream.anchors[n]);
+          if (held && anchor != expected + lane) stream.following[y] = 0;
+        }
+      }
+    }
   }
 
   /// Lays out one block for each range of anchors that its lanes need, and takes them out of the list.
