@@ -249,7 +249,8 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& optio
   }
 
   report.parts = measure_parts(mesh, carried.represented, result.flat);
-  report.warnings = plain_warnings(report, result.asset);
+  const double side = options.flatten.spacing > 0 ? 0.0 : static_cast<double>(options.flatten.resolution);
+  report.warnings = plain_warnings(report, result.asset, side * side);
   if (!panels_failed.empty() && result.asset.layout == Layout::square) {
     report.warnings.insert(report.warnings.begin(),
                            "laid out in squares, because panels could not be made: " + panels_failed);

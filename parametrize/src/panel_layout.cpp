@@ -223,7 +223,7 @@ void check_room_for_disk(const Plan& plan, const Laid& laid, size_t chart) {
   if (disk <= std::max(kMostDisk, kMostDiskShare * area / (plan.spacing * plan.spacing))) return;
   throw Error(ErrorCode::verification,
               "the strips of a part are too narrow for pixels on either side (its outline has " +
-                  std::to_string(std::lround(outline)) + " of them); raise the resolution or try --layout square");
+                  std::to_string(std::lround(outline)) + " of them); raise the resolution");
 }
 
 /// Changes the plan where pixels could not be found. @returns how many charts that concerns
@@ -340,7 +340,7 @@ FlatSurface lay_out_developed(DevelopedSurface developed, const FlattenOptions& 
     if (stuck == 0) break;
     if (round == kRounds) {
       throw Error(ErrorCode::verification, "no pixels could be found for the outlines of " + std::to_string(stuck) +
-                                               " charts; raise the resolution or try --layout square");
+                                               " charts; raise the resolution");
     }
   }
 

@@ -231,10 +231,9 @@ FlatChart lay_out(Disk& disk, const RefinedMesh& mesh, const Size& wanted, uint3
   disk.bottom = size[1] - 1.0;
   if (!embed(disk, mesh, size, DiskEmbedding::Weights::mean_value) &&
       !embed(disk, mesh, size, DiskEmbedding::Weights::uniform)) {
-    throw Error(
-        ErrorCode::verification,
-        "component " + std::to_string(component) +
-            " cannot be laid out in a square without flipped triangles; raise the resolution or try --layout panels");
+    throw Error(ErrorCode::verification,
+                "component " + std::to_string(component) +
+                    " cannot be laid out in a square without flipped triangles; raise the resolution");
   }
   FlatChart chart;
   chart.width = size[0];

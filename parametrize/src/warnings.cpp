@@ -5,6 +5,7 @@
 #include "warnings.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include "map_stretch.h"
@@ -107,7 +108,7 @@ std::vector<PartShape> measure_parts(const TriangleMesh& mesh, const CleanSurfac
   return parts;
 }
 
-std::vector<std::string> plain_warnings(const ConvertReport& report, const ClothAsset& asset) {
+std::vector<std::string> plain_warnings(const ConvertReport& report, const ClothAsset& asset, double wanted_pixels) {
   std::vector<std::string> out;
   const double size = report.cleaned_bbox_diagonal;
   const Quality& q = report.quality;
@@ -116,6 +117,14 @@ std::vector<std::string> plain_warnings(const ConvertReport& report, const Cloth
     out.push_back("the garment is " + size_in_words(size) +
                   " across; if that is not its true size, give the unit of the file with --unit mm, --unit cm, " +
                   "--unit in, or a factor with --scale");
+  }
+  constexpr double kManyMore = 1.5;
+  const uint64_t pixels = count_valid_pixels(asset);
+  if (wanted_pixels > 0 && static_cast<double>(pixels) > kManyMore * wanted_pixels) {
+    out.push_back(
+        "the cloth takes " + std::to_string(pixels) + " pixels where about " +
+        std::to_string(std::llround(wanted_pixels)) +
+        " were asked for: it has too many small pieces or narrow strips for so few; --parts leaves pieces out");
   }
   warn_of_stretch(report, asset, out);
   constexpr double kCoarseDecibel = 50;

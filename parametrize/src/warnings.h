@@ -13,6 +13,8 @@ namespace geocloth {
                                                    const FlatSurface& flat);
 
 /// What a user should know of a conversion that came out valid: one sentence each, with the remedy where there is one.
-[[nodiscard]] std::vector<std::string> plain_warnings(const ConvertReport& report, const ClothAsset& asset);
+/// @param wanted_pixels  that the user asked for; 0: asked for a spacing
+[[nodiscard]] std::vector<std::string> plain_warnings(const ConvertReport& report, const ClothAsset& asset,
+                                                      double wanted_pixels);
 
 }  // namespace geocloth

@@ -105,7 +105,8 @@ class Selector {
     if (where.of_each_part) return take_highest_of_each_part(surface);
     const std::vector<Loop>& loops = surface.longest_first();
     if (loops.empty()) {
-      throw Error(ErrorCode::invalid_data, name() + "the surface is closed; it has no boundary to pin");
+      throw Error(ErrorCode::invalid_data,
+                  name() + "the surface is closed, so it has no boundary to pin; take top, box, sphere or vertices");
     }
     if (where.index && *where.index >= loops.size()) {
       throw Error(ErrorCode::invalid_data, name() + "there is no boundary " + std::to_string(*where.index) +

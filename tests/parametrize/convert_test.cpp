@@ -272,6 +272,19 @@ TEST(ConvertReport, WarnsOfAnImplausibleSize) {
   EXPECT_TRUE(convert(sheet(), small()).report.warnings.empty());
 }
 
+TEST(ConvertReport, WarnsOfFarMorePixelsThanWereAskedFor) {
+  TriangleMesh crumbs = sheet();
+  for (int i = 0; i < 100; ++i) {
+    const double x = 2 + 0.1 * i;
+    crumbs = joined(std::move(crumbs), sheet({x, 0, 0}, {0.01, 0, 0}, {0, -0.01, 0}));
+  }
+  ConvertOptions options = small(Layout::square);
+  options.flatten.resolution = 12;
+  const auto warnings = convert(crumbs, options).report.warnings;
+  EXPECT_THAT(warnings, testing::Contains(HasSubstr("where about 144 were asked for")));
+  EXPECT_THAT(convert(sheet(), options).report.warnings, testing::IsEmpty());
+}
+
 TEST(ConvertReport, NamesThePartThatIsStretched) {
   TriangleMesh mesh = joined(sheet(), sheet({3, 0, 0}, {1, 0, 0}, {0, -8, 0}));
   mesh.part = {{"front", 0, 0, 128}, {"belt", 0, 128, 128}};
