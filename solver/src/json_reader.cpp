@@ -63,7 +63,9 @@ std::string_view nearest_word(std::string_view word, const std::vector<std::stri
   std::string_view best;
   size_t least = std::numeric_limits<size_t>::max();
   for (const std::string_view candidate : list) {
-    const size_t edits = edit_distance(word.substr(0, 64), candidate);
+    // "rotate" means "rotate_deg", although "time" is as few edits away.
+    const bool begins = !word.empty() && candidate.starts_with(word);
+    const size_t edits = begins ? 0 : edit_distance(word.substr(0, 64), candidate);
     if (edits < least) {
       least = edits;
       best = candidate;

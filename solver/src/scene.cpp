@@ -178,6 +178,7 @@ std::optional<SelfCollision> read_self_collision(const JsonReader& json) {
   json.expect_object({"distance"});
   SelfCollision collision;
   json.read("distance", collision.distance);
+  if (collision.distance < 0 && json.has("distance")) json.at("distance").fail("must be above 0");
   checked([&] { check(collision, json.where()); });
   return collision;
 }

@@ -168,6 +168,14 @@ TEST(AssetPictures, writes_every_file_and_makes_the_folder) {
   for (const auto& file : files) EXPECT_GE(read_picture(file).width, 500U) << file;
 }
 
+TEST(AssetPictures, the_caption_of_a_narrow_chart_map_is_whole) {
+  const Picture map = draw_chart_map(test::make_sheet({.nx = 4, .ny = 400, .width = 500, .height = 50000}));
+  ASSERT_GT(map.height, 80U);
+  for (uint32_t y = map.height - 80; y < map.height; ++y)
+    for (uint32_t x = map.width - 10; x < map.width; ++x)
+      ASSERT_EQ(map.pixel[size_t{y} * map.width + x], map.pixel.back()) << x << ", " << y;
+}
+
 TEST(AssetPictures, names_the_folder_that_is_a_file) {
   const auto folder = fresh_folder("asset_pictures_bad");
   write_file(folder / "taken", std::string_view("x"));

@@ -66,11 +66,19 @@ Picture draw_pixels(const ClothAsset& asset, F&& color) {
   return picture;
 }
 
-/// A picture with room for lines of text under it.
-Picture with_caption(const Picture& picture, int lines) {
-  const uint32_t width = std::max(picture.width, 760U);
-  Picture result(width, picture.height + static_cast<uint32_t>(lines * kLineHeight + kMargin), kPaper);
+/// A picture with lines of text under it, and room for a key under them.
+Picture with_caption(const Picture& picture, const std::vector<std::string>& lines) {
+  uint32_t width = picture.width;
+  for (const std::string& line : lines)
+    width = std::max(width, static_cast<uint32_t>(text_width(line, kTextScale) + 2 * kMargin));
+  const int rows = static_cast<int>(lines.size()) + 1;
+  Picture result(width, picture.height + static_cast<uint32_t>(rows * kLineHeight + kMargin), kPaper);
   blit(result, picture, 0, 0);
+  int y = static_cast<int>(picture.height) + kMargin;
+  for (const std::string& line : lines) {
+    draw_text(result, kMargin, y, kTextScale, line, kInk);
+    y += kLineHeight;
+  }
   return result;
 }
 
@@ -200,7 +208,10 @@ Picture draw_chart_map(const ClothAsset& asset, Caption caption) {
     const bool border = lines.on_outline[pixel] != 0 && lines.pixel_seam[pixel] == kNoSeam;
     return border ? shaded(chart_color(pixel), 0.45F) : chart_color(pixel);
   });
-  Picture picture = caption == Caption::below ? with_caption(enlarged(base, scale), 3) : enlarged(base, scale);
+  const std::vector<std::string> words{
+      describe(asset), fmt::format("{} seams, {} split points; mates have the same colour and letter", lines.seam_count,
+                                   asset.splits.rows())};
+  Picture picture = caption == Caption::below ? with_caption(enlarged(base, scale), words) : enlarged(base, scale);
   for (uint32_t y = 0; y < asset.height; ++y)
     for (uint32_t x = 0; x < asset.width; ++x) {
       const uint32_t seam = lines.pixel_seam[size_t{y} * asset.width + x];
@@ -212,11 +223,6 @@ Picture draw_chart_map(const ClothAsset& asset, Caption caption) {
   draw_labels(picture, asset, lines, scale);
   if (caption == Caption::none) return picture;
   const int top = static_cast<int>(base.height * scale) + kMargin;
-  draw_text(picture, kMargin, top, kTextScale, describe(asset), kInk);
-  draw_text(picture, kMargin, top + kLineHeight, kTextScale,
-            fmt::format("{} seams, {} split points; mates have the same colour and letter", lines.seam_count,
-                        asset.splits.rows()),
-            kInk);
   draw_key(picture, kMargin, top + 2 * kLineHeight,
            {{"free border", shaded(distinct_color(0), 0.36F)}, {"seam", seam_color(0)}, {"node", kNode}});
   return picture;
