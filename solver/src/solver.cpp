@@ -123,10 +123,7 @@ uint32_t cell_rounds(float way, float spacing) {
 }  // namespace
 
 Solver::Impl::Impl(std::span<const ClothDesc> cloths, const SolverSettings& settings, const BackendFactory& factory)
-    : settings_(settings),
-      fine_(fineness(settings)),
-      substeps_(settings.substeps),
-      displaced_in_(settings.frame_time / settings.substeps) {
+    : settings_(settings), fine_(fineness(settings)), substeps_(settings.substeps) {
   check(settings);
   check_cloths(cloths);
   origin_ = choose_origin(cloths);
@@ -146,6 +143,7 @@ Solver::Impl::Impl(std::span<const ClothDesc> cloths, const SolverSettings& sett
     cloth.self_collision = desc.self_collision;
     cloth.start = desc.transform;
     cloth.scale = desc.transform.scale;
+    cloth.displaced_in = clock().dt;
     cloth.row_of_pixel = rows_of_pixels(*desc.asset);
     cloth.particles = count_valid_pixels(*desc.asset);
     cloth.springs_per_sweep = uploaded.springs_per_sweep;
@@ -163,15 +161,19 @@ const Solver::Impl::Cloth& Solver::Impl::cloth_at(uint32_t cloth) const {
 
 void Solver::Impl::set_colliders(std::span<const Collider> colliders, bool teleport) {
   for (size_t i = 0; i < colliders.size(); ++i) check(colliders[i], "colliders[" + std::to_string(i) + "]");
-  const std::vector<Collider> old = std::exchange(colliders_to_, {colliders.begin(), colliders.end()});
+  colliders_to_.assign(colliders.begin(), colliders.end());
   for (Collider& c : colliders_to_) {
     if (auto* plane = std::get_if<Plane>(&c.shape)) plane->normal = normalized(plane->normal);
   }
-  scene_changed_ =
-      scene_changed_ || !std::equal(old.begin(), old.end(), colliders_to_.begin(), colliders_to_.end(), same_place);
-  if (teleport || colliders_from_.size() != colliders_to_.size()) colliders_from_ = colliders_to_;
-  for (size_t i = 0; i < colliders_to_.size(); ++i)
-    if (colliders_to_[i].teleport) colliders_from_[i] = colliders_to_[i];
+  if (colliders_from_.size() != colliders_to_.size()) {
+    colliders_from_ = colliders_to_;
+    scene_changed_ = true;
+  }
+  for (size_t i = 0; i < colliders_to_.size(); ++i) {
+    if (!teleport && !colliders_to_[i].teleport) continue;
+    scene_changed_ = scene_changed_ || !same_place(colliders_from_[i], colliders_to_[i]);
+    colliders_from_[i] = colliders_to_[i];
+  }
   std::vector<float> numbers;
   const std::vector<shader::ColliderShape> before = std::exchange(shapes_, {});
   for (const Collider& c : colliders_to_) shapes_.push_back(collider_shape_of(c, numbers));
@@ -202,6 +204,7 @@ void Solver::Impl::set_time_step(double frame_time, uint32_t substeps) {
   changed.frame_time = frame_time;
   changed.substeps = substeps;
   check(changed);
+  scene_changed_ = scene_changed_ || frame_time != settings_.frame_time || substeps != settings_.substeps;
   settings_ = changed;
 }
 
@@ -284,7 +287,7 @@ float Solver::Impl::stretch_limit(const Cloth& cloth) const {
 
 void Solver::Impl::fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const {
   frame.params = cloth_params(cloth.material, clock(), settings_.gravity, wind_);
-  frame.params.gravity_step.w = static_cast<float>(clock().dt / displaced_in_);
+  frame.params.gravity_step.w = static_cast<float>(clock().dt / cloth.displaced_in);
   frame.params.fine = fine_;
   frame.params.stretch_limit = stretch_limit(cloth);
   frame.params.width = cloth.asset->width;
@@ -332,25 +335,50 @@ uint32_t Solver::Impl::substeps_factor() {
   return std::max(1U, std::min(factor, kLargest / settings_.substeps));
 }
 
+void Solver::Impl::find_movers() {
+  movers_.clear();
+  for (uint32_t i = 0; i < colliders_to_.size(); ++i)
+    if (!same_place(colliders_from_[i], colliders_to_[i])) movers_.push_back(i);
+}
+
+/// Whether a collider that moves in this frame may touch the cloth. Waits for the device, for a sleeping cloth once.
+bool Solver::Impl::is_reached(uint32_t index) {
+  if (movers_.empty()) return false;
+  Cloth& cloth = cloths_[index];
+  if (!cloth.resting) {
+    std::vector<vec4> position;
+    backend_->read_positions(index, position);
+    cloth.resting = box_of(*cloth.asset, position);
+  }
+  const float margin = cloth.material.thickness + cloth.asset->spacing * cloth.scale;
+  return std::any_of(movers_.begin(), movers_.end(),
+                     [&](uint32_t i) { return may_reach(frame_.shapes, frame_.poses, i, *cloth.resting, margin); });
+}
+
 /// Decides by what was measured two frames ago, on both backends, so that none waits and both decide alike.
 void Solver::Impl::fall_asleep() {
   frame_.measure_motion = settings_.sleep_speed > 0;
   frame_.motion_word = 1 - frame_.motion_word;
-  const bool stirred = scene_changed_ || blows(wind_) || clock().dt != displaced_in_;
-  scene_changed_ = false;
+  const bool stirred = std::exchange(scene_changed_, false) || blows(wind_) || !frame_.measure_motion;
   for (uint32_t c = 0; c < cloths_.size(); ++c) {
     Cloth& cloth = cloths_[c];
-    if (stirred || std::exchange(cloth.disturbed, false) || !frame_.measure_motion) {
-      cloth.disturbed = false;
+    const bool disturbed = std::exchange(cloth.disturbed, false);
+    if (stirred || disturbed || (cloth.asleep && is_reached(c))) {
       cloth.asleep = false;
       cloth.calm_frames = 0;
       cloth.calm_for = 0;
     }
+    // What was measured is a way in a step that has another length now.
+    if (!cloth.asleep && clock().dt != cloth.displaced_in) cloth.calm_frames = 0;
     constexpr uint32_t kLatency = 2;  // frames
     if (!cloth.asleep && cloth.calm_frames >= kLatency) {
-      const double speed = backend_->longest_way(c, frame_.motion_word) / displaced_in_;
+      const double speed = backend_->longest_way(c, frame_.motion_word) / cloth.displaced_in;
       cloth.calm_for = speed <= settings_.sleep_speed ? cloth.calm_for + settings_.frame_time : 0;
-      cloth.asleep = cloth.calm_for > 0 && cloth.calm_for >= settings_.sleep_time;
+      if (cloth.calm_for > 0 && cloth.calm_for >= settings_.sleep_time) {
+        cloth.resting.reset();
+        cloth.asleep = !is_reached(c);
+        if (!cloth.asleep) cloth.calm_for = 0;
+      }
     }
     if (!cloth.asleep) ++cloth.calm_frames;
     frame_.cloths[c].asleep = cloth.asleep;
@@ -376,11 +404,14 @@ void Solver::Impl::step() {
     frame_.cloths[c].cell_rounds = cloth.collide_cells ? cell_rounds(way, spacing) : 0;
     fill_cloth_frame(cloth, frame_.cloths[c]);
   }
+  find_movers();
   fall_asleep();
   backend_->run_frame(frame_);
   colliders_from_ = colliders_to_;
-  for (Cloth& cloth : cloths_) cloth.parent_from = cloth.parent_to;
-  displaced_in_ = clock().dt;
+  for (Cloth& cloth : cloths_) {
+    cloth.parent_from = cloth.parent_to;
+    if (!cloth.asleep) cloth.displaced_in = clock().dt;
+  }
   time_ += settings_.frame_time;
 }
 
@@ -427,7 +458,7 @@ void Solver::Impl::read_velocities(uint32_t cloth, std::vector<Vec3>& out) {
   backend_->read_positions(cloth, now);
   backend_->read_previous(cloth, before);
   backend_->read_carry(cloth, carry);
-  const auto inverse_dt = static_cast<float>(1 / displaced_in_);
+  const auto inverse_dt = static_cast<float>(1 / cloth_at(cloth).displaced_in);
   out.resize(now.size());
   for (size_t p = 0; p < now.size(); ++p)
     out[p] = inverse_dt * (vec3_of(now[p]) - vec3_of(before[p]) + vec3_of(carry[p]));
@@ -441,7 +472,7 @@ void Solver::Impl::write_state(uint32_t cloth, std::span<const Vec3> positions, 
                                                  ": write_state needs one position and one velocity for each of its " +
                                                  std::to_string(asset.pixel_count()) + " pixels");
   }
-  const auto dt = static_cast<float>(displaced_in_);
+  const auto dt = static_cast<float>(c.displaced_in);
   std::vector<vec4> position(asset.pixel_count(), {0, 0, 0, 0}), previous(asset.pixel_count(), {0, 0, 0, 0});
   for (uint32_t p = 0; p < asset.pixel_count(); ++p) {
     if (!asset.valid(p)) continue;

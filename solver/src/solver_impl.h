@@ -10,6 +10,7 @@
 #include "backend.h"
 #include "frame_input.h"
 #include "geocloth/solver/solver.h"
+#include "reach.h"
 
 namespace geocloth {
 
@@ -70,9 +71,11 @@ class Solver::Impl {
     uint64_t particles = 0, springs_per_sweep = 0;
 
     bool asleep = false;
-    bool disturbed = true;     ///< since the last step
-    uint32_t calm_frames = 0;  ///< since it was disturbed
-    double calm_for = 0;       ///< [s] that it has been slow
+    bool disturbed = true;            ///< since the last step
+    uint32_t calm_frames = 0;         ///< since it was disturbed
+    double calm_for = 0;              ///< [s] that it has been slow
+    std::optional<ClothBox> resting;  ///< about it where it sleeps, once a collider has moved meanwhile
+    double displaced_in = 0;          ///< [s] step length of the displacements that the backend holds
   };
 
   [[nodiscard]] const Cloth& cloth_at(uint32_t cloth) const;
@@ -81,6 +84,8 @@ class Solver::Impl {
   [[nodiscard]] float stretch_limit(const Cloth& cloth) const;
   [[nodiscard]] FrameClock clock() const;
   [[nodiscard]] uint32_t substeps_factor();
+  void find_movers();
+  [[nodiscard]] bool is_reached(uint32_t cloth);
   void fall_asleep();
 
   SolverSettings settings_;
@@ -91,11 +96,11 @@ class Solver::Impl {
   std::vector<shader::ColliderShape> shapes_;                   ///< of colliders_to_
   std::shared_ptr<const std::vector<float>> collider_numbers_;  ///< of their hulls and meshes
   std::optional<Wind> wind_;
-  bool scene_changed_ = true;  ///< gravity, wind, colliders or the step since the last step
-  double time_ = 0;            ///< [s] at the start of the next frame
-  uint32_t substeps_;          ///< of the next frame
-  double displaced_in_;        ///< [s] step length of the displacements that the backend holds
-  FrameInput frame_;           ///< of the last step, whose memory the next one uses again
+  std::vector<uint32_t> movers_;  ///< colliders that go on evenly in the next frame
+  bool scene_changed_ = true;     ///< since the last step, other than by what moves evenly
+  double time_ = 0;               ///< [s] at the start of the next frame
+  uint32_t substeps_;             ///< of the next frame
+  FrameInput frame_;              ///< of the last step, whose memory the next one uses again
   std::unique_ptr<SolverBackend> backend_;
 };
 

@@ -32,18 +32,6 @@ TEST(Cusick, CoefficientOfALimperClothDoesNotDependOnTheLayout) {
   EXPECT_NEAR(coefficient(64, Layout::square, 2e-5), coefficient(64, Layout::panels, 2e-5), 3.0);
 }
 
-TEST(Cusick, StifferClothCoversMoreAndHangsEvenly) {
-  const auto disc = make_specimen(32, Layout::panels);
-  double before = 0;
-  for (const double rigidity : {5e-6, 2e-5, 8e-5}) {
-    const Drape d = drape(disc, even_sheet(rigidity), {});
-    EXPECT_GT(d.coefficient, before + 10) << rigidity;
-    EXPECT_LT(d.coefficient, 100) << rigidity;
-    for (const double offset : d.center) EXPECT_NEAR(offset, 0, 0.004) << rigidity;
-    before = d.coefficient;
-  }
-}
-
 // What is stiff reaches farther out; swapping warp and weft turns that by a right angle. At 32 pixels the ring is so
 // few cells wide that the grid itself is not the same turned (0.17 and 0.25); at 64 it is 0.34 and 0.33.
 TEST(Cusick, SwappingWarpAndWeftTurnsTheDrape) {

@@ -8,11 +8,10 @@
 #include <iostream>
 #include <string>
 
-#include <gtest/gtest.h>
-
 #include "geocloth/asset/asset_file.h"
 #include "geocloth/solver/scene.h"
 #include "solver_fixture.h"
+#include "support/machine.h"
 #include "support/temporary_folder.h"
 
 namespace geocloth {
@@ -50,28 +49,45 @@ void repeat_pins(SceneCloth& cloth, uint32_t periods) {
   }
 }
 
-TEST(Stress, NeitherEnergyNorAnythingElseGrowsWithoutBound) {
-  const char* const wish = std::getenv("GEOCLOTH_STRESS_SECONDS");
-  const double seconds = wish != nullptr ? std::stod(wish) : 20;
-  const auto periods = static_cast<uint32_t>(seconds / kPeriod);
+class Stress : public test::MachineTest<> {
+ protected:
+  [[nodiscard]] double seconds() const {
+    const char* const wish = std::getenv("GEOCLOTH_STRESS_SECONDS");
+    if (wish != nullptr) return std::stod(wish);
+    return machine().slow() ? 10 : 20;
+  }
+
+  [[nodiscard]] test::SheetOptions flag() const {
+    test::SheetOptions flag{
+        .nx = 41, .ny = 27, .width = 1.2F, .height = 0.8F, .charts_x = 2, .center = {0.6F, 1.4F, 0}};
+    if (machine().slow()) flag.nx = 16, flag.ny = 11;
+    return flag;
+  }
+};
+
+TEST_P(Stress, NeitherEnergyNorAnythingElseGrowsWithoutBound) {
+  const auto periods = static_cast<uint32_t>(seconds() / kPeriod);
   const test::TemporaryFolder folder;
-  write_asset(
-      test::make_sheet({.nx = 41, .ny = 27, .width = 1.2F, .height = 0.8F, .charts_x = 2, .center = {0.6F, 1.4F, 0}}),
-      folder / "flag.glb");
+  write_asset(make_sheet(flag()), folder / "flag.glb");
   Scene scene = parse_scene(test::read_text(GEOCLOTH_SOURCE_DIR "/meshes/scenes/stress.json"), folder / "stress.json");
   for (SceneCollider& collider : scene.colliders) repeat(collider.motion, periods);
   repeat_pins(scene.cloths[0], periods);
 
-  SolverSettings settings = test::cpu_settings();
+  SolverSettings settings;
+  settings.backend = machine().backend;
+  settings.path = machine().path;
+  settings.check_copies = true;
   Simulation simulation(scene, settings);
+  if (machine().backend == Backend::vulkan) watch(simulation.solver());
   const ClothDesc& cloth = simulation.cloths()[0];
+  const EnergyMeter meter(cloth);
   std::vector<double> largest(periods, 0);  // [J] kinetic energy in each period
   const auto frames = static_cast<uint32_t>(periods * kPeriod * scene.frame_rate);
   for (uint32_t f = 0; f < frames; ++f) {
     simulation.step();
     const std::vector<Vec3> x = test::positions_of(simulation.solver());
     ASSERT_TRUE(test::all_finite(x)) << "frame " << f;
-    const Energy e = measure_energy(cloth, scene.gravity, x, test::velocities_of(simulation.solver()));
+    const Energy e = meter.measure(scene.gravity, x, test::velocities_of(simulation.solver()));
     double& most = largest[static_cast<size_t>(f / (kPeriod * scene.frame_rate))];
     most = std::max(most, e.kinetic);
   }
@@ -83,6 +99,8 @@ TEST(Stress, NeitherEnergyNorAnythingElseGrowsWithoutBound) {
   EXPECT_LE(statistics.penetration, double{cloth.material.thickness});
   EXPECT_EQ(statistics.copy_gap, 0.0);
 }
+
+INSTANTIATE_TEST_SUITE_P(On, Stress, test::first_machine(), test::kMachineName);
 
 }  // namespace
 }  // namespace geocloth

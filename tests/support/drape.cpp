@@ -123,13 +123,12 @@ Material even_sheet(double rigidity) {
 }
 
 Drape drape(const std::shared_ptr<const ClothAsset>& specimen, const Material& material, const DrapeEffort& effort,
-            double turn) {
+            double turn, const MakeSolver& make) {
   SolverSettings settings;
-  settings.backend = Backend::cpu;
   settings.substeps = effort.substeps;
   settings.relaxation_steps = effort.relaxation_steps;
   const ClothDesc cloth{specimen, material, {}};
-  Solver solver({&cloth, 1}, settings);
+  Solver solver = make({&cloth, 1}, settings);
 
   // The last pinned pixel is on average half a spacing inside the radius below which pixels are pinned, and the bend at
   // it stands for half a spacing more: the cloth is held within one spacing less than that radius.

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "geocloth/solver/solver.h"
+#include "support/make_solver.h"
 
 namespace geocloth::test {
 
@@ -35,6 +35,6 @@ struct Drape {
 /// come to rest in. On the support it is held as under Cusick's upper disc.
 /// @param turn  [rad] of the waves about the middle
 [[nodiscard]] Drape drape(const std::shared_ptr<const ClothAsset>& specimen, const Material& material,
-                          const DrapeEffort& effort, double turn = 0);
+                          const DrapeEffort& effort, double turn = 0, const MakeSolver& make = make_cpu_solver);
 
 }  // namespace geocloth::test

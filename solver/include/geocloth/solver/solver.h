@@ -64,8 +64,8 @@ struct SolverSettings {
   bool timings = false;        ///< measure every pass (slower)
   SolverPath path = SolverPath::automatic;
   /// [m/s] A cloth none of whose points has been faster for `sleep_time` is asleep: it stays as it is and costs
-  /// nothing, until a collider, a pin of it or its parent moves, or it is cut, written to, or anything is set to
-  /// another value. Wind keeps cloth awake. 0: never. Speeds are known two frames late.
+  /// nothing, until a collider moves so that it may touch it, a pin of it or its parent moves, or it is cut, written
+  /// to, or anything is set to another value. Wind keeps cloth awake. 0: never. Speeds are known two frames late.
   float sleep_speed = 0;
   float sleep_time = 0.5F;    ///< [s] >= 0
   bool check_copies = false;  ///< measure the copy gap and the penetration after every substep (slower)

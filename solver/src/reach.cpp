@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which cloths a moving collider may touch in a frame: the box about the collider in its own frame, turned into the
+// world at each of its poses and widened by the way to the next pose, against the box about the cloth (the overlap of
+// boxes in Ericson, Real-Time Collision Detection, 2005, 4.2). Planes are half-spaces against the box's nearest corner.
+
+#include "reach.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace geocloth {
+namespace {
+
+using shader::vec4;
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+/// A box about a shape in its local frame.
+struct LocalBox {
+  Vec3 center, half;  ///< [m]
+};
+
+LocalBox box_of_grid(const shader::ColliderShape& shape) {
+  const float step = 0.5F * shape.a.w;
+  const Vec3 half{step * static_cast<float>(shape.data.y - 1), step * static_cast<float>(shape.data.z - 1),
+                  step * static_cast<float>(shape.data.w - 1)};
+  return {Vec3{shape.a.x, shape.a.y, shape.a.z} + half, half};
+}
+
+LocalBox box_of_shape(const shader::ColliderShape& shape) {
+  const vec4& a = shape.a;
+  switch (shape.kind) {
+    case shader::kShapeSphere:
+      return {{}, {a.x, a.x, a.x}};
+    case shader::kShapeCapsule: {
+      const float radius = std::max(a.y, a.z);
+      return {{}, {a.x + radius, radius, radius}};
+    }
+    case shader::kShapeBox:
+    case shader::kShapeEllipsoid:
+      return {{}, {a.x, a.y, a.z}};
+    case shader::kShapeConvex:
+      return a.x > 0 ? LocalBox{{}, {a.x, a.x, a.x}} : LocalBox{{}, {kInfinity, kInfinity, kInfinity}};
+    case shader::kShapeMesh:
+      return box_of_grid(shape);
+    default:
+      return {{}, {kInfinity, kInfinity, kInfinity}};
+  }
+}
+
+float on_axis(const vec4& row, const Vec3& p) {
+  return row.x * p.x + row.y * p.y + row.z * p.z;
+}
+
+/// Half the width of a turned box along an axis of the world.
+float half_width(const vec4& row, const Vec3& half) {
+  return std::abs(row.x) * half.x + std::abs(row.y) * half.y + std::abs(row.z) * half.z;
+}
+
+bool plane_reaches(const shader::ColliderPose& pose, const ClothBox& box, float margin) {
+  const Vec3 normal{pose.row0.y, pose.row1.y, pose.row2.y};  // the local y axis
+  const Vec3 nearest{normal.x > 0 ? box.low.x : box.high.x, normal.y > 0 ? box.low.y : box.high.y,
+                     normal.z > 0 ? box.low.z : box.high.z};
+  return dot(normal, nearest - Vec3{pose.row0.w, pose.row1.w, pose.row2.w}) <= margin;
+}
+
+bool box_reaches(const LocalBox& local, const shader::ColliderPose& pose, const ClothBox& box, float margin) {
+  if (local.half.x == kInfinity) return true;
+  struct Axis {
+    const vec4& row;
+    float low, high;
+  };
+  const std::array<Axis, 3> axes{
+      {{pose.row0, box.low.x, box.high.x}, {pose.row1, box.low.y, box.high.y}, {pose.row2, box.low.z, box.high.z}}};
+  return std::all_of(axes.begin(), axes.end(), [&](const Axis& axis) {
+    const float middle = on_axis(axis.row, local.center) + axis.row.w;
+    const float wide = half_width(axis.row, local.half) + margin;
+    return middle - wide <= axis.high && middle + wide >= axis.low;
+  });
+}
+
+}  // namespace
+
+ClothBox box_of(const ClothAsset& asset, std::span<const vec4> position) {
+  ClothBox box{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
+  for (uint32_t p = 0; p < position.size(); ++p) {
+    if (!asset.valid(p)) continue;
+    const vec4& x = position[p];
+    box.low = {std::min(box.low.x, x.x), std::min(box.low.y, x.y), std::min(box.low.z, x.z)};
+    box.high = {std::max(box.high.x, x.x), std::max(box.high.y, x.y), std::max(box.high.z, x.z)};
+  }
+  return box;
+}
+
+bool may_reach(std::span<const shader::ColliderShape> shapes, std::span<const shader::ColliderPose> poses,
+               uint32_t collider, const ClothBox& box, float margin) {
+  const shader::ColliderShape& shape = shapes[collider];
+  const LocalBox local = box_of_shape(shape);
+  for (size_t k = collider; k < poses.size(); k += shapes.size()) {
+    // The passes meet planes where they are at the end of a substep, and sweep all else.
+    const bool reached = shape.kind == shader::kShapePlane ? plane_reaches(poses[k], box, margin)
+                                                           : box_reaches(local, poses[k], box, margin + shape.way);
+    if (reached) return true;
+  }
+  return false;
+}
+
+}  // namespace geocloth
