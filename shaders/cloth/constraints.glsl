@@ -93,6 +93,14 @@ void span_at(uvec2 pa) {
   pull_span(pa, pb, rest);
 }
 
+// A structural spring of the group constants.group as a span of one pixel.
+void tie_at(uvec2 pa) {
+  uint component = group_component(constants.group);
+  float rest = of_component(component, imageLoad(structural_image, texel(pa))).x;
+  uvec2 pb = spring_end(component, pa.x, pa.y);
+  if (rest != 0.0f && is_here(pb)) pull_span(pa, pb, rest);
+}
+
 // The bend of the group constants.group over three pixels that starts at pixel pa.
 void bend_at(uvec2 pa) {
   uint component = bend_component(constants.group);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Colliders and pixels.
+// Colliders and pixels, and how a frame ends.
 #include "colliders.glsl"
+#include "../lib/finish.h"
 #include "point.glsl"
 
 // Largest speed, then all colliders with friction.
@@ -8,6 +9,16 @@ void collide_at(uvec2 p) {
   float w = load_position(p).w;
   if (w == 0.0f) return;
   store_state(p, collide(ColliderSet(0u), params, constants.substep, load_state(p)), w);
+}
+
+void hold_way_at(uvec2 p) {
+  float w = load_position(p).w;
+  if (w != 0.0f) store_state(p, way_held(load_state(p)), w);
+}
+
+void give_way_at(uvec2 p) {
+  float w = load_position(p).w;
+  if (w != 0.0f) store_state(p, way_given(ColliderSet(0u), params, constants.substep, load_state(p)), w);
 }
 
 // Pinned points go where the user puts them and are left out.

@@ -17,7 +17,7 @@ uvec2 in_lines(uint i, bool by_column, uint lines) {
   return uvec2(i % length, i / length);
 }
 
-void run_springs() {
+void run_springs(bool ties) {
   bool by_column = group_by_column(constants.group) == 1u;
   uint low = by_column ? region_low.x : region_low.y;
   uint size = by_column ? region_size.x : region_size.y;
@@ -30,7 +30,12 @@ void run_springs() {
     uvec2 n = in_lines(i, by_column, lines);
     uvec2 p = by_column ? uvec2(group_line(constants.group, first + n.x), region_low.y + n.y)
                         : uvec2(region_low.x + n.x, group_line(constants.group, first + n.y));
-    if (is_here(p)) spring_at(family, p);
+    if (!is_here(p)) continue;
+    if (ties) {
+      tie_at(p);
+    } else {
+      spring_at(family, p);
+    }
   }
 }
 
@@ -76,6 +81,12 @@ void run_pixels(uint pass, bool pins_too) {
       case kTileCollide:
         if (is_kept(p)) collide_at(p);
         break;
+      case kTileHoldWay:
+        if (is_kept(p)) hold_way_at(p);
+        break;
+      case kTileGiveWay:
+        if (is_kept(p)) give_way_at(p);
+        break;
       case kTileCheckColliders:
         check_colliders_at(p);
         break;
@@ -118,14 +129,15 @@ void run_steps() {
     constants.read_multiplier = next.read_multiplier;
     constants.write_multiplier = next.write_multiplier;
     barrier();
-    if (next.pass == kTileSprings) {
-      run_springs();
+    if (next.pass == kTileSprings || next.pass == kTileTies) {
+      run_springs(next.pass == kTileTies);
     } else if (next.pass == kTileBends) {
       run_bends();
     } else if (next.pass == kTileSpans) {
       run_spans();
     } else if (next.pass == kTileNormals || next.pass == kTilePredict || next.pass == kTileLimit ||
-               next.pass == kTileCollide || next.pass == kTileCheckColliders) {
+               next.pass == kTileCollide || next.pass == kTileHoldWay || next.pass == kTileGiveWay ||
+               next.pass == kTileCheckColliders) {
       run_pixels(next.pass, next.pins != 0u);
     } else {
       run_list(next.pass);

@@ -3,7 +3,8 @@
 // slack where a collider lies between a point and its pin, and there the structural springs carry all of the weight; a
 // spring over n pixels is n^2 times as stiff as they are for the same work, so one level of the pyramid of long springs
 // (Mueller 2008, "Hierarchical Position Based Dynamics") takes most of it. It only pulls, so folds are free, and its
-// ends are points of the cloth like all others, so that nothing is gained that was not there.
+// ends are points of the cloth like all others, so that nothing is gained that was not there. Ties, at a frame's end,
+// are spans of one pixel.
 #ifndef GEOCLOTH_LIB_SPAN_H
 #define GEOCLOTH_LIB_SPAN_H
 

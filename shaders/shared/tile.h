@@ -32,6 +32,9 @@ const uint kTileCheckCopies = 10u;
 const uint kTileCheckColliders = 11u;
 const uint kTileSpans = 12u;
 const uint kTileSeamSpans = 13u;
+const uint kTileHoldWay = 14u;
+const uint kTileTies = 15u;
+const uint kTileGiveWay = 16u;
 
 // One pass, with what it would get as PassConstants.
 struct TileStep {

@@ -8,6 +8,8 @@ namespace geocloth {
 ScheduleOptions schedule_options(const SimulationData& data, uint32_t cloth, const FrameInput& frame) {
   const ClothData& c = data.cloths[cloth];
   const ClothFrame& f = frame.cloths[cloth];
+  const bool spans = c.attachments && !frame.shapes.empty();
+  const uint32_t cell_rounds = frame.shapes.empty() ? 0 : f.cell_rounds;
   return {.substeps = static_cast<uint32_t>(frame.substeps.size()),
           .relaxation_steps = data.relaxation_steps,
           .rescale = f.params.gravity_step.w != 1,
@@ -17,10 +19,11 @@ ScheduleOptions schedule_options(const SimulationData& data, uint32_t cloth, con
           .bending = c.bending,
           .fine = data.fine,
           .attachments = c.attachments && !f.pins.empty(),
-          .spans = c.attachments && !frame.shapes.empty(),
+          .spans = spans,
+          .ties = spans && !data.fine && cell_rounds == 0 && !frame.measure_motion,
           .self_collision = f.params.self_points > 0,
           .collide = !frame.shapes.empty() || f.params.max_step > 0,
-          .cell_rounds = frame.shapes.empty() ? 0 : f.cell_rounds,
+          .cell_rounds = cell_rounds,
           .check = data.check,
           .asleep = f.asleep,
           .motion = frame.measure_motion,

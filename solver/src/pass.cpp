@@ -41,6 +41,11 @@ void add_bending(std::vector<PassStep>& steps, const ScheduleOptions& options, u
   }
 }
 
+void add_checks(std::vector<PassStep>& steps, const ScheduleOptions& options) {
+  if (options.check && options.splits) steps.push_back({Pass::check_copies});
+  if (options.check && options.collide) steps.push_back({Pass::check_colliders});
+}
+
 void add_relaxation(std::vector<PassStep>& steps, const ScheduleOptions& options, uint32_t relaxation) {
   add_family(steps, Pass::shear, kGroupsPerFamily, relaxation);
   if (options.splits) steps.push_back({Pass::stitch, 0, relaxation});
@@ -76,8 +81,19 @@ std::vector<PassStep> substep_schedule(const ScheduleOptions& options) {
     if (options.splits) steps.push_back({Pass::stitch_contacts});
   }
   if (options.collide) steps.push_back({Pass::collide});
-  if (options.check && options.splits) steps.push_back({Pass::check_copies});
-  if (options.check && options.collide) steps.push_back({Pass::check_colliders});
+  add_checks(steps, options);
+  return steps;
+}
+
+std::vector<PassStep> finish_schedule(const ScheduleOptions& options) {
+  constexpr uint32_t kRounds = 3;  // what one spring gives, the next one gets
+  std::vector<PassStep> steps;
+  if (!options.ties) return steps;
+  steps.push_back({Pass::hold_way});
+  for (uint32_t r = 0; r < kRounds; ++r) add_family(steps, Pass::ties, 0, 0);
+  if (options.splits) steps.push_back({Pass::stitch});
+  steps.push_back({Pass::give_way});
+  add_checks(steps, options);
   return steps;
 }
 

@@ -36,6 +36,9 @@ enum class Pass : uint8_t {
   collide_cells,    ///< per cell, groups 0..3: triangles that a collider may slip through
   stitch_contacts,  ///< per split row, after it: as stitch, of the copies' velocities too
   collide,          ///< per pixel: largest speed, then colliders with friction; writes position and previous
+  hold_way,         ///< per pixel, at a frame's end: its way is put aside, for lib/finish.h
+  ties,             ///< per structural spring, groups 0..3: pulled to its longest length
+  give_way,         ///< per pixel: out of colliders, and the way that was put aside
   check_copies,     ///< per split row: largest distance between copies
   check_colliders,  ///< per pixel: largest depth in a collider
   measure_motion    ///< per pixel: longest way in the last substep, into the word of its group
@@ -46,7 +49,7 @@ struct PassInfo {
   std::string_view name;
   std::string_view shader;  ///< file in shaders/cloth/
 };
-inline constexpr std::array<PassInfo, 28> kPasses{{
+inline constexpr std::array<PassInfo, 31> kPasses{{
     {Pass::normals, "normals", "normals.comp"},
     {Pass::normals_stitch, "normals_stitch", "normals_stitch.comp"},
     {Pass::rescale, "rescale", "rescale.comp"},
@@ -72,6 +75,9 @@ inline constexpr std::array<PassInfo, 28> kPasses{{
     {Pass::collide_cells, "collide_cells", "collide_cells.comp"},
     {Pass::stitch_contacts, "stitch_contacts", "stitch_contacts.comp"},
     {Pass::collide, "collide", "collide.comp"},
+    {Pass::hold_way, "hold_way", "hold_way.comp"},
+    {Pass::ties, "ties", "ties.comp"},
+    {Pass::give_way, "give_way", "give_way.comp"},
     {Pass::check_copies, "check_copies", "check_copies.comp"},
     {Pass::check_colliders, "check_colliders", "check_colliders.comp"},
     {Pass::measure_motion, "measure_motion", "measure_motion.comp"},
@@ -111,6 +117,9 @@ struct ScheduleOptions {
   bool fine = false;         ///< constraints act on offsets
   bool attachments = false;  ///< max_stretch > 0 and pins
   bool spans = false;        ///< max_stretch > 0 and colliders: attachments pull too late around them
+  /// Like the spans, but not on offsets, not where a triangle may be pulled over a thin collider, and not for cloth
+  /// that is to fall asleep: what ties pull together sinks back at a centimetre a second.
+  bool ties = false;
   bool self_collision = false;
   bool collide = false;      ///< colliders, or max_speed > 0
   uint32_t cell_rounds = 0;  ///< over the cells, where a collider is so thin or so fast that it may slip through
@@ -129,7 +138,11 @@ struct ScheduleOptions {
 ///   { collide_cells, stitch_contacts } x rounds, collide [check]
 [[nodiscard]] std::vector<PassStep> substep_schedule(const ScheduleOptions& options);
 
-/// The passes after the last substep of a frame: normals [measure_motion].
+/// The passes after those of a frame's last substep, which belong to it: hold_way { ties } x 3 [stitch] give_way
+/// [check], or none.
+[[nodiscard]] std::vector<PassStep> finish_schedule(const ScheduleOptions& options);
+
+/// The passes after all of a frame: normals [measure_motion].
 [[nodiscard]] std::vector<PassStep> frame_schedule(const ScheduleOptions& options);
 
 }  // namespace geocloth

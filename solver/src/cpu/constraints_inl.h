@@ -75,6 +75,7 @@ template <size_t kLanes, bool kSomeSteps>
 struct Listed {
   static constexpr bool kSeveral = kSomeSteps;  ///< relaxation steps
   static constexpr bool kWhole = false;
+  static constexpr bool kPullsOnly = false;
   static constexpr size_t kStep = 1;
 
   HWY_INLINE Listed(const SweepOp& op, uint32_t first_block, uint32_t last_block)
@@ -95,6 +96,7 @@ template <size_t kLanes, size_t kColumns>
 struct Following {
   static constexpr bool kSeveral = false;
   static constexpr bool kWhole = true;
+  static constexpr bool kPullsOnly = false;
   static constexpr size_t kStep = kColumns;
 
   HWY_INLINE Following(const SweepOp& op, uint32_t first_block, uint32_t last_block)
@@ -110,6 +112,13 @@ struct Following {
   size_t origin, first = 0, last;  ///< origin: to add to pixels
 };
 
+/// Ties: spans of one pixel, lib/span.h.
+template <class Where>
+struct PullsOnly : Where {
+  using Where::Where;
+  static constexpr bool kPullsOnly = true;
+};
+
 /// lib/spring.h with inverse = 1 / (wa + wb + compliance), 0 where there is no spring.
 template <class Where, class D>
 HWY_INLINE Vec<D> spring_factor(D d, const SweepOp& op, const Where& where, size_t place, Vec<D> length, Vec<D> share) {
@@ -117,6 +126,7 @@ HWY_INLINE Vec<D> spring_factor(D d, const SweepOp& op, const Where& where, size
   const float* const constants = where.constants_of(place);
   return change_over_length(d, length, hn::LoadU(d, constants), hn::LoadU(d, constants + lanes), constants + 2 * lanes,
                             Multipliers<Where::kSeveral, D>(op, place, lanes), [&](Vec<D> error) GEOCLOTH_LANES {
+                              if constexpr (Where::kPullsOnly) return hn::Max(error, hn::Zero(d));
                               if constexpr (Where::kWhole) return error;
                               return hn::Mul(share, error);
                             });

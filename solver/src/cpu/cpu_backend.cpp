@@ -150,6 +150,7 @@ class CpuBackend final : public SolverBackend {
       context.substep = s;
       for (const PassStep& step : substep) run(step, context, cloth);
     }
+    for (const PassStep& step : finish_schedule(options)) run(step, context, cloth);
   }
 
   /// Pass by pass is the reference.

@@ -15,6 +15,7 @@
 #include "lib/cell_groups.h"
 #include "lib/collide_cell.h"
 #include "lib/fine.h"
+#include "lib/finish.h"
 #include "lib/limit.h"
 #include "lib/normal.h"
 #include "lib/pin.h"
@@ -206,6 +207,17 @@ void collide(const PassContext& context, ClothState& state) {
                             [&](uint32_t first, uint32_t last) { collide_pixels(context, state, first, last); });
 }
 
+void hold_way(const PassContext& context, ClothState& state) {
+  for_pixels(context.threads, state, [&](uint32_t i) {
+    if (state.inverse_mass[i] != 0) state.set_point(i, shader::way_held(state.point(i)));
+  });
+}
+
+void give_way(const PassContext& context, ClothState& state) {
+  context.threads.for_range(static_cast<uint32_t>(state.pixel_count()), kPixelGrain,
+                            [&](uint32_t first, uint32_t last) { give_way_pixels(context, state, first, last); });
+}
+
 /// Largest of largest_of(first, last) over parts of 0..count. A maximum does not depend on the order.
 template <class LargestOf>
 float largest(const Threads& threads, uint32_t count, const LargestOf& largest_of) {
@@ -297,6 +309,14 @@ void collide_pixels(const PassContext& context, ClothState& state, uint32_t firs
   }
 }
 
+void give_way_pixels(const PassContext& context, ClothState& state, uint32_t first, uint32_t last) {
+  const shader::ColliderSet set = colliders_of(context.frame);
+  for (uint32_t i = first; i < last; ++i) {
+    if (state.inverse_mass[i] == 0) continue;
+    state.set_point(i, shader::way_given(set, context.cloth.params, context.substep, state.point(i)));
+  }
+}
+
 float penetration_of_pixels(const PassContext& context, const ClothState& state, uint32_t first, uint32_t last) {
   const shader::ColliderSet set = colliders_of(context.frame);
   float depth = 0;
@@ -357,6 +377,12 @@ void run_pass(const PassStep& step, const PassContext& context, ClothState& stat
       return stitch_contacts(context, state);
     case Pass::collide:
       return collide(context, state);
+    case Pass::hold_way:
+      return hold_way(context, state);
+    case Pass::ties:
+      return ties(context, state, step);
+    case Pass::give_way:
+      return give_way(context, state);
     case Pass::check_copies:
       measures.copy_gap = std::max(measures.copy_gap, copy_gap(context, state));
       return;

@@ -8,6 +8,7 @@
 #include "cpu/line.h"
 #include "cpu/seam_list.h"
 #include "lib/span.h"
+#include "lib/spring_groups.h"
 
 namespace geocloth::cpu {
 
@@ -52,6 +53,26 @@ void spans(const PassContext& context, ClothState& state, const PassStep& step) 
         for (uint32_t x = 0; x < width - reach_x; ++x)
           if (shader::span_starts(step.group, x, y)) pull_from(size_t{y} * width + x, mode);
     });
+  });
+}
+
+void ties(const PassContext& context, ClothState& state, const PassStep& step) {
+  const float limit = context.cloth.params.stretch_limit;
+  const uint32_t component = shader::group_component(step.group), width = state.data.width;
+  const shader::uvec2 extent = shader::group_extent(step.group, width, state.data.height);
+  context.threads.for_range(extent.y, std::max(1U, kPixelGrain / width), [&](uint32_t first, uint32_t last) {
+    for (uint32_t j = first; j < last; ++j) {
+      for (uint32_t i = 0; i < extent.x; ++i) {
+        const shader::uvec2 p = shader::group_pixel(step.group, i, j);
+        const shader::uvec2 end = shader::spring_end(component, p.x, p.y);
+        if (end.x >= width || end.y >= state.data.height) continue;
+        const size_t a = size_t{p.y} * width + p.x, b = size_t{end.y} * width + end.x;
+        const float rest = state.rest[component][a];
+        if (rest == 0) continue;
+        pull(PointLine(state, a, shader::kFineOff), PointLine(state, b, shader::kFineOff), rest * limit,
+             Fine<shader::kFineOff>());
+      }
+    }
   });
 }
 

@@ -8,6 +8,9 @@ namespace geocloth::cpu {
 /// Pass spans: those of one group.
 void spans(const PassContext& context, ClothState& state, const PassStep& step);
 
+/// Pass ties: those of one group.
+void ties(const PassContext& context, ClothState& state, const PassStep& step);
+
 /// Pass seam_spans: those of one colour.
 void seam_spans(const PassContext& context, ClothState& state, const PassStep& step);
 

@@ -21,12 +21,16 @@ enum class RowKernel : uint8_t {
   pins,               ///< pins of the row
   springs_across,     ///< blocks: rest, inverse, compliance
   springs_along,      ///< blocks over every second column and its neighbour: rest, inverse, compliance
+  ties_across,        ///< as springs_across, pulling only: longest, inverse
+  ties_along,         ///< as springs_along, pulling only: longest, inverse
   springs_along_two,  ///< blocks over two of four columns and the next two: rest, inverse, compliance
   bends_across,       ///< blocks: rest, inverse, chord, compliance
   bends_along,        ///< blocks over every third column and the next two: rest, inverse, chord, compliance
   spans,              ///< blocks of kSpanLanes at most: longest, inverse
   limit,              ///< blocks: longest; anchors
   collide,            ///< runs
+  hold_way,           ///< runs
+  give_way,           ///< runs
   check_colliders     ///< runs
 };
 

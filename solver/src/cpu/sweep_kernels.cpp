@@ -15,6 +15,7 @@
 
 #include "cpu/collide_inl.h"
 #include "cpu/constraints_inl.h"
+#include "cpu/finish_inl.h"
 #include "cpu/normals_inl.h"
 #include "cpu/predict_inl.h"
 
@@ -78,6 +79,16 @@ HWY_INLINE void run_row(D d, const SweepFrame& frame, const SweepOp& op, uint32_
         springs_along<1, typename decltype(where)::Type>(d, op, state, first, last);
       });
       break;
+    case RowKernel::ties_across:
+      with_where<1>(d, op, y, [&](auto where) GEOCLOTH_LANES {
+        springs_across<PullsOnly<typename decltype(where)::Type>>(d, op, state, first, last);
+      });
+      break;
+    case RowKernel::ties_along:
+      with_where<2>(d, op, y, [&](auto where) GEOCLOTH_LANES {
+        springs_along<1, PullsOnly<typename decltype(where)::Type>>(d, op, state, first, last);
+      });
+      break;
     case RowKernel::springs_along_two:
       with_where<2>(d, op, y, [&](auto where) GEOCLOTH_LANES {
         springs_along<2, typename decltype(where)::Type>(d, op, state, first, last);
@@ -101,6 +112,12 @@ HWY_INLINE void run_row(D d, const SweepFrame& frame, const SweepOp& op, uint32_
     }
     case RowKernel::collide:
       for (uint32_t k = first; k < last; ++k) collide(d, frame, substep, stream.runs[k]);
+      break;
+    case RowKernel::hold_way:
+      for (uint32_t k = first; k < last; ++k) hold_way(d, state, stream.runs[k]);
+      break;
+    case RowKernel::give_way:
+      for (uint32_t k = first; k < last; ++k) give_way(d, frame, substep, stream.runs[k]);
       break;
     case RowKernel::check_colliders:
       for (uint32_t k = first; k < last; ++k) check_colliders(d, frame, substep, stream.runs[k]);

@@ -132,6 +132,7 @@ class SweepPlanner {
       case RowKernel::normals:
         return {1, 1};
       case RowKernel::springs_across:
+      case RowKernel::ties_across:
         return {0, (op.offset + 1) / width_};  // down-left: width - 1
       case RowKernel::bends_across:
         return {0, 2};
@@ -144,8 +145,14 @@ class SweepPlanner {
 
   /// Passes that write what follows a row as they found it.
   [[nodiscard]] bool gives_back(const SweepOp& op) const {
-    if (op.kernel == RowKernel::predict || op.kernel == RowKernel::collide) return true;
-    if (op.kernel != RowKernel::springs_along && op.kernel != RowKernel::springs_along_two) return false;
+    if (op.kernel == RowKernel::predict || op.kernel == RowKernel::collide || op.kernel == RowKernel::hold_way ||
+        op.kernel == RowKernel::give_way) {
+      return true;
+    }
+    if (op.kernel != RowKernel::springs_along && op.kernel != RowKernel::springs_along_two &&
+        op.kernel != RowKernel::ties_along) {
+      return false;
+    }
     const std::vector<uint32_t>& blocks = op.stream->pixel;
     return std::any_of(blocks.begin(), blocks.end(), [&](uint32_t p) { return p % width_ + 2 * lanes_ > width_; });
   }
@@ -162,6 +169,9 @@ class SweepPlanner {
       case Pass::spans:
       case Pass::limit:
       case Pass::collide:
+      case Pass::hold_way:
+      case Pass::ties:
+      case Pass::give_way:
       case Pass::check_colliders:
         return true;
       default:
@@ -177,6 +187,12 @@ class SweepPlanner {
         return over_runs(RowKernel::predict);
       case Pass::collide:
         return over_runs(RowKernel::collide);
+      case Pass::hold_way:
+        return over_runs(RowKernel::hold_way);
+      case Pass::ties:
+        return ties(step);
+      case Pass::give_way:
+        return over_runs(RowKernel::give_way);
       case Pass::check_colliders:
         return over_runs(RowKernel::check_colliders);
       case Pass::pins:
@@ -258,7 +274,20 @@ class SweepPlanner {
     }
   }
 
-  SweepOp springs(uint32_t group) {
+  /// They lie where the structural springs do.
+  SweepOp ties(const PassStep& step) {
+    const auto known = first_relaxation_.find({step.pass, step.group});
+    if (known != first_relaxation_.end()) return known->second;
+    SweepOp op = lay_out_springs(step.group, true);
+    op.kernel = op.kernel == RowKernel::springs_along ? RowKernel::ties_along : RowKernel::ties_across;
+    op.share = 1;
+    first_relaxation_.emplace(std::pair{step.pass, step.group}, op);
+    return op;
+  }
+
+  SweepOp springs(uint32_t group) { return lay_out_springs(group, false); }
+
+  SweepOp lay_out_springs(uint32_t group, bool tie) {
     const uint32_t component = shader::group_component(group), odd = group % 2;
     const bool along = shader::group_by_column(group) == 1;
     const RowKernel kernel = !along           ? RowKernel::springs_across
@@ -279,14 +308,14 @@ class SweepPlanner {
       stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
       if (!in_row(y)) continue;
       const auto inverse_of = [&](uint32_t x) {
-        return in_column(x) ? spring_inverse(component, y * width_ + x, offset) : 0.F;
+        return in_column(x) ? spring_inverse(component, y * width_ + x, offset, !tie) : 0.F;
       };
       cover_row(
           shape, y, [&](uint32_t x) { return inverse_of(x) > 0; },
           [&](uint32_t first) { add_block(stream, first, several() ? 3 : 2); },
           [&](uint32_t lane, uint32_t x) {
             float* block = &stream.constants[stream.constants.size() - size_t{several() ? 3U : 2U} * lanes_];
-            block[lane] = state_.rest[component][y * width_ + x];
+            block[lane] = state_.rest[component][y * width_ + x] * (tie ? cloth_.params.stretch_limit : 1.F);
             block[lanes_ + lane] = inverse_of(x);
             if (several()) block[2 * lanes_ + lane] = scaled_compliance(component, y * width_ + x);
           });
@@ -317,11 +346,11 @@ class SweepPlanner {
   }
 
   /// 1 / (w + compliance), as spring.h has it; 0 where the spring does not exist or cannot move.
-  [[nodiscard]] float spring_inverse(uint32_t component, size_t a, uint32_t offset) const {
+  [[nodiscard]] float spring_inverse(uint32_t component, size_t a, uint32_t offset, bool compliant) const {
     if (!(state_.rest[component][a] > 0)) return 0;
     const float w = state_.inverse_mass[a] + state_.inverse_mass[a + offset];
     if (!(w > 0)) return 0;
-    return 1.F / (w + scaled_compliance(component, a));
+    return 1.F / (compliant ? w + scaled_compliance(component, a) : w);
   }
 
   [[nodiscard]] float scaled_compliance(uint32_t component, size_t a) const {
@@ -501,7 +530,7 @@ class SweepPlanner {
   uint32_t lanes_, width_, height_;
   std::unique_ptr<SweepPlan> plan_ = std::make_unique<SweepPlan>();
   RowStream* run_stream_ = nullptr;
-  std::map<std::pair<Pass, uint32_t>, SweepOp> first_relaxation_;  ///< of several, by pass and group
+  std::map<std::pair<Pass, uint32_t>, SweepOp> first_relaxation_;  ///< of what comes again, by pass and group
   std::vector<Reach> reaches_;                                     ///< of the sweep that is being made
 };
 
@@ -535,7 +564,8 @@ size_t SweepPlan::bytes_per_substep() const {
     if (!std::holds_alternative<Sweep>(part)) continue;
     bool moves_history = false;
     for (const SweepOp& op : std::get<Sweep>(part).ops) {
-      moves_history = moves_history || op.kernel == RowKernel::predict || op.kernel == RowKernel::collide;
+      moves_history = moves_history || op.kernel == RowKernel::predict || op.kernel == RowKernel::collide ||
+                      op.kernel == RowKernel::hold_way;
       sum += sizeof(float) * (op.stream->constants.size() + op.stream->anchors.size()) +
              sizeof(uint32_t) * op.stream->pixel.size();
       if (op.kernel == RowKernel::normals) sum += pixels * (sizeof(uint32_t) + kPoint + sizeof(float));

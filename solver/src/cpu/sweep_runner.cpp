@@ -16,7 +16,8 @@ void SweepRunner::prepare(const ClothState& state, const ClothFrame& cloth, cons
                           uint32_t threads) {
   const shader::ClothParams& p = cloth.params;
   if (p.fine != shader::kFineOff) {  // offsets are not among what the kernels know
-    plan_ = {};
+    substep_ = {};
+    finish_ = {};
     planned_ = false;
     return;
   }
@@ -29,42 +30,47 @@ void SweepRunner::prepare(const ClothState& state, const ClothFrame& cloth, cons
   if (planned_ && !cloth.pins_changed && recipe == recipe_) return;
   recipe_ = recipe;
   planned_ = true;
-  plan_ = SweepPlan::make(state, substep_schedule(options), cloth, runs_, options.relaxation_steps, threads > 1);
-  bands_ = {};
+  const auto plan = [&](const std::vector<PassStep>& steps, uint32_t relaxation_steps) {
+    return Plan{SweepPlan::make(state, steps, cloth, runs_, relaxation_steps, threads > 1), {}, {}};
+  };
+  substep_ = plan(substep_schedule(options), options.relaxation_steps);
+  finish_ = options.ties ? plan(finish_schedule(options), 1) : Plan{};
 }
 
-void SweepRunner::run_in_bands(const SweepFrame& frame, const Threads& threads, const RunPass& pass) {
-  const uint32_t bands = bands_.count(), substeps = static_cast<uint32_t>(contexts_.size());
-  const std::vector<SweepPlan::Part>& parts = plan_->parts();
-  const size_t phases = bands_.phases.size();
+void SweepRunner::run_in_bands(const Plan& plan, const SweepFrame& frame, uint32_t first, uint32_t last,
+                               const Threads& threads, const RunPass& pass) {
+  const uint32_t bands = plan.bands.count(), substeps = static_cast<uint32_t>(contexts_.size());
+  const std::vector<SweepPlan::Part>& parts = plan.sweeps->parts();
+  const size_t phases = plan.bands.phases.size();
   first_tasks_.assign(1, 0);
-  for (size_t k = 0; k < phases * substeps; ++k) {
-    first_tasks_.push_back(first_tasks_.back() + bands_.phases[k % phases].tasks);
+  for (size_t k = 0; k < phases * (last - first); ++k) {
+    first_tasks_.push_back(first_tasks_.back() + plan.bands.phases[k % phases].tasks);
   }
   penetration_.assign(size_t{substeps} * bands, 0.F);
   threads.for_phases(first_tasks_, bands, [&](size_t k, uint32_t task) {
-    const auto substep = static_cast<uint32_t>(k / phases);
-    const BandPhase& phase = bands_.phases[k % phases];
+    const auto substep = first + static_cast<uint32_t>(k / phases);
+    const BandPhase& phase = plan.bands.phases[k % phases];
     for (uint32_t n = phase.first_part; n < phase.last_part; ++n) {
       if (const auto* step = std::get_if<PassStep>(&parts[n])) {
         const PassContext& all = contexts_[substep];
-        const Threads& share = phase.kind == BandPhase::Kind::alone ? alone_ : shares_[task];
+        const Threads& share = phase.kind == BandPhase::Kind::alone ? alone_ : plan.shares[task];
         pass(*step, {all.frame, all.cloth, share, substep, all.relaxation_steps});
         continue;
       }
       SweepFrame own = frame;
       own.sweep = &std::get<Sweep>(parts[n]);
       own.penetration = &penetration_[size_t{task} * substeps];
-      run_sweep(plan_->lanes(), own, substep, band_of_task(bands_, *own.sweep, phase.kind, task), nullptr, nullptr);
+      run_sweep(plan.sweeps->lanes(), own, substep, band_of_task(plan.bands, *own.sweep, phase.kind, task), nullptr,
+                nullptr);
     }
   });
 }
 
 void SweepRunner::place_anchors(const ClothState& state) {
   const std::vector<shader::PinTarget>& pins = contexts_.front().cloth.pins;
-  const std::vector<uint32_t>& anchor_of_pin = plan_->anchor_of_pin();
+  const std::vector<uint32_t>& anchor_of_pin = substep_.sweeps->anchor_of_pin();
   const size_t count = anchor_of_pin.size();
-  anchors_.resize(3 * count * contexts_.size() + plan_->lanes());  // vectors reach over the last one
+  anchors_.resize(3 * count * contexts_.size() + substep_.sweeps->lanes());  // vectors reach over the last one
   for (size_t k = 0; k < count; ++k) {
     shader::vec3 position = state.position.at(pins[k].pixel.x);
     for (size_t s = 0; s < contexts_.size(); ++s) {
@@ -91,7 +97,7 @@ void SweepRunner::run_substeps(SweepFrame& frame, const Sweep& sweep, uint32_t f
   std::atomic<uint32_t> next{first};
   const auto work = [&] {
     for (uint32_t s = next.fetch_add(1); s < last; s = next.fetch_add(1)) {
-      run_sweep(plan_->lanes(), frame, s, whole_sweep(sweep, frame.state->data.height),
+      run_sweep(substep_.sweeps->lanes(), frame, s, whole_sweep(sweep, frame.state->data.height),
                 s > first ? &progress_[s - 1] : nullptr, &progress_[s]);
     }
   };
@@ -105,6 +111,38 @@ void SweepRunner::run_substeps(SweepFrame& frame, const Sweep& sweep, uint32_t f
   }
 }
 
+void SweepRunner::run_plan(Plan& plan, SweepFrame frame, uint32_t first, uint32_t last, const Threads& threads,
+                           const Measuring& measuring, const RunPass& pass) {
+  penetration_.assign(contexts_.size(), 0.F);
+  frame.penetration = penetration_.data();
+  const std::vector<SweepPlan::Part>& parts = plan.sweeps->parts();
+  const bool in_one_piece = parts.size() == 1 && std::holds_alternative<Sweep>(parts.front());
+  const bool threads_share = threads.count() > 1 && measuring.seconds == nullptr;
+  if (in_one_piece && (last - first > 1 || !threads_share)) {
+    run_substeps(frame, std::get<Sweep>(parts.front()), first, last, threads, measuring);
+  } else if (threads_share) {
+    if (plan.bands.rows.empty()) {
+      plan.bands = plan_bands(*plan.sweeps, *frame.state, runs_, threads.count());
+      plan.shares.clear();
+      for (uint32_t k = 0; k < plan.bands.count(); ++k) plan.shares.emplace_back(k, plan.bands.count());
+    }
+    run_in_bands(plan, frame, first, last, threads, pass);
+  } else {
+    for (uint32_t s = first; s < last; ++s) {
+      for (const SweepPlan::Part& part : parts) {
+        if (const auto* step = std::get_if<PassStep>(&part)) {
+          pass(*step, contexts_[s]);
+        } else {
+          run_substeps(frame, std::get<Sweep>(part), s, s + 1, threads, measuring);
+        }
+      }
+    }
+  }
+  for (const float depth : penetration_) {
+    measuring.measures->penetration = std::max(measuring.measures->penetration, depth);
+  }
+}
+
 void SweepRunner::normals(const Threads& threads, ClothState& state) const {
   constexpr uint32_t kRunGrain = 32;
   threads.for_range(static_cast<uint32_t>(runs_.size()), kRunGrain, [&](uint32_t first, uint32_t last) {
@@ -115,7 +153,7 @@ void SweepRunner::normals(const Threads& threads, ClothState& state) const {
 bool SweepRunner::run(const FrameInput& frame, const ClothFrame& cloth, const ScheduleOptions& options,
                       const Threads& threads, ClothState& state, const Measuring& measuring, const RunPass& pass) {
   prepare(state, cloth, options, threads.count());
-  if (!plan_) return false;
+  if (!substep_.sweeps) return false;
   const auto substeps = static_cast<uint32_t>(frame.substeps.size());
   contexts_.clear();
   for (uint32_t s = 0; s < substeps; ++s) contexts_.push_back({frame, cloth, threads, s, options.relaxation_steps});
@@ -125,38 +163,13 @@ bool SweepRunner::run(const FrameInput& frame, const ClothFrame& cloth, const Sc
                    &state,
                    nullptr,
                    anchors_.data(),
-                   static_cast<uint32_t>(plan_->anchor_of_pin().size()),
+                   static_cast<uint32_t>(substep_.sweeps->anchor_of_pin().size()),
                    guards_.data(),
                    cloth.params.max_step > 0 || cloth.params.moving != 0,
                    std::all_of(frame.shapes.begin(), frame.shapes.end(), is_simple)};
 
-  penetration_.assign(substeps, 0.F);
-  sweep.penetration = penetration_.data();
-
-  const std::vector<SweepPlan::Part>& parts = plan_->parts();
-  if (parts.size() == 1 && std::holds_alternative<Sweep>(parts.front())) {
-    run_substeps(sweep, std::get<Sweep>(parts.front()), 0, substeps, threads, measuring);
-  } else if (threads.count() > 1 && measuring.seconds == nullptr) {
-    if (bands_.rows.empty()) {
-      bands_ = plan_bands(*plan_, state, runs_, threads.count());
-      shares_.clear();
-      for (uint32_t k = 0; k < bands_.count(); ++k) shares_.emplace_back(k, bands_.count());
-    }
-    run_in_bands(sweep, threads, pass);
-  } else {
-    for (uint32_t s = 0; s < substeps; ++s) {
-      for (const SweepPlan::Part& part : parts) {
-        if (const auto* step = std::get_if<PassStep>(&part)) {
-          pass(*step, contexts_[s]);
-        } else {
-          run_substeps(sweep, std::get<Sweep>(part), s, s + 1, threads, measuring);
-        }
-      }
-    }
-  }
-  for (const float depth : penetration_) {
-    measuring.measures->penetration = std::max(measuring.measures->penetration, depth);
-  }
+  run_plan(substep_, sweep, 0, substeps, threads, measuring, pass);
+  if (finish_.sweeps) run_plan(finish_, sweep, substeps - 1, substeps, threads, measuring, pass);
   return true;
 }
 

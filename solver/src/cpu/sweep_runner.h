@@ -34,7 +34,7 @@ class SweepRunner {
   /// Unit normals of all pixels from their own cells.
   void normals(const Threads& threads, ClothState& state) const;
 
-  [[nodiscard]] size_t memory_bytes() const { return plan_ ? plan_->memory_bytes() : 0; }
+  [[nodiscard]] size_t memory_bytes() const { return substep_.memory_bytes() + finish_.memory_bytes(); }
 
  private:
   /// What the constants in the plan follow from, besides the cloth itself.
@@ -45,10 +45,21 @@ class SweepRunner {
     bool operator==(const Recipe&) const = default;
   };
 
+  struct Plan {
+    std::unique_ptr<SweepPlan> sweeps;  ///< nothing: no passes, or none by sweeps
+    BandPlan bands;                     ///< without rows: not planned
+    std::vector<Threads> shares;        ///< of a pass that does not go by rows, one for each band
+    [[nodiscard]] size_t memory_bytes() const { return sweeps ? sweeps->memory_bytes() : 0; }
+  };
+
   void prepare(const ClothState& state, const ClothFrame& cloth, const ScheduleOptions& options, uint32_t threads);
   void place_anchors(const ClothState& state);
-  /// Runs the plan's parts one after another, each by all threads.
-  void run_in_bands(const SweepFrame& frame, const Threads& threads, const RunPass& pass);
+  /// Runs a plan in the substeps first .. last - 1.
+  void run_plan(Plan& plan, SweepFrame frame, uint32_t first, uint32_t last, const Threads& threads,
+                const Measuring& measuring, const RunPass& pass);
+  /// The plan's parts one after another, each by all threads.
+  void run_in_bands(const Plan& plan, const SweepFrame& frame, uint32_t first, uint32_t last, const Threads& threads,
+                    const RunPass& pass);
   /// Runs a sweep in the substeps first .. last - 1 and shares its time out among its passes.
   void run_substeps(SweepFrame& frame, const Sweep& sweep, uint32_t first, uint32_t last, const Threads& threads,
                     const Measuring& measuring);
@@ -56,11 +67,9 @@ class SweepRunner {
   std::vector<Run> runs_;
   bool planned_ = false;
   Recipe recipe_;
-  std::unique_ptr<SweepPlan> plan_;
-  BandPlan bands_;  ///< without rows: not planned
+  Plan substep_, finish_;
   std::vector<uint32_t> first_tasks_;
   Threads alone_{1};
-  std::vector<Threads> shares_;  ///< of a pass that does not go by rows, one for each band
   std::vector<PassContext> contexts_;
   std::vector<float> anchors_;
   std::vector<ColliderGuard> guards_;

@@ -41,6 +41,12 @@ std::optional<uint32_t> tile_pass(Pass pass) {
       return shader::kTileSpans;
     case Pass::stitch:
       return shader::kTileStitch;
+    case Pass::hold_way:
+      return shader::kTileHoldWay;
+    case Pass::ties:
+      return shader::kTileTies;
+    case Pass::give_way:
+      return shader::kTileGiveWay;
     case Pass::limit:
       return shader::kTileLimit;
     case Pass::collide:
@@ -64,6 +70,7 @@ struct Way {
 Way way_of(const PassStep& step) {
   switch (step.pass) {
     case Pass::structural:
+    case Pass::ties:
     case Pass::shear:
     case Pass::bending: {
       const uint32_t component = shader::group_component(step.group), two = component >= 4 ? 2 : 1;
@@ -78,13 +85,23 @@ Way way_of(const PassStep& step) {
 }
 
 /// Passes that only need points near their own, before and after the stitch of the shear springs and the spans, which
-/// reach too far for a tile.
+/// reach too far for a tile; at a frame's end before and after the stitch of the ties.
 bool is_in_first_tile(Pass pass) {
-  return pass == Pass::predict || pass == Pass::pins || pass == Pass::shear;
+  return pass == Pass::predict || pass == Pass::pins || pass == Pass::shear || pass == Pass::hold_way ||
+         pass == Pass::ties;
 }
 bool is_in_second_tile(Pass pass) {
   return pass == Pass::bending || pass == Pass::curvature || pass == Pass::structural || pass == Pass::limit ||
-         pass == Pass::collide;
+         pass == Pass::collide || pass == Pass::give_way;
+}
+
+/// Of every free point.
+bool writes_history(Pass pass) {
+  return pass == Pass::predict || pass == Pass::collide || pass == Pass::hold_way || pass == Pass::give_way;
+}
+
+bool starts_tile(Pass pass) {
+  return pass == Pass::predict || pass == Pass::hold_way;
 }
 
 class Planner {
@@ -104,7 +121,7 @@ class Planner {
       };
       size_t end = k;
       // What follows the stitch of the second tile is points by themselves, which has no use for tiles.
-      const bool begins = in_scratch ? is_in_second_tile(schedule[k].pass) : schedule[k].pass == Pass::predict;
+      const bool begins = in_scratch ? is_in_second_tile(schedule[k].pass) : starts_tile(schedule[k].pass);
       while (begins && end < schedule.size() && belongs(end)) ++end;
       if (end == k) {
         add_pass(schedule[k++], substep, in_scratch);
@@ -142,7 +159,7 @@ class Planner {
     for (const PassStep& step : steps) {
       add_step(step, substep);
       way = {way.x + way_of(step).x, way.y + way_of(step).y};
-      if (step.pass == Pass::predict || step.pass == Pass::collide) dispatch.tile.keep_history = 0;
+      if (writes_history(step.pass)) dispatch.tile.keep_history = 0;
       const std::string_view name = info(step.pass).name;
       if (dispatch.name.ends_with(name)) continue;
       if (!dispatch.name.empty()) dispatch.name.push_back('+');
@@ -202,18 +219,21 @@ uint32_t tile_side(const TileLimits& limits, uint32_t border) {
 FramePlan plan_frame(SolverPath path, const ScheduleOptions& options, uint32_t substeps, const ClothLists& lists) {
   if (options.asleep) return {};
   Planner planner(options, lists);
-  const std::vector<PassStep> substep = substep_schedule(options), end = frame_schedule(options);
+  const std::vector<PassStep> substep = substep_schedule(options), finish = finish_schedule(options);
+  const std::vector<PassStep> end = frame_schedule(options);
   const auto runs_alone = [](const PassStep& step) { return tile_pass(step.pass).has_value(); };
   if (path == SolverPath::tiny && !std::ranges::all_of(substep, runs_alone)) path = SolverPath::plain;
-  for (uint32_t s = 0; s < substeps; ++s) {
+  const auto add = [&](const std::vector<PassStep>& steps, uint32_t s) {
     if (path == SolverPath::tiny) {
-      planner.add_all_steps(substep, s);
+      planner.add_all_steps(steps, s);
     } else if (path == SolverPath::tiled) {
-      planner.add_tiles(substep, s);
+      planner.add_tiles(steps, s);
     } else {
-      planner.add_passes(substep, s);
+      planner.add_passes(steps, s);
     }
-  }
+  };
+  for (uint32_t s = 0; s < substeps; ++s) add(substep, s);
+  add(finish, substeps - 1);
   if (path == SolverPath::tiny) {
     const auto in_group = std::ranges::find_if_not(end, runs_alone);
     planner.add_all_steps({end.begin(), in_group}, 0);

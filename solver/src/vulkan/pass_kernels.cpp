@@ -8,6 +8,8 @@
 #include "collide_cells_comp.h"
 #include "collide_comp.h"
 #include "curvature_comp.h"
+#include "give_way_comp.h"
+#include "hold_way_comp.h"
 #include "inverse_mass_comp.h"
 #include "lib/bend_groups.h"
 #include "lib/cell_groups.h"
@@ -35,6 +37,7 @@
 #include "springs_comp.h"
 #include "stitch_comp.h"
 #include "stitch_contacts_comp.h"
+#include "ties_comp.h"
 
 namespace geocloth::vulkan {
 namespace {
@@ -89,6 +92,12 @@ std::span<const uint32_t> spirv(Pass pass) {
       return stitch_contacts_comp;
     case Pass::collide:
       return collide_comp;
+    case Pass::hold_way:
+      return hold_way_comp;
+    case Pass::ties:
+      return ties_comp;
+    case Pass::give_way:
+      return give_way_comp;
     case Pass::check_copies:
       return check_copies_comp;
     case Pass::check_colliders:
@@ -182,6 +191,7 @@ void PassKernels::dispatch(const vk::raii::CommandBuffer& commands, const ClothR
     case Pass::structural:
     case Pass::shear:
     case Pass::bending:
+    case Pass::ties:
       return over_pixels(shader::group_extent(step.group, cloth.width, cloth.height));
     case Pass::spans:
       return over_pixels(shader::span_extent(step.group, cloth.width, cloth.height));
@@ -196,6 +206,8 @@ void PassKernels::dispatch(const vk::raii::CommandBuffer& commands, const ClothR
     case Pass::limit:
     case Pass::self_move:
     case Pass::collide:
+    case Pass::hold_way:
+    case Pass::give_way:
     case Pass::check_colliders:
     case Pass::measure_motion:
       return over_pixels({cloth.width, cloth.height});

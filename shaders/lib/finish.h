@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// How a frame ends: springs that are still too long, in sharp folds above all, are tied to their longest length, and
+// points keep the velocities that they have. Moved with them, cloth at rest would never rest: every frame its last
+// substep would differ from the others. Macklin, Mueller, Chentanez, Kim 2014 ("Unified Particle Physics for Real-Time
+// Applications", section 4.4) move what starts in contact in the same way before a step.
+//
+//   hold_way   previous = the way, carry = the place      between them positions move freely
+//   give_way   out of colliders, without friction; previous and carry = what the way says
+#ifndef GEOCLOTH_LIB_FINISH_H
+#define GEOCLOTH_LIB_FINISH_H
+
+#include "collide.h"
+
+#ifdef __cplusplus
+namespace geocloth::shader {
+#endif
+
+inline PointState way_held(PointState point) {
+  PointState r;
+  r.position = point.position;
+  r.previous = way_of(point);
+  r.carry = point.position;
+  return r;
+}
+
+// Where colliders, as they are at the end of the substep, let a point go from `start`.
+inline vec3 kept_out(ColliderSet set, ClothParams params, uint substep, vec3 start, vec3 moved) {
+  vec3 position = moved;
+  bool again = params.collider_count > 0u;
+  for (uint round = 0u; round < kContactRounds && again; ++round) {
+    again = false;
+    for (uint i = 0u; i < params.collider_count; ++i) {
+      ColliderShape shape = collider_shape(set, i);
+      ColliderPose pose = collider_pose(set, substep + 1u, i);
+      vec3 local = to_local(pose, position);
+      Nearest near = nearest_of_shape(set, shape, local);
+      Contact contact = find_contact(set, shape, to_local(pose, start), local, near, params.thickness, round == 0u);
+      if (!contact.touches || contact.depth <= kContactSlack) continue;
+      precise vec3 out_of_it = position + rotate_to_world(pose, contact.normal) * contact.depth;
+      position = out_of_it;
+      again = params.collider_count > 1u || shape.kind == kShapeMesh;  // its field is not quite a distance
+    }
+  }
+  return position;
+}
+
+inline PointState way_given(ColliderSet set, ClothParams params, uint substep, PointState held) {
+  return arrived(kept_out(set, params, substep, held.carry, held.position), held.previous);
+}
+
+#ifdef __cplusplus
+}  // namespace geocloth::shader
+#endif
+
+#endif
