@@ -35,11 +35,14 @@ INSTANTIATE_TEST_SUITE_P(Swing, Ball,
                                            std::pair{0.3, 0.0}, std::pair{0.15, -0.1}, std::pair{0.15, 0.1},
                                            std::pair{0.25, 0.15}));
 
+// Without ties single springs in sharp folds were stretched by 14 % on the smallest and the largest ball.
 TEST(Swing, SixteenSubstepsHalveIt) {
-  const StretchStatistics stretch = test::stretch_of_swing({.substeps = 16}, kFiveSeconds);
-  RecordProperty("max_percent", std::to_string(100 * (stretch.max - 1)));
-  EXPECT_LE(stretch.max, 1.05);
-  EXPECT_LE(stretch.mean, 1.0028);
+  for (const double ball : {0.1, 0.15, 0.2, 0.25, 0.3}) {
+    const StretchStatistics stretch = test::stretch_of_swing({.substeps = 16, .ball = ball}, kFiveSeconds);
+    RecordProperty("max_percent", std::to_string(100 * (stretch.max - 1)));
+    EXPECT_LE(stretch.max, 1.05) << ball;
+    EXPECT_LE(stretch.mean, 1.003) << ball;
+  }
 }
 
 // The worst case: two seams cross where the ball presses. Where spans ended at seams it was 18 %.

@@ -115,8 +115,10 @@ struct Following {
 /// Ties: spans of one pixel, lib/span.h.
 template <class Where>
 struct PullsOnly : Where {
-  using Where::Where;
   static constexpr bool kPullsOnly = true;
+
+  HWY_INLINE PullsOnly(const SweepOp& op, uint32_t first_block, uint32_t last_block)
+      : Where(op, first_block, last_block) {}
 };
 
 /// lib/spring.h with inverse = 1 / (wa + wb + compliance), 0 where there is no spring.
