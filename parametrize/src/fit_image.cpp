@@ -3,10 +3,10 @@
 // 0.091 f'' h^2 rms, the least squares fit by the same triangles by 0.037 f'' h^2, and a cell whose diagonal lies along
 // a fold by half of one whose diagonal lies across. So every cell is compared with the surface at many places of the
 // chart's plane, its diagonal is chosen by what remains after a fit, and the pixels move to the L2 projection of the
-// surface on to the piecewise linear functions of the grid, one unknown per surface point. The mass matrix with its own
-// diagonal as preconditioner has all eigenvalues in [1/2, 2] (Wathen 1987): a dozen conjugate gradient steps do. Later
-// rounds count only what is missing across the surface, so that the grid may slide a little along it, towards folds,
-// and count what is far off more, so that the largest deviation falls as well (iteratively reweighted least squares).
+// surface on to the piecewise linear functions of the grid, one unknown per surface point. Later rounds count only what
+// is missing across the grid, so that pixels slide along the surface to its folds (Gauss-Newton with a little inertia),
+// as far as the springs' lengths and angles allow (grid_holds.cpp); and they count what is far off more, so that the
+// largest deviation falls as well (iteratively reweighted least squares).
 #include "fit_image.h"
 
 #include <algorithm>
@@ -17,8 +17,9 @@
 #include <tbb/parallel_for.h>
 
 #include "chart_sampling.h"
+#include "fit_system.h"
 #include "geocloth/asset/grid_mesh.h"
-#include "hold_angles.h"
+#include "grid_holds.h"
 #include "limit_springs.h"
 #include "pixel_areas.h"
 #include "point_math.h"
@@ -26,16 +27,19 @@
 namespace geocloth {
 namespace {
 
-constexpr int kRounds = 2;
-constexpr double kFarOff = 0.15;     ///< [spacings] that are missing where a target counts twice
-constexpr double kMostWeight = 20;   ///< that a target may get
-constexpr double kLeastArea = 1e-3;  ///< [pixels^2] of a grid triangle in the plane that takes part
+constexpr int kRounds = 4, kRoundsOfSquares = 2;
+constexpr int kPasses = 3;                       ///< per round, in which springs that a move would break are found
+constexpr double kInertia = 0.1;                 ///< of moves along the surface beside those across it
+constexpr double kLongestMove = 0.25, kFarthest = 0.4;  ///< [spacings] in a round, and in all
+constexpr double kFarOff = 0.1;                  ///< [spacings] that are missing where a target counts twice
+constexpr double kMostWeight = 50;               ///< that a target may get
+constexpr double kLeastArea = 1e-3;              ///< [pixels^2] of a grid triangle in the plane that takes part
+constexpr double kExact = 1e-12, kRough = 1e-4;  ///< of the right side that a solution may leave, squared
 
 /// A place of a cell and the surface there.
 struct Target {
   Point2 place;     ///< [pixels] in the chart
   Point3 position;  ///< [m]
-  Point3 normal;
   double area = 0;  ///< [pixels^2] that it stands for
 };
 
@@ -44,8 +48,14 @@ struct CellFit {
   CellTriangles split;
   std::array<std::array<Point3, 3>, 2> pull{};  ///< per triangle and corner: integral of what is missing [m pixels^2]
   std::array<double, 2> weight{1, 1};           ///< per triangle: mean of its targets' weights
+  std::array<double, 2> farthest{};             ///< per triangle: most that is missing, squared [m^2]
   double error = 0;                             ///< integral of what is missing, squared [m^2 pixels^2]
 };
+
+Point3 held(const Point3& v, double longest) {
+  const double l = length(v);
+  return l <= longest ? v : v * (longest / l);
+}
 
 class ImageFitter {
  public:
@@ -54,8 +64,10 @@ class ImageFitter {
         raster_(raster),
         asset_(asset),
         first_(first_copies(asset)),
+        is_hem_(points_on_border(asset, first_)),
         shift_(asset.pixel_count()),
         pull_(asset.pixel_count()),
+        farthest_(asset.pixel_count(), 0),
         weight_(2 * std::size_t{asset.pixel_count()}, 1) {
     is_split_.assign(asset.pixel_count(), 0);
     for (const uint32_t pixel : asset.splits.pixel) is_split_[pixel] = 1;
@@ -84,16 +96,23 @@ class ImageFitter {
     }
   }
 
-  /// Moves the pixels by what the comparison found missing.
+  /// Moves the pixels by what the comparison found missing: at first just so, and then along the surface as well.
   void move_pixels() {
-    const std::vector<Point3> more = solve_mass_matrix();
-    for (std::size_t i = 0; i < shift_.size(); ++i) shift_[i] = shift_[i] + more[i];
+    std::vector<Point3> move(pull_.size(), Point3{});
+    if (!may_slide_ || asset_.layout == Layout::square) {
+      FitSystem(pull_.size(), fit_triangles()).solve(pull_, {}, kExact, move);
+    } else {
+      slide(move);
+    }
+    for (std::size_t i = 0; i < shift_.size(); ++i) {
+      shift_[i] = held(shift_[i] + held(move[i], kLongestMove * asset_.spacing), kFarthest * asset_.spacing);
+    }
     pull_.assign(pull_.size(), Point3{});
+    farthest_.assign(farthest_.size(), 0);
     may_slide_ = true;
   }
 
   void finish() {
-    if (asset_.layout != Layout::square) hold_angles(asset_, raster_.position, first_, shift_);
     limit_shifts();
     for (uint32_t i = 0; i < asset_.pixel_count(); ++i) {
       if (!asset_.valid(i)) continue;
@@ -108,6 +127,14 @@ class ImageFitter {
   // -------------------------------------------------------------------------------------------------- cells
 
   [[nodiscard]] Point3 fitted_position(uint32_t pixel) const { return raster_.position[pixel] + shift_[first_[pixel]]; }
+
+  /// Of unit length where there is one.
+  [[nodiscard]] Point3 grid_normal(const Triangle& t) const {
+    const Point3 a = fitted_position(t[0]);
+    const Point3 normal = cross(fitted_position(t[1]) - a, fitted_position(t[2]) - a);
+    const double l = length(normal);
+    return l > 0 ? normal * (1 / l) : normal;
+  }
 
   [[nodiscard]] double plane_area(const Triangle& t) const {
     return signed_area_twice(raster_.place[t[0]], raster_.place[t[1]], raster_.place[t[2]]) / 2;
@@ -125,11 +152,7 @@ class ImageFitter {
     const PlanePlace found = locator.locate(place);
     const std::optional<Point3> position = surface_point(flat_, found, place, kBeside);
     if (!position) return std::nullopt;
-    const Triangle& t = flat_.triangle[found.triangle];
-    const Point3 normal =
-        cross(flat_.position[t[1]] - flat_.position[t[0]], flat_.position[t[2]] - flat_.position[t[0]]);
-    const double l = length(normal);
-    return Target{place, *position, l > 0 ? normal * (1 / l) : normal};
+    return Target{place, *position};
   }
 
   /// Places spread evenly over a grid triangle: the middles of the triangles that its edges' division makes.
@@ -156,6 +179,11 @@ class ImageFitter {
     }
   }
 
+  /// May the corners of a grid triangle slide along the surface? Those on hems stay, or the cloth would shrink.
+  [[nodiscard]] bool slides(const Triangle& t) const {
+    return may_slide_ && is_hem_[first_[t[0]]] == 0 && is_hem_[first_[t[1]]] == 0 && is_hem_[first_[t[2]]] == 0;
+  }
+
   [[nodiscard]] double weight_of(const Point3& missing) const {
     if (!may_slide_) return 1;
     const double unit = kFarOff * asset_.spacing;
@@ -166,6 +194,8 @@ class ImageFitter {
   [[nodiscard]] CellFit compare(const CellTriangles& split, const std::vector<Target>& targets) const {
     CellFit fit{split};
     std::array<double, 2> area{}, weighted{};
+    std::array<Point3, 2> normal{};
+    for (std::size_t k = 0; k < split.count; ++k) normal[k] = grid_normal(split.triangle[k]);
     for (const Target& target : targets) {
       std::size_t k = 0;
       Point3 w = weights(split.triangle[0], target.place);
@@ -175,9 +205,10 @@ class ImageFitter {
       }
       Point3 missing = target.position;
       for (std::size_t i = 0; i < 3; ++i) missing = missing - fitted_position(split.triangle[k][i]) * w[i];
-      if (may_slide_) missing = target.normal * dot(missing, target.normal);
+      if (slides(split.triangle[k])) missing = normal[k] * dot(missing, normal[k]);
       fit.error += target.area * dot(missing, missing);
       const double counts = target.area * weight_of(missing);
+      fit.farthest[k] = std::max(fit.farthest[k], dot(missing, missing));
       area[k] += target.area;
       weighted[k] += counts;
       for (std::size_t i = 0; i < 3; ++i) fit.pull[k][i] = fit.pull[k][i] + missing * (counts * w[i]);
@@ -233,6 +264,8 @@ class ImageFitter {
       for (std::size_t i = 0; i < 3; ++i) {
         Point3& pull = pull_[first_[fit.split.triangle[k][i]]];
         pull = pull + fit.pull[k][i];
+        double& farthest = farthest_[first_[fit.split.triangle[k][i]]];
+        farthest = std::max(farthest, fit.farthest[k]);
       }
       weight_[2 * std::size_t{cell} + k] = fit.weight[k];
     }
@@ -243,61 +276,37 @@ class ImageFitter {
 
   // -------------------------------------------------------------------------------------------------- solution
 
-  /// Mass matrix of the grid's triangles in the plane, one row per surface point (its first copy).
-  [[nodiscard]] std::vector<Point3> times_mass(const std::vector<Point3>& x) const {
-    std::vector<Point3> y(x.size(), Point3{});
-    for (std::size_t k = 0; k < triangle_.size(); ++k) {
-      const Triangle& t = triangle_[k];
-      const Point3 sum = x[t[0]] + x[t[1]] + x[t[2]];
-      for (const uint32_t i : t) y[i] = y[i] + (x[i] + sum) * area_[k];
-    }
-    return y;
-  }
-
-  [[nodiscard]] std::vector<Point3> solve_mass_matrix() {
-    triangle_.clear();
-    area_.clear();
-    std::vector<double> diagonal(pull_.size(), 0);
+  [[nodiscard]] std::vector<FitTriangle> fit_triangles() const {
+    std::vector<FitTriangle> result;
     for (uint32_t cell = 0; cell < asset_.pixel_count(); ++cell) {
       const CellTriangles split = cell_triangles(asset_, cell);
       for (std::size_t k = 0; k < split.count; ++k) {
         const Triangle& t = split.triangle[k];
-        const double area = plane_area(t), counts = area * weight_[2 * std::size_t{cell} + k];
+        const double area = plane_area(t);
         if (area < kLeastArea) continue;
-        triangle_.push_back({first_[t[0]], first_[t[1]], first_[t[2]]});
-        area_.push_back(counts / 12);
-        for (const uint32_t i : triangle_.back()) diagonal[i] += counts / 6;
+        result.push_back({{first_[t[0]], first_[t[1]], first_[t[2]]},
+                          grid_normal(t),
+                          slides(t) && asset_.layout != Layout::square ? kInertia : 1,
+                          area * weight_[2 * std::size_t{cell} + k]});
       }
     }
-    const auto product = [](const std::vector<Point3>& a, const std::vector<Point3>& b) {
-      double sum = 0;
-      for (std::size_t i = 0; i < a.size(); ++i) sum += dot(a[i], b[i]);
-      return sum;
-    };
-    const auto precondition = [&](const std::vector<Point3>& r) {
-      std::vector<Point3> z(r.size(), Point3{});
-      for (std::size_t i = 0; i < r.size(); ++i) {
-        if (diagonal[i] > 0) z[i] = r[i] * (1 / diagonal[i]);
-      }
-      return z;
-    };
-    std::vector<Point3> x(pull_.size(), Point3{}), r = pull_, p = precondition(r);
-    double rz = product(r, p);
-    const double enough = 1e-12 * rz;
-    constexpr int kMostSteps = 40;
-    for (int step = 0; step < kMostSteps && rz > enough; ++step) {
-      const std::vector<Point3> mp = times_mass(p);
-      const double alpha = rz / product(p, mp);
-      for (std::size_t i = 0; i < x.size(); ++i) {
-        x[i] = x[i] + p[i] * alpha;
-        r[i] = r[i] - mp[i] * alpha;
-      }
-      const std::vector<Point3> z = precondition(r);
-      const double before = rz;
-      rz = product(r, z);
-      for (std::size_t i = 0; i < p.size(); ++i) p[i] = z[i] + p[i] * (rz / before);
+    return result;
+  }
+
+  void slide(std::vector<Point3>& move) {
+    if (!holds_) holds_.emplace(asset_, raster_.position, first_, is_hem_);
+    std::vector<Point3> place(pull_.size());
+    for (uint32_t i = 0; i < place.size(); ++i) place[i] = fitted_position(i);
+    FitSystem system(pull_.size(), fit_triangles());
+    holds_->release(farthest_);
+    std::vector<MoveWish> wishes = holds_->gentle_wishes(place);
+    std::size_t begin = 0;
+    for (int pass = 0; pass < kPasses; ++pass) {
+      if (holds_->add_broken(place, move, wishes) == 0 && pass > 0) return;
+      system.add(wishes, begin);
+      begin = wishes.size();
+      system.solve(pull_, wishes, kRough, move);
     }
-    return x;
   }
 
   /// Takes back what would make a spring much shorter or longer than it was and than it should be: at folds narrower
@@ -338,22 +347,24 @@ class ImageFitter {
   const FlatSurface& flat_;
   const Raster& raster_;
   ClothAsset& asset_;
-  std::vector<uint32_t> first_;     ///< per pixel: the first copy of its point
-  std::vector<Point3> shift_;       ///< per first copy: how far the pixel has moved [m]
-  std::vector<Point3> pull_;        ///< per first copy: right side of the fit [m pixels^2]
-  std::vector<double> weight_;      ///< per cell and triangle: how much it counts
-  std::vector<uint8_t> is_split_;   ///< per pixel
-  bool may_slide_ = false;          ///< along the surface
-  int places_per_edge_ = 0;         ///< of a grid triangle, at which the surface is asked
-  std::vector<Triangle> triangle_;  ///< grid triangles that take part, as first copies
-  std::vector<double> area_;        ///< of each in the plane, by its weight, over 12 [pixels^2]
+  std::vector<uint32_t> first_;    ///< per pixel: the first copy of its point
+  std::vector<uint8_t> is_hem_;    ///< per first copy
+  std::vector<Point3> shift_;      ///< per first copy: how far the pixel has moved [m]
+  std::vector<Point3> pull_;       ///< per first copy: right side of the fit [m pixels^2]
+  std::vector<double> farthest_;   ///< per first copy: most that is missing around it, squared [m^2]
+  std::vector<double> weight_;     ///< per cell and triangle: how much it counts
+  std::vector<uint8_t> is_split_;  ///< per pixel
+  bool may_slide_ = false;         ///< along the surface
+  int places_per_edge_ = 0;        ///< of a grid triangle, at which the surface is asked
+  std::optional<GridHolds> holds_;
 };
 
 }  // namespace
 
 void fit_image(const FlatSurface& flat, const Raster& raster, ClothAsset& asset) {
   ImageFitter fitter(flat, raster, asset);
-  for (int round = 0; round < kRounds; ++round) {
+  const int rounds = asset.layout == Layout::square ? kRoundsOfSquares : kRounds;
+  for (int round = 0; round < rounds; ++round) {
     fitter.compare_cells();
     fitter.move_pixels();
   }

@@ -118,5 +118,71 @@ TEST(FitImage, AFoldNarrowerThanAPixelDoesNotPullSpringsApart) {
   }
 }
 
+/// As panels, whose pixels slide.
+struct Panels {
+  Raster raster;
+  ClothAsset sampled, fitted;
+};
+Panels panels_of(const FlatBuilder& b) {
+  Panels panels;
+  panels.raster = rasterize(b.flat);
+  panels.sampled = build_image(b.flat, panels.raster, Layout::panels);
+  panels.fitted = panels.sampled;
+  fit_image(b.flat, panels.raster, panels.fitted);
+  return panels;
+}
+
+/// A roof whose ridge runs between two columns of pixels.
+FlatBuilder roof() {
+  return fine_square(33, 10, [](double u, double v) {
+    constexpr double kCosine = 0.8, kSine = 0.6;
+    return Point3{kCosine * u, -v, -kSine * std::abs(u - 16.15)};
+  });
+}
+
+TEST(FitImage, PixelsOfPanelsSlideToFolds) {
+  const FlatBuilder b = roof();
+  const Panels panels = panels_of(b);
+  const auto rms = [&](const ClothAsset& asset) {
+    return measure_quality(b.clean, b.flat, panels.raster, asset).rms_error;
+  };
+  EXPECT_LT(rms(panels.fitted), 0.3 * rms(panels.sampled));
+}
+
+TEST(FitImage, SpringsOfPanelsThatSlideStayEvenAndAtRightAngles) {
+  const FlatBuilder b = roof();
+  const Panels panels = panels_of(b);
+  const Quality q = measure_quality(b.clean, b.flat, panels.raster, panels.fitted);
+  EXPECT_LE(q.spring_p99_over_p1, 1.5);
+  EXPECT_LE(q.shear_deg_p95, 6);
+}
+
+TEST(FitImage, FreeBordersOfPanelsStayWhereTheyAre) {
+  const FlatBuilder b = roof();
+  const Panels panels = panels_of(b);
+  for (const OutlineSample& s : b.flat.charts[0].outline) {
+    const uint32_t i = s.y * panels.fitted.width + s.x;
+    const Vec3 way = panels.fitted.rest_position[i] - panels.sampled.rest_position[i];
+    const bool upright = s.x == 0 || s.x + 1 == panels.fitted.width;
+    EXPECT_LT(std::abs(upright ? way.x : way.y), 0.01F) << s.x << ' ' << s.y;
+  }
+}
+
+TEST(FitImage, UnevenAndAskewSpringsOfPanelsAreMended) {
+  FlatBuilder b;
+  constexpr uint32_t kSide = 49;
+  const auto bent = [](double x) { return x + 0.2 * std::sin(x * 1.3); };
+  b.add_square(kSide, test::apart(), [&](double u, double v) {
+    return Point3{bent(u) + 0.107 * bent(v), -bent(v), 0};
+  });
+  const Panels panels = panels_of(b);
+  const auto quality = [&](const ClothAsset& asset) { return measure_quality(b.clean, b.flat, panels.raster, asset); };
+  const Quality before = quality(panels.sampled), after = quality(panels.fitted);
+  EXPECT_GT(before.spring_p99_over_p1, 1.6);
+  EXPECT_GT(before.shear_deg_p95, 6.2);
+  EXPECT_LE(after.spring_p99_over_p1, 1.5);
+  EXPECT_LE(after.shear_deg_p95, 6);
+}
+
 }  // namespace
 }  // namespace geocloth

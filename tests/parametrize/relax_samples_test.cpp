@@ -6,10 +6,8 @@
 #include <tbb/global_control.h>
 
 #include "flat_builder.h"
-#include "geocloth/asset/grid_mesh.h"
 #include "geocloth/parametrize/quality.h"
 #include "geocloth/parametrize/seams.h"
-#include "hold_angles.h"
 #include "point_math.h"
 
 namespace geocloth {
@@ -110,24 +108,6 @@ TEST(RelaxSamples, OneThreadGivesTheSameBits) {
   relax_samples(b.flat, one);
   EXPECT_EQ(one.position, many.position);
   EXPECT_EQ(one.triangle, many.triangle);
-}
-
-TEST(HoldAngles, ShortWaysAlongTheSurfaceAreTakenBackWhereTheySkewLongOnesAndThoseAcrossAreNot) {
-  const FlatBuilder b = square(1, [](double u, double v) { return Point3{u, -v, 0}; });
-  const Raster raster = rasterize(b.flat);
-  const ClothAsset asset = build_image(b.flat, raster, Layout::panels);
-  const std::vector<uint32_t> first = first_copies(asset);
-  std::vector<Point3> shift(asset.pixel_count(), Point3{});
-  const uint32_t near = 5 * kSide + 5, far = 20 * kSide + 20, alone = 10 * kSide + 20;
-  shift[near] = {0.055, 0, 0.04};
-  shift[near + kSide] = {-0.055, 0, 0};  // together a skew of more than six degrees
-  shift[far] = {0.2, 0, 0};
-  shift[alone] = {0.05, 0, 0};
-  hold_angles(asset, raster.position, first, shift);
-  EXPECT_LT(std::abs(shift[near][0]) + std::abs(shift[near + kSide][0]), 0.1);
-  EXPECT_EQ(shift[near][2], 0.04);
-  EXPECT_EQ(shift[far][0], 0.2);
-  EXPECT_EQ(shift[alone][0], 0.05);
 }
 
 }  // namespace
