@@ -28,11 +28,12 @@ namespace geocloth {
 namespace {
 
 constexpr int kRounds = 4, kRoundsOfSquares = 2;
-constexpr int kPasses = 3;                       ///< per round, in which springs that a move would break are found
-constexpr double kInertia = 0.1;                 ///< of moves along the surface beside those across it
+constexpr int kPasses = 3;        ///< per round, in which springs that a move would break are found
+constexpr double kInertia = 0.1;  ///< of moves along the surface beside those across it
 constexpr double kLongestMove = 0.25, kFarthest = 0.4;  ///< [spacings] in a round, and in all
-constexpr double kFarOff = 0.1;                  ///< [spacings] that are missing where a target counts twice
-constexpr double kMostWeight = 50;               ///< that a target may get
+constexpr double kFarOff = 0.1;                         ///< [spacings] that are missing where a target counts twice
+constexpr double kMostWeight = 50;                      ///< that a target may get
+constexpr double kFarOffOfSquares = 0.15, kMostWeightOfSquares = 20;  ///< the same
 constexpr double kLeastArea = 1e-3;              ///< [pixels^2] of a grid triangle in the plane that takes part
 constexpr double kExact = 1e-12, kRough = 1e-4;  ///< of the right side that a solution may leave, squared
 
@@ -40,6 +41,7 @@ constexpr double kExact = 1e-12, kRough = 1e-4;  ///< of the right side that a s
 struct Target {
   Point2 place;     ///< [pixels] in the chart
   Point3 position;  ///< [m]
+  Point3 normal;    ///< of the surface
   double area = 0;  ///< [pixels^2] that it stands for
 };
 
@@ -52,6 +54,13 @@ struct CellFit {
   double error = 0;                             ///< integral of what is missing, squared [m^2 pixels^2]
 };
 
+/// Of a triangle; of no length where it has no area.
+Point3 unit_normal(const Point3& a, const Point3& b, const Point3& c) {
+  const Point3 normal = cross(b - a, c - a);
+  const double l = length(normal);
+  return l > 0 ? normal * (1 / l) : normal;
+}
+
 Point3 held(const Point3& v, double longest) {
   const double l = length(v);
   return l <= longest ? v : v * (longest / l);
@@ -63,6 +72,7 @@ class ImageFitter {
       : flat_(flat),
         raster_(raster),
         asset_(asset),
+        is_square_(asset.layout == Layout::square),
         first_(first_copies(asset)),
         is_hem_(points_on_border(asset, first_)),
         shift_(asset.pixel_count()),
@@ -99,14 +109,12 @@ class ImageFitter {
   /// Moves the pixels by what the comparison found missing: at first just so, and then along the surface as well.
   void move_pixels() {
     std::vector<Point3> move(pull_.size(), Point3{});
-    if (!may_slide_ || asset_.layout == Layout::square) {
+    if (!may_slide_ || is_square_) {
       FitSystem(pull_.size(), fit_triangles()).solve(pull_, {}, kExact, move);
     } else {
       slide(move);
     }
-    for (std::size_t i = 0; i < shift_.size(); ++i) {
-      shift_[i] = held(shift_[i] + held(move[i], kLongestMove * asset_.spacing), kFarthest * asset_.spacing);
-    }
+    for (std::size_t i = 0; i < shift_.size(); ++i) shift_[i] = shift_[i] + move[i];
     pull_.assign(pull_.size(), Point3{});
     farthest_.assign(farthest_.size(), 0);
     may_slide_ = true;
@@ -128,12 +136,8 @@ class ImageFitter {
 
   [[nodiscard]] Point3 fitted_position(uint32_t pixel) const { return raster_.position[pixel] + shift_[first_[pixel]]; }
 
-  /// Of unit length where there is one.
   [[nodiscard]] Point3 grid_normal(const Triangle& t) const {
-    const Point3 a = fitted_position(t[0]);
-    const Point3 normal = cross(fitted_position(t[1]) - a, fitted_position(t[2]) - a);
-    const double l = length(normal);
-    return l > 0 ? normal * (1 / l) : normal;
+    return unit_normal(fitted_position(t[0]), fitted_position(t[1]), fitted_position(t[2]));
   }
 
   [[nodiscard]] double plane_area(const Triangle& t) const {
@@ -152,7 +156,8 @@ class ImageFitter {
     const PlanePlace found = locator.locate(place);
     const std::optional<Point3> position = surface_point(flat_, found, place, kBeside);
     if (!position) return std::nullopt;
-    return Target{place, *position};
+    const Triangle& t = flat_.triangle[found.triangle];
+    return Target{place, *position, unit_normal(flat_.position[t[0]], flat_.position[t[1]], flat_.position[t[2]])};
   }
 
   /// Places spread evenly over a grid triangle: the middles of the triangles that its edges' division makes.
@@ -179,15 +184,17 @@ class ImageFitter {
     }
   }
 
-  /// May the corners of a grid triangle slide along the surface? Those on hems stay, or the cloth would shrink.
-  [[nodiscard]] bool slides(const Triangle& t) const {
-    return may_slide_ && is_hem_[first_[t[0]]] == 0 && is_hem_[first_[t[1]]] == 0 && is_hem_[first_[t[2]]] == 0;
+  [[nodiscard]] bool touches_hem(const Triangle& t) const {
+    return std::any_of(t.begin(), t.end(), [&](uint32_t i) { return is_hem_[first_[i]] != 0; });
   }
+
+  /// May the corners of a grid triangle slide along the surface? Those on hems stay, or the cloth would shrink.
+  [[nodiscard]] bool slides(const Triangle& t) const { return may_slide_ && (is_square_ || !touches_hem(t)); }
 
   [[nodiscard]] double weight_of(const Point3& missing) const {
     if (!may_slide_) return 1;
-    const double unit = kFarOff * asset_.spacing;
-    return std::min(1 + dot(missing, missing) / (unit * unit), kMostWeight);
+    const double unit = (is_square_ ? kFarOffOfSquares : kFarOff) * asset_.spacing;
+    return std::min(1 + dot(missing, missing) / (unit * unit), is_square_ ? kMostWeightOfSquares : kMostWeight);
   }
 
   /// @param split  triangles that cover the targets
@@ -205,7 +212,10 @@ class ImageFitter {
       }
       Point3 missing = target.position;
       for (std::size_t i = 0; i < 3; ++i) missing = missing - fitted_position(split.triangle[k][i]) * w[i];
-      if (slides(split.triangle[k])) missing = normal[k] * dot(missing, normal[k]);
+      if (slides(split.triangle[k])) {
+        const Point3& n = is_square_ ? target.normal : normal[k];
+        missing = n * dot(missing, n);
+      }
       fit.error += target.area * dot(missing, missing);
       const double counts = target.area * weight_of(missing);
       fit.farthest[k] = std::max(fit.farthest[k], dot(missing, missing));
@@ -286,7 +296,7 @@ class ImageFitter {
         if (area < kLeastArea) continue;
         result.push_back({{first_[t[0]], first_[t[1]], first_[t[2]]},
                           grid_normal(t),
-                          slides(t) && asset_.layout != Layout::square ? kInertia : 1,
+                          slides(t) && !is_square_ ? kInertia : 1,
                           area * weight_[2 * std::size_t{cell} + k]});
       }
     }
@@ -302,10 +312,14 @@ class ImageFitter {
     std::vector<MoveWish> wishes = holds_->gentle_wishes(place);
     std::size_t begin = 0;
     for (int pass = 0; pass < kPasses; ++pass) {
-      if (holds_->add_broken(place, move, wishes) == 0 && pass > 0) return;
+      if (holds_->add_broken(place, move, wishes) == 0 && pass > 0) break;
       system.add(wishes, begin);
       begin = wishes.size();
       system.solve(pull_, wishes, kRough, move);
+    }
+    for (std::size_t i = 0; i < move.size(); ++i) {
+      const Point3 whole = shift_[i] + held(move[i], kLongestMove * asset_.spacing);
+      move[i] = held(whole, kFarthest * asset_.spacing) - shift_[i];
     }
   }
 
@@ -347,10 +361,11 @@ class ImageFitter {
   const FlatSurface& flat_;
   const Raster& raster_;
   ClothAsset& asset_;
-  std::vector<uint32_t> first_;    ///< per pixel: the first copy of its point
-  std::vector<uint8_t> is_hem_;    ///< per first copy
-  std::vector<Point3> shift_;      ///< per first copy: how far the pixel has moved [m]
-  std::vector<Point3> pull_;       ///< per first copy: right side of the fit [m pixels^2]
+  bool is_square_;               ///< its springs are uneven anyway: pixels move a little once, by the surface's normals
+  std::vector<uint32_t> first_;  ///< per pixel: the first copy of its point
+  std::vector<uint8_t> is_hem_;  ///< per first copy
+  std::vector<Point3> shift_;    ///< per first copy: how far the pixel has moved [m]
+  std::vector<Point3> pull_;     ///< per first copy: right side of the fit [m pixels^2]
   std::vector<double> farthest_;   ///< per first copy: most that is missing around it, squared [m^2]
   std::vector<double> weight_;     ///< per cell and triangle: how much it counts
   std::vector<uint8_t> is_split_;  ///< per pixel
