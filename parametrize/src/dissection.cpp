@@ -12,6 +12,7 @@ namespace geocloth {
 namespace {
 
 constexpr uint32_t kSmall = 16;  // unknowns that are not parted further
+constexpr size_t kLong = 4;      // squared length of a separator, by what it parts, from which another way is tried
 
 /// Who is connected to whom, by number.
 struct Graph {
@@ -87,44 +88,78 @@ class Dissector {
     return number;
   }
 
+  /// A range in two halves and what parts them.
+  struct Halves {
+    std::vector<uint32_t> order;  // the low side, the high side, what parts them
+    std::array<size_t, 2> end{};  // of the first two, in it
+    size_t separator = 0;
+  };
+
   /// Rearranges a range: what is on the low side, what is on the high side, what parts them.
   std::array<uint32_t, 2> halve(uint32_t begin, uint32_t end) {
     const std::span<uint32_t> range(result_.order.data() + begin, end - begin);
-    const std::ptrdiff_t half = static_cast<std::ptrdiff_t>(range.size() / 2);
-    size_t least = range.size() + 1;
-    std::vector<uint32_t> best;  // the range, parted
-    std::array<uint32_t, 2> ends{};
-    std::array<std::vector<uint32_t>, 4> part;  // by Side
+    const auto half = static_cast<std::ptrdiff_t>(range.size() / 2);
+    Halves best;
+    best.separator = range.size() + 1;
     for (const size_t axis : {size_t{0}, size_t{1}}) {
       std::nth_element(range.begin(), range.begin() + half, range.end(), [&](uint32_t a, uint32_t b) {
         return place_[a][axis] != place_[b][axis] ? place_[a][axis] < place_[b][axis] : a < b;
       });
-      for (size_t i = 0; i < range.size(); ++i) {
-        side_[range[i]] = i < static_cast<size_t>(half) ? Side::low : Side::high;
-      }
-      for (const Side from : {Side::low, Side::high}) {
-        const Side to = from == Side::low ? Side::high : Side::low;
-        const auto touches = [&](uint32_t u) {
-          const std::span<const uint32_t> around = graph_.around(u);
-          return std::any_of(around.begin(), around.end(), [&](uint32_t w) { return side_[w] == to; });
-        };
-        for (auto& p : part) p.clear();
-        for (const uint32_t u : range) {
-          const Side at = side_[u] == from && touches(u) ? Side::between : side_[u];
-          part[static_cast<size_t>(at)].push_back(u);
-        }
-        const auto& [elsewhere, low, high, between] = part;
-        if (between.size() >= least) continue;
-        least = between.size();
-        best = low;
-        best.insert(best.end(), high.begin(), high.end());
-        best.insert(best.end(), between.begin(), between.end());
-        ends = {begin + static_cast<uint32_t>(low.size()), begin + static_cast<uint32_t>(low.size() + high.size())};
-      }
+      part_halves(range, best);
+    }
+    if (best.separator * best.separator > kLong * range.size()) {
+      walk(range);
+      part_halves(range, best);
     }
     for (const uint32_t u : range) side_[u] = Side::elsewhere;
-    std::copy(best.begin(), best.end(), range.begin());
-    return ends;
+    std::copy(best.order.begin(), best.order.end(), range.begin());
+    return {begin + static_cast<uint32_t>(best.end[0]), begin + static_cast<uint32_t>(best.end[1])};
+  }
+
+  /// Keeps what parts the first half of a range from the rest where that is shorter than the best so far.
+  void part_halves(std::span<const uint32_t> range, Halves& best) {
+    for (size_t i = 0; i < range.size(); ++i) side_[range[i]] = i < range.size() / 2 ? Side::low : Side::high;
+    std::array<std::vector<uint32_t>, 4> part;  // by Side
+    for (const Side from : {Side::low, Side::high}) {
+      const Side to = from == Side::low ? Side::high : Side::low;
+      const auto touches = [&](uint32_t u) {
+        const std::span<const uint32_t> around = graph_.around(u);
+        return std::any_of(around.begin(), around.end(), [&](uint32_t w) { return side_[w] == to; });
+      };
+      for (auto& p : part) p.clear();
+      for (const uint32_t u : range) {
+        const Side at = side_[u] == from && touches(u) ? Side::between : side_[u];
+        part[static_cast<size_t>(at)].push_back(u);
+      }
+      const auto& [elsewhere, low, high, between] = part;
+      if (between.size() >= best.separator) continue;
+      best = {low, {low.size(), low.size() + high.size()}, between.size()};
+      best.order.insert(best.order.end(), high.begin(), high.end());
+      best.order.insert(best.order.end(), between.begin(), between.end());
+    }
+  }
+
+  /// Orders a range as a walk along its edges meets it that starts at one of its ends.
+  void walk(std::span<uint32_t> range) {
+    std::vector<uint32_t> met(range.begin(), range.end());
+    for (int twice = 0; twice < 2; ++twice) {
+      std::reverse(met.begin(), met.end());  // the second time from what was met last
+      const std::vector<uint32_t> start = std::move(met);
+      met.clear();
+      for (const uint32_t u : range) side_[u] = Side::low;
+      for (size_t next = 0, seed = 0; met.size() < range.size(); ++seed) {
+        const auto take = [&](uint32_t u) {
+          if (side_[u] != Side::low) return;
+          side_[u] = Side::elsewhere;
+          met.push_back(u);
+        };
+        take(start[seed]);
+        for (; next < met.size(); ++next) {
+          for (const uint32_t w : graph_.around(met[next])) take(w);
+        }
+      }
+    }
+    std::copy(met.begin(), met.end(), range.begin());
   }
 
   std::vector<Point2> place_;  // per unknown

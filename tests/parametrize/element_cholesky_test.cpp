@@ -162,5 +162,28 @@ TEST(DissectionTest, SeparatorsAreShortWhereOnlyTheMeshIsKnown) {
   for (const Dissection::Node& node : dissection.node) EXPECT_LE(node.end - node.begin, 2 * kSide);
 }
 
+/// A skirt of needles from waist to hem took five times as long: Tutte's circle has its ends far from each other.
+TEST(DissectionTest, ARingOfNeedlesOnACircleIsPartedBetweenItsNeedles) {
+  constexpr uint32_t kNeedles = 1000;
+  std::vector<Point2> place;
+  std::vector<Triangle> triangle;
+  std::vector<int32_t> unknown;
+  for (uint32_t i = 0; i <= kNeedles; ++i) {
+    // The waist lies on a quarter of the circle, the hem on half of it.
+    const double share = double(i) / kNeedles;
+    place.push_back({std::cos(2.36 - 1.57 * share), std::sin(2.36 - 1.57 * share)});
+    place.push_back({std::cos(3.14 + 3.14 * share), std::sin(3.14 + 3.14 * share)});
+    unknown.insert(unknown.end(), {static_cast<int32_t>(2 * i), static_cast<int32_t>(2 * i + 1)});
+    if (i == 0) continue;
+    triangle.push_back({2 * i - 2, 2 * i - 1, 2 * i});
+    triangle.push_back({2 * i - 1, 2 * i + 1, 2 * i});
+  }
+  uint32_t longest = 0;
+  for (const Dissection::Node& node : dissect(triangle, unknown, place).node) {
+    longest = std::max(longest, node.end - node.begin);
+  }
+  EXPECT_LE(longest, 32U);
+}
+
 }  // namespace
 }  // namespace geocloth
