@@ -32,7 +32,8 @@
 namespace geocloth {
 namespace {
 
-constexpr double kNarrow = 0.3;  // of the least cut: what counts as a slit too narrow for pixels
+constexpr double kUnsettled = 1e-3;  // of the energy: what is no matter
+constexpr double kNarrow = 0.3;      // of the least cut: what counts as a slit too narrow for pixels
 
 /// What is best at the time need not be in the end, so several ways to choose cuts are tried.
 constexpr std::array kTastes{Taste{Taste::Likes::most_gain, 6, kCreaseDiscount},
@@ -85,7 +86,8 @@ struct Way {
 };
 
 /// How many ways a part is worth: time grows with its triangles.
-std::vector<Way> ways_for(size_t triangles, size_t cuts) {
+/// @param worth  per cut: whether it is tried
+std::vector<Way> ways_for(size_t triangles, const std::vector<char>& worth) {
   constexpr size_t kFurther = 1'500, kAll = 4'000, kTwo = 10'000;
   const size_t plain = triangles <= kAll ? kTastes.size() : triangles <= kTwo ? 2 : 1;
   const size_t wishful = triangles <= kAll ? kWishfulTastes.size() : triangles <= kMostWithWishes ? 1 : 0;
@@ -94,8 +96,8 @@ std::vector<Way> ways_for(size_t triangles, size_t cuts) {
   if (triangles <= kFurther) {
     for (const Taste& taste : kFurtherTastes) ways.push_back({0, taste});
   }
-  for (size_t c = 1; c < cuts; ++c) {
-    for (size_t i = 0; i < wishful; ++i) ways.push_back({c, kWishfulTastes.at(i)});
+  for (size_t c = 1; c < worth.size(); ++c) {
+    for (size_t i = 0; i < wishful && worth[c] != 0; ++i) ways.push_back({c, kWishfulTastes.at(i)});
   }
   return ways;
 }
@@ -155,11 +157,34 @@ std::vector<Chart> laid_out(const CutWay& way, size_t sheet) {
   return start;
 }
 
+/// Is a sheet cut alike in two ways?
+bool same_cuts(const CutWay& a, const CutWay& b, size_t sheet) {
+  const auto same = [&](const std::vector<uint32_t>& s, const std::vector<uint32_t>& t) {
+    if (s.size() != t.size()) return false;
+    const Chart p = extract_chart(a.cut, s), q = extract_chart(b.cut, t);
+    return p.triangle == q.triangle && p.position == q.position;
+  };
+  return std::equal(a.triangles[sheet].begin(), a.triangles[sheet].end(), b.triangles[sheet].begin(),
+                    b.triangles[sheet].end(), same);
+}
+
+/// Per cut: whether a sheet comes to lie otherwise from it than from those before. Without a mirror plane the tastes
+/// for wished cuts are plain ones.
+std::vector<char> cuts_worth_trying(const std::vector<CutWay>& cuts, size_t sheet, const DevelopOptions& options) {
+  std::vector<char> worth(cuts.size(), 1);
+  for (size_t c = 1; c < cuts.size() && !options.prefer.mirror; ++c) {
+    for (size_t before = 0; before < c; ++before) {
+      if (same_cuts(cuts[before], cuts[c], sheet)) worth[c] = 0;
+    }
+  }
+  return worth;
+}
+
 /// Lays the components of one sheet out and sews together again what needs no seam.
 SheetLayout develop_sheet(const std::vector<CutWay>& cuts, size_t sheet, const DevelopOptions& options) {
   size_t triangles = 0;
   for (const std::vector<uint32_t>& c : cuts.front().triangles[sheet]) triangles += c.size();
-  const std::vector<Way> ways = ways_for(triangles, cuts.size());
+  const std::vector<Way> ways = ways_for(triangles, cuts_worth_trying(cuts, sheet, options));
   std::vector<std::vector<Chart>> start(ways.back().cut + 1);
   tbb::parallel_for(size_t{0}, start.size(), [&](size_t c) { start[c] = laid_out(cuts[c], sheet); });
   std::vector<SheetLayout> layouts(ways.size());
@@ -217,16 +242,33 @@ DevelopedSurface assembled(const CutSurface& cut, const std::vector<Chart>& char
   return result;
 }
 
+/// Energy by area.
+double mean_energy(const std::vector<Chart>& charts) {
+  LayoutCost sum;
+  for (const Chart& c : charts) sum.add(c, 0);
+  return sum.energy / sum.area;
+}
+
+/// Threads meet at right angles as far as stretch leaves room for that.
+std::vector<Chart> with_straight_threads(const std::vector<Chart>& charts) {
+  constexpr double kMostMean = 4.0255;  // beyond it the stretch misses its target
+  const double most = std::max(kMostMean, mean_energy(charts) + kUnsettled);
+  for (const double share : {1.0, 0.5, 0.25}) {
+    std::vector<Chart> result = charts;
+    tbb::parallel_for(size_t{0}, result.size(), [&](size_t i) { straighten_threads(result[i], share); });
+    if (mean_energy(result) <= most) return result;
+  }
+  return charts;
+}
+
 /// Seams drawn straight, and every chart turned upright.
 ChartedSurface finished(const CutSurface& cut, const Sheet& sheet, const std::vector<Chart>& charts,
                         const DevelopOptions& options) {
   ChartedSurface result = options.straight_cuts
                               ? straighten_layout(cut, sheet, charts, options.prefer, options.target_energy)
                               : ChartedSurface{cut, charts};
-  tbb::parallel_for(size_t{0}, result.charts.size(), [&](size_t i) {
-    turn_upright(result.charts[i]);
-    straighten_threads(result.charts[i]);
-  });
+  tbb::parallel_for(size_t{0}, result.charts.size(), [&](size_t i) { turn_upright(result.charts[i]); });
+  result.charts = with_straight_threads(result.charts);
   return result;
 }
 

@@ -105,10 +105,10 @@ void turn_upright(Chart& c) {
   for (Point2& p : c.uv) p = {p[0] * up[1] - p[1] * up[0], along(p, up)};
 }
 
-void straighten_threads(Chart& c) {
+void straighten_threads(Chart& c, double share) {
   const std::vector<Point2> before = c.uv;
   SymmetricDirichlet energy(c.position, c.triangle, {});
-  energy.set_shear_price(kShearPrice);
+  energy.set_shear_price(share * kShearPrice);
   // The energy knows the plane's axes, so that it turns the chart a little: that is undone, and what it lost regained.
   for (int round = 0; round < kThreadRounds; ++round) {
     if (round > 0) turn_upright(c);

@@ -34,6 +34,7 @@ void turn_upright(Chart& chart);
 
 /// Lets an upright chart's threads, the plane's x and y, meet on the surface at angles nearer to right ones. That costs
 /// the map a little stretch and nothing else: the outline stays simple and no triangle flips.
-void straighten_threads(Chart& chart);
+/// @param share  of what angles are worth usually
+void straighten_threads(Chart& chart, double share = 1);
 
 }  // namespace geocloth

@@ -74,6 +74,18 @@ TEST(Develop, ThreadsMeetAtRightAnglesWhereTheClothIsCurved) {
   EXPECT_GT(grain_of(chart).axis[1], 0.999);
 }
 
+// Where stretch is near its target, angles must be able to take less of it.
+TEST(Develop, ThreadsTakeLessStretchWhereTheyAreWorthLess) {
+  Chart all = laid_out_cap(), some = all, none = all;
+  const SymmetricDirichlet energy(all.position, all.triangle, {});
+  straighten_threads(all);
+  straighten_threads(some, 0.25);
+  straighten_threads(none, 0);
+  EXPECT_LT(energy.energy(some.uv), energy.energy(all.uv));
+  EXPECT_LT(energy.energy(none.uv), energy.energy(some.uv));
+  EXPECT_LT(mean_shear(some), mean_shear(none));
+}
+
 // A cut is least seen where the cloth is folded anyway: it may go a little
 // further along a crease.
 TEST(Develop, CutsPreferCreases) {
