@@ -13,6 +13,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <set>
 
 #include "geocloth/asset/error.h"
 
@@ -124,6 +125,7 @@ class Router {
   }
 
   PixelChain run(std::vector<Pixel> start) {
+    if (has_no_room()) return {PixelChain::Result::crowded, {}};
     pixel_ = std::move(start);
     if (pixel_.empty() && !lay_first()) return {PixelChain::Result::too_short, {}};
     for (size_t i = 0; i < size_; ++i) use(i, 1);
@@ -131,6 +133,21 @@ class Router {
   }
 
  private:
+  /// More samples than pixels within reach of any of them, as with a net whose threads are far narrower than a pixel:
+  /// to negotiate that takes minutes and finds nothing.
+  [[nodiscard]] bool has_no_room() const {
+    constexpr int32_t kReach = 4;
+    std::set<Pixel> near;
+    for (size_t i = 0; i < size_; ++i) {
+      const Pixel p = rounded(target_[i]);
+      for (int32_t y = -kReach; y <= kReach; ++y) {
+        for (int32_t x = -kReach; x <= kReach; ++x) near.insert({p[0] + x, p[1] + y});
+      }
+      if (near.size() >= size_) return false;
+    }
+    return true;
+  }
+
   struct Partner {
     uint32_t sample;
     int32_t least;

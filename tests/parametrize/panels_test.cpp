@@ -258,6 +258,13 @@ TEST(PixelChainTest, AScrapSmallerThanAPixelFindsRoom) {
   expect_closed_and_simple(chain.pixel);
 }
 
+// The outline of a net whose threads are far narrower than a pixel: it is given up before minutes are spent on it.
+TEST(PixelChainTest, TriesNothingWhereThereAreFewerPixelsThanSamples) {
+  const PixelChain chain = place_chain(along_polygon({{0, 4}, {4, 4}, {4, 0}, {0, 0}}, 500));
+  EXPECT_EQ(chain.result, PixelChain::Result::crowded);
+  EXPECT_TRUE(chain.pixel.empty());
+}
+
 TEST(PixelChainTest, KeepsSamplesApart) {
   const std::vector<Point2> target = along_polygon({{0, 1}, {20, 1}, {20, 0}, {0, 0}}, 20);  // one cell high
   const PixelChain chain = place_chain(target, std::vector<ApartSamples>{{10, 50, 2}});
