@@ -26,6 +26,7 @@ struct Case {
   const char* pinned = "corners";
   bool on_parent = false;
   float pin_frequency = 0;
+  float collider_step = 0.01F;  ///< [m] of all colliders in a frame
 };
 
 struct State {
@@ -48,7 +49,7 @@ State state_after(const Case& c, bool plain, uint32_t threads, uint32_t frames) 
       solver.set_parent(0, {{t, 0, -t}, quat_from_euler_deg({0, 90 * t, 0}), 1}, {0.5F, 1, 0});
     }
     std::vector<Collider> colliders = c.colliders;
-    for (Collider& collider : colliders) collider.pose.translate = {0, 0, 0.01F * static_cast<float>(f)};
+    for (Collider& collider : colliders) collider.pose.translate = {0, 0, c.collider_step * static_cast<float>(f)};
     solver.set_colliders(colliders);
     // Halfway one corner is let go and the other is pulled.
     if (f == frames / 2) {
@@ -144,6 +145,21 @@ std::vector<Collider> all_shapes() {
        {}}};
 }
 
+/// A body of eight triangles.
+MeshSolid octahedron(float radius) {
+  const float r = radius;
+  const std::vector<Vec3> points{{r, 0, 0}, {-r, 0, 0}, {0, r, 0}, {0, -r, 0}, {0, 0, r}, {0, 0, -r}};
+  const std::vector<std::array<uint32_t, 3>> faces{{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
+                                                   {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
+  return {std::make_shared<const DistanceField>(make_distance_field({points, faces}, 8'000))};
+}
+/// Thinner than the spacing of the sheets here, so that cells meet colliders too.
+std::vector<Collider> body_and_wire() {
+  return {{"body", octahedron(0.2F), 0.3F, {}},
+          {"wire", Capsule{{-0.5F, -0.2F, -0.02F}, {0.5F, -0.1F, -0.02F}, 0.003F}, 0.3F, {}},
+          {"needle", Ellipsoid{{0.2F, 0.2F, 0.02F}, {0.1F, 0.004F, 0.004F}, {}}, 0.3F, {}}};
+}
+
 SolverSettings few_substeps(uint32_t relaxation_steps = 1) {
   SolverSettings settings;
   settings.substeps = 5;
@@ -193,6 +209,22 @@ std::vector<Case> cases() {
                   "top"});
   list.back().on_parent = true;
   list.back().pin_frequency = 5;
+  list.push_back({"body and thin colliders", make_sheet({.nx = 33, .ny = 20, .charts_x = 2}), attached(),
+                  few_substeps(), body_and_wire(), breeze, "top"});
+  list.push_back({"thin colliders and holes", with_holes(make_sheet({.nx = 53, .ny = 15}), 0.15), attached(),
+                  few_substeps(), body_and_wire(), breeze, "top"});
+  list.push_back({"fast colliders",
+                  make_sheet({.nx = 35, .ny = 16, .charts_x = 2}),
+                  attached(),
+                  few_substeps(),
+                  all_shapes(),
+                  {},
+                  "top"});
+  list.back().collider_step = 0.15F;
+  list.push_back({"speed limit on a moving parent", make_sheet({.nx = 35, .ny = 16, .charts_x = 2}), attached(),
+                  few_substeps(), body_and_wire(), breeze, "top"});
+  list.back().on_parent = true;
+  list.back().material.max_speed = 1;
   list.push_back({"soft pins", make_sheet({.nx = 60, .ny = 30}), attached(), few_substeps(), {}, {}, "top"});
   list.back().pin_frequency = 3;
   list.push_back({"bands of rows", make_sheet({.nx = 40, .ny = 150, .charts_x = 2, .charts_y = 2, .gap = 2}),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Collisions in vectors: points that no collider can reach are passed over, simple shapes are done lane by lane, and
-// all others pixel by pixel by the shared text; see lib/collide.h.
+// Collisions in vectors, lane by lane the operations of lib/collide.h. Points that no collider can reach are passed
+// over, and so is every collider that can reach none of a vector's points.
 #if defined(GEOCLOTH_CPU_COLLIDE_INL_H) == defined(HWY_TARGET_TOGGLE)  // once for each instruction set
 #ifdef GEOCLOTH_CPU_COLLIDE_INL_H
 #undef GEOCLOTH_CPU_COLLIDE_INL_H
@@ -11,8 +11,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cpu/collider_set.h"
 #include "cpu/lanes_inl.h"
+#include "cpu/shapes_inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace geocloth::cpu::HWY_NAMESPACE {
@@ -23,6 +23,11 @@ template <class D>
 struct PointStates {
   Points<D> position, previous, carry;
 };
+template <class D>
+HWY_INLINE PointStates<D> choose(Mask<D> mask, const PointStates<D>& yes, const PointStates<D>& no) {
+  return {choose<D>(mask, yes.position, no.position), choose<D>(mask, yes.previous, no.previous),
+          choose<D>(mask, yes.carry, no.carry)};
+}
 
 /// lib/collide.h: between the world and a collider's frame.
 template <class D>
@@ -41,33 +46,6 @@ HWY_INLINE Points<D> rotate_to_world(D d, const shader::ColliderPose& pose, cons
 template <class D>
 HWY_INLINE Points<D> to_world(D d, const shader::ColliderPose& pose, const Points<D>& p) {
   return add(rotate_to_world(d, pose, p), set(d, pose.row0.w, pose.row1.w, pose.row2.w));
-}
-
-/// lib/shapes.h: signed distance and outward normal.
-template <class D>
-struct Nearest {
-  Vec<D> distance;
-  Points<D> normal;
-};
-template <class D>
-HWY_INLINE Nearest<D> nearest_ball(D d, const Points<D>& from_center, Vec<D> radius) {
-  const auto l = length(d, from_center);
-  const auto has_direction = hn::Gt(l, hn::Set(d, 1e-30F));
-  const auto inverse = hn::IfThenElseZero(has_direction, hn::Div(hn::Set(d, 1.F), l));
-  return {hn::Sub(hn::IfThenElseZero(has_direction, l), radius),
-          choose<D>(has_direction, scale(d, from_center, inverse), set(d, 0, 1, 0))};
-}
-template <class D>
-HWY_INLINE Nearest<D> nearest_of_shape(D d, const shader::ColliderShape& shape, const Points<D>& p) {
-  if (shape.kind == shader::kShapePlane) return {p.y, set(d, 0, 1, 0)};
-  if (shape.kind == shader::kShapeSphere) return nearest_ball(d, p, hn::Set(d, shape.a.x));
-  const auto end = hn::Set(d, shape.a.x), start = hn::Neg(end);
-  const auto rho = hn::Sqrt(hn::Add(hn::Mul(p.y, p.y), hn::Mul(p.z, p.z)));
-  auto along = hn::Sub(p.x, hn::Mul(rho, hn::Set(d, shape.b.y)));
-  along = hn::IfThenElse(hn::Lt(along, start), start, along);
-  along = hn::IfThenElse(hn::Lt(end, along), end, along);
-  const auto radius = hn::Sub(hn::Set(d, 0.5F * (shape.a.y + shape.a.z)), hn::Mul(hn::Set(d, shape.b.x), along));
-  return nearest_ball(d, sub(p, Points<D>{along, hn::Zero(d), hn::Zero(d)}), radius);
 }
 
 /// respond() of lib/collide.h.
@@ -94,49 +72,6 @@ HWY_INLINE PointStates<D> respond(D d, const PointStates<D>& point, const shader
   return {position, previous, sub(kept, sub(position, previous))};
 }
 
-/// collide() of lib/collide.h for simple shapes.
-/// @return false, with nothing done, when a point moves so far that it has to be swept
-template <class D>
-HWY_INLINE bool collide_lanes(D d, const PassContext& context, Mask<D> lanes, PointStates<D>& points) {
-  const FrameInput& frame = context.frame;
-  const shader::ClothParams& params = context.cloth.params;
-  const size_t count = frame.shapes.size();
-  const shader::ColliderPose* poses = frame.poses.data() + context.substep * count;
-  const auto thickness = hn::Set(d, params.thickness);
-  const Points<D> start = points.previous;
-  PointStates<D> state = points;
-  Mask<D> again = lanes;
-  for (uint32_t round = 0; round < shader::kContactRounds && !hn::AllFalse(d, again); ++round) {
-    Mask<D> touched = hn::Gt(hn::Zero(d), hn::Zero(d));
-    auto way = length(d, sub(state.position, start));
-    for (size_t i = 0; i < count; ++i) {
-      const shader::ColliderShape& shape = frame.shapes[i];
-      const shader::ColliderPose &before = poses[i], &after = poses[count + i];
-      const Points<D> local = to_local(d, after, state.position);
-      const Nearest<D> near = nearest_of_shape(d, shape, local);
-      const auto gap = hn::Sub(near.distance, thickness);
-      const auto reach = hn::Mul(hn::Set(d, 2.F), hn::Add(way, hn::Set(d, shape.way)));
-      const auto local_way = length(d, sub(local, to_local(d, before, start)));
-      const auto met = hn::AndNot(hn::Or(hn::Gt(gap, reach), hn::Gt(gap, local_way)), again);
-      if (hn::AllFalse(d, met)) continue;
-      if (round == 0 && !hn::AllFalse(d, hn::And(met, hn::Gt(local_way, hn::Set(d, 0.5F * shape.core))))) return false;
-      const auto depth = hn::Neg(gap);
-      auto touches = hn::And(met, hn::Lt(gap, hn::Zero(d)));
-      if (round > 0) touches = hn::And(touches, hn::Gt(depth, hn::Set(d, shader::kContactSlack)));
-      if (hn::AllFalse(d, touches)) continue;
-      const float friction = round == 0 ? std::sqrt(params.friction * shape.friction) : 0.F;
-      const PointStates<D> moved = respond(d, state, before, after, local, near.normal, depth, hn::Set(d, friction));
-      state = {choose<D>(touches, moved.position, state.position), choose<D>(touches, moved.previous, state.previous),
-               choose<D>(touches, moved.carry, state.carry)};
-      way = length(d, sub(state.position, start));
-      if (count > 1) touched = hn::Or(touched, touches);
-    }
-    again = touched;
-  }
-  points = state;
-  return true;
-}
-
 /// The colliders of a substep, from which most points are too far.
 struct Guards {
   const ColliderGuard* guards;
@@ -145,72 +80,253 @@ struct Guards {
   Guards(const SweepFrame& frame, uint32_t substep)
       : guards(frame.guards + substep * frame.contexts[substep].frame.shapes.size()),
         count(frame.contexts[substep].frame.shapes.size()) {}
-  /// Points that a collider may touch when they went no farther than that way.
+
+  /// Points that a collider may touch when they went no farther than half of that.
+  template <class D>
+  static HWY_INLINE Mask<D> near(D d, const ColliderGuard& guard, const Points<D>& position, Vec<D> twice) {
+    const Points<D> place = set(d, guard.x, guard.y, guard.z);
+    const auto reach = hn::Add(hn::Set(d, guard.reach), hn::Mul(twice, hn::Set(d, guard.spread)));
+    if (guard.kind == ColliderGuard::Kind::plane) return hn::Lt(dot(d, position, place), reach);
+    Points<D> from = sub(position, place);
+    if (guard.kind == ColliderGuard::Kind::segment) {
+      const Points<D> axis = set(d, guard.axis_x, guard.axis_y, guard.axis_z);
+      const auto end = hn::Set(d, guard.half_length);
+      from = sub(from, scale(d, axis, hn::Min(hn::Max(dot(d, from, axis), hn::Neg(end)), end)));
+    }
+    return hn::Lt(dot(d, from, from), hn::Mul(reach, reach));
+  }
   template <class D>
   HWY_INLINE Mask<D> near(D d, const Points<D>& position, Vec<D> way) const {
     const auto twice = hn::Add(way, way);
-    Mask<D> near = hn::Gt(hn::Zero(d), hn::Zero(d));
-    for (size_t c = 0; c < count; ++c) {
-      const ColliderGuard& guard = guards[c];
-      const Points<D> place = set(d, guard.x, guard.y, guard.z);
-      const auto reach = hn::Add(hn::Set(d, guard.reach), twice);
-      if (guard.plane) {
-        near = hn::Or(near, hn::Lt(dot(d, position, place), reach));
-      } else {
-        const Points<D> from = sub(position, place);
-        near = hn::Or(near, hn::Lt(dot(d, from, from), hn::Mul(reach, reach)));
-      }
-    }
-    return near;
+    Mask<D> any = hn::Gt(hn::Zero(d), hn::Zero(d));
+    for (size_t c = 0; c < count; ++c) any = hn::Or(any, near(d, guards[c], position, twice));
+    return any;
   }
 };
 
-/// From pixel i on, where a collider may be near. By itself, so that passing over the others keeps its registers.
-template <class D, class Lanes>
-HWY_NOINLINE void collide_near(D d, const SweepFrame& frame, uint32_t substep, const Run& run, uint32_t i, Lanes lanes,
-                               Mask<D> near) {
-  const PassContext& context = frame.contexts[substep];
+/// A contact for each lane; see find_contact().
+template <class D>
+struct Contacts {
+  Mask<D> touches;
+  Points<D> normal;
+  Vec<D> depth;
+};
+
+/// sweep() of lib/collide.h.
+template <class D>
+HWY_NOINLINE Contacts<D> sweep_points(D d, const float* numbers, const shader::ColliderShape& shape, Mask<D> lanes,
+                                      const Points<D>& p0, const Points<D>& p1, Vec<D> way, Vec<D> thickness) {
+  const auto zero = hn::Zero(d);
+  const Points<D> direction = scale(d, sub(p1, p0), hn::Div(hn::Set(d, 1.F), way));
+  const auto close = hn::Set(d, shader::min(0.01F * shape.core, shader::kSweepClose));
+  auto travelled = zero;
+  Contacts<D> r{hn::Gt(zero, zero), set(d, 0, 1, 0), zero};
+  for (uint32_t i = 0; i < shader::kSweepSteps && !hn::AllFalse(d, lanes); ++i) {
+    const Points<D> q = add(p0, scale(d, direction, travelled));
+    const Nearest<D> near = nearest_of_shape(d, numbers, shape, q);
+    const auto gap = hn::Sub(near.distance, thickness);
+    const auto there = hn::And(lanes, hn::Lt(gap, close));
+    const auto height = hn::Add(dot(d, sub(p1, q), near.normal), gap);
+    r.touches = hn::Or(r.touches, hn::And(there, hn::Lt(height, zero)));
+    r.normal = choose<D>(there, near.normal, r.normal);
+    r.depth = hn::IfThenElse(there, hn::Neg(height), r.depth);
+    travelled = hn::Add(travelled, gap);
+    lanes = hn::AndNot(hn::Or(there, hn::Ge(travelled, way)), lanes);
+  }
+  return r;
+}
+
+/// What all points of a substep meet.
+struct Meeting {
+  const FrameInput& frame;
+  const shader::ClothParams& params;
+  const shader::ColliderPose* poses;
+  const float* numbers;
+  Guards guards;
+
+  Meeting(const SweepFrame& sweep, uint32_t substep)
+      : frame(sweep.contexts[substep].frame),
+        params(sweep.contexts[substep].cloth.params),
+        poses(frame.poses.data() + substep * frame.shapes.size()),
+        numbers(frame.collider_numbers ? frame.collider_numbers->data() : nullptr),
+        guards(sweep, substep) {}
+};
+
+/// find_contact() of lib/collide.h for points that may have met the collider.
+template <class D>
+HWY_INLINE Contacts<D> find_contacts(D d, const Meeting& meeting, const shader::ColliderShape& shape, Mask<D> lanes,
+                                     const Points<D>& first, const Points<D>& local, const Nearest<D>& near, Vec<D> gap,
+                                     bool swept) {
+  const auto way = length(d, sub(local, first));
+  const auto met = hn::AndNot(hn::Gt(gap, way), lanes);
+  Contacts<D> r{hn::And(met, hn::Lt(gap, hn::Zero(d))), near.normal, hn::Neg(gap)};
+  if (!swept) return r;
+  const auto far = hn::And(met, hn::Gt(way, hn::Set(d, 0.5F * shape.core)));
+  if (hn::AllFalse(d, far)) return r;
+  const Contacts<D> entry =
+      sweep_points(d, meeting.numbers, shape, far, first, local, way, hn::Set(d, meeting.params.thickness));
+  return {hn::Or(r.touches, entry.touches), choose<D>(entry.touches, entry.normal, r.normal),
+          hn::IfThenElse(entry.touches, entry.depth, r.depth)};
+}
+
+/// push_out() of lib/collide.h.
+template <class D>
+HWY_INLINE void push_out(D d, const Meeting& meeting, Mask<D> lanes, PointStates<D>& points) {
+  const size_t count = meeting.frame.shapes.size();
+  const auto thickness = hn::Set(d, meeting.params.thickness);
+  const Points<D> start = points.previous;
+  PointStates<D> state = points;
+  Mask<D> again = lanes;
+  for (uint32_t round = 0; round < shader::kContactRounds && !hn::AllFalse(d, again); ++round) {
+    Mask<D> touched = hn::Gt(hn::Zero(d), hn::Zero(d));
+    auto way = length(d, sub(state.position, start));
+    for (size_t i = 0; i < count; ++i) {
+      const auto near_guard = Guards::near(d, meeting.guards.guards[i], state.position, hn::Add(way, way));
+      if (hn::AllFalse(d, hn::And(again, near_guard))) continue;
+      const shader::ColliderShape& shape = meeting.frame.shapes[i];
+      const shader::ColliderPose &before = meeting.poses[i], &after = meeting.poses[count + i];
+      const Points<D> local = to_local(d, after, state.position);
+      const Nearest<D> near = nearest_of_shape(d, meeting.numbers, shape, local);
+      const auto gap = hn::Sub(near.distance, thickness);
+      const auto reach = hn::Mul(hn::Set(d, 2.F), hn::Add(way, hn::Set(d, shape.way)));
+      const auto in_reach = hn::AndNot(hn::Gt(gap, reach), again);
+      if (hn::AllFalse(d, in_reach)) continue;
+      const Contacts<D> contact =
+          find_contacts(d, meeting, shape, in_reach, to_local(d, before, start), local, near, gap, round == 0);
+      auto touches = contact.touches;
+      if (round > 0) touches = hn::And(touches, hn::Gt(contact.depth, hn::Set(d, shader::kContactSlack)));
+      if (hn::AllFalse(d, touches)) continue;
+      const float friction = round == 0 ? std::sqrt(meeting.params.friction * shape.friction) : 0.F;
+      const PointStates<D> moved =
+          respond(d, state, before, after, local, contact.normal, contact.depth, hn::Set(d, friction));
+      state = choose<D>(touches, moved, state);
+      way = length(d, sub(state.position, start));
+      if (count > 1 || shape.kind == shader::kShapeMesh) touched = hn::Or(touched, touches);
+    }
+    again = touched;
+  }
+  points = state;
+}
+
+/// limit_speed() of lib/collide.h.
+template <class D>
+HWY_INLINE PointStates<D> limit_speed(D d, const PointStates<D>& point, float max_step) {
+  const Points<D> displacement = add(sub(point.position, point.previous), point.carry);
+  const auto way = length(d, displacement), most = hn::Set(d, max_step);
+  const auto share = hn::Mul(most, hn::Div(hn::Set(d, 1.F), way));
+  const PointStates<D> slow{add(point.previous, scale(d, displacement, share)), point.previous, set(d, 0, 0, 0)};
+  return choose<D>(hn::Gt(way, most), slow, point);
+}
+
+/// field_back() of lib/frame.h.
+template <class D>
+HWY_INLINE Points<D> field_back(D d, const shader::FrameField& field, float substep, const Points<D>& p) {
+  const Points<D> q = sub(p, set(d, field.row0.w + field.drift.x * substep, field.row1.w + field.drift.y * substep,
+                                 field.row2.w + field.drift.z * substep));
+  const Points<D> turn = add(add(scale(d, set(d, field.row0.x, field.row0.y, field.row0.z), q.x),
+                                 scale(d, set(d, field.row1.x, field.row1.y, field.row1.z), q.y)),
+                             scale(d, set(d, field.row2.x, field.row2.y, field.row2.z), q.z));
+  return add(q, turn);
+}
+
+template <class D>
+HWY_INLINE Vec<D> at_most(D, const Points<D>& way) {  // its length; needs no root
+  return hn::Add(hn::Add(hn::Abs(way.x), hn::Abs(way.y)), hn::Abs(way.z));
+}
+
+/// collide() of lib/collide.h where points change without being touched: too fast, or taken along by a parent.
+template <class D>
+HWY_INLINE void collide_changed(D d, const Meeting& meeting, uint32_t substep, Mask<D> lanes, PointStates<D>& points) {
+  const shader::ClothParams& params = meeting.params;
+  if (params.max_step > 0) points = limit_speed(d, points, params.max_step);
+  const Points<D> slow_previous = points.previous;
+  if (params.moving != 0) {
+    points.previous = field_back(d, params.taken, static_cast<float>(substep), points.previous);
+  }
+  const Points<D> taken = sub(slow_previous, points.previous);
+  const auto way = at_most(d, sub(points.position, points.previous));
+  const auto near = hn::And(lanes, meeting.guards.near(d, points.position, way));
+  if (!hn::AllFalse(d, near)) push_out(d, meeting, near, points);
+  if (params.moving == 0) return;
+  const Points<D> displacement = add(sub(sub(points.position, points.previous), taken), points.carry);
+  points.previous = sub(points.position, displacement);
+  points.carry = sub(displacement, sub(points.position, points.previous));
+}
+
+/// From pixel i on.
+template <bool kChanged, class D>
+HWY_NOINLINE void collide_from(D d, const SweepFrame& frame, uint32_t substep, uint32_t i, Mask<D> lanes) {
   ClothState& state = *frame.state;
   const PointRow p = at(state.position, i), pp = at(state.previous, i), pc = at(state.carry, i);
-  PointStates<D> points{load(d, p), load(d, pp), load(d, pc)};
-  const auto free = hn::Gt(hn::LoadU(d, &state.inverse_mass[i]), hn::Zero(d));
-  if (!frame.simple_colliders || !collide_lanes(d, context, hn::And(free, counted(d, lanes, near)), points)) {
-    return collide_pixels(context, state, i, std::min(run.last, i + static_cast<uint32_t>(hn::Lanes(d))));
+  const PointStates<D> before{load(d, p), load(d, pp), load(d, pc)};
+  const auto free = hn::And(lanes, hn::Gt(hn::LoadU(d, &state.inverse_mass[i]), hn::Zero(d)));
+  const Meeting meeting(frame, substep);
+  PointStates<D> points = before;
+  if constexpr (kChanged) {
+    collide_changed(d, meeting, substep, free, points);
+    points = choose<D>(free, points, before);
+  } else {
+    push_out(d, meeting, free, points);
   }
   store(d, points.position, p);
   store(d, points.previous, pp);
   store(d, points.carry, pc);
 }
 
+template <class D>
+HWY_INLINE Mask<D> all_counted(D d, AllLanes) {
+  return hn::Ge(hn::Zero(d), hn::Zero(d));
+}
+template <class D>
+HWY_INLINE Mask<D> all_counted(D d, FirstLanes lanes) {
+  return hn::FirstN(d, lanes.count);
+}
+
 /// Where no collider can reach, collide.h leaves a point as it is.
 template <class D>
 HWY_NOINLINE void collide(D d, const SweepFrame& frame, uint32_t substep, const Run& run) {
   ClothState& state = *frame.state;
-  if (frame.collide_all) return collide_pixels(frame.contexts[substep], state, run.first, run.last);
+  if (frame.collide_all) {
+    for_run(d, run, [&](uint32_t i, auto lanes) GEOCLOTH_LANES {
+      collide_from<true>(d, frame, substep, i, all_counted(d, lanes));
+    });
+    return;
+  }
   const Guards guards(frame, substep);
   const PointRow position = at(state.position, 0), previous = at(state.previous, 0);
   for_run(d, run, [&](uint32_t i, auto lanes) GEOCLOTH_LANES {
     const Points<D> p = load(d, after(position, i));
-    const Points<D> moved = sub(p, load(d, after(previous, i)));
-    const auto at_most = hn::Add(hn::Add(hn::Abs(moved.x), hn::Abs(moved.y)), hn::Abs(moved.z));  // needs no root
-    const auto near = guards.near(d, p, at_most);
-    if (hn::AllFalse(d, counted(d, lanes, near))) return;
-    collide_near(d, frame, substep, run, i, lanes, near);
+    const auto way = at_most(d, sub(p, load(d, after(previous, i))));
+    const auto near = counted(d, lanes, guards.near(d, p, way));
+    if (!hn::AllFalse(d, near)) collide_from<false>(d, frame, substep, i, near);
   });
+}
+
+/// depth_in_colliders() of lib/collide.h from pixel i on, the largest of some lanes.
+template <class D>
+HWY_NOINLINE float depth_of(D d, const SweepFrame& frame, uint32_t substep, uint32_t i, Mask<D> lanes) {
+  const Meeting meeting(frame, substep);
+  const size_t count = meeting.frame.shapes.size();
+  const Points<D> position = load(d, at(frame.state->position, i));
+  const auto free = hn::And(lanes, hn::Gt(hn::LoadU(d, &frame.state->inverse_mass[i]), hn::Zero(d)));
+  auto depth = hn::Zero(d);
+  for (size_t c = 0; c < count; ++c) {
+    const auto near = hn::And(free, Guards::near(d, meeting.guards.guards[c], position, hn::Zero(d)));
+    if (hn::AllFalse(d, near)) continue;
+    const Points<D> local = to_local(d, meeting.poses[count + c], position);
+    const auto own = hn::Neg(nearest_of_shape(d, meeting.numbers, meeting.frame.shapes[c], local).distance);
+    depth = max_of(d, depth, hn::IfThenElseZero(free, own));
+  }
+  return hn::GetLane(hn::MaxOfLanes(d, depth));
 }
 
 template <class D>
 HWY_NOINLINE void check_colliders(D d, const SweepFrame& frame, uint32_t substep, const Run& run) {
-  const PassContext& context = frame.contexts[substep];
-  ClothState& state = *frame.state;
   const Guards guards(frame, substep);
   float depth = frame.penetration[substep];
   for_run(d, run, [&](uint32_t i, auto lanes) GEOCLOTH_LANES {
-    const Points<D> position = load(d, at(state.position, i));
-    const auto near = guards.near(d, position, hn::Zero(d));
-    if (hn::AllFalse(d, counted(d, lanes, near))) return;
-    const uint32_t last = std::min(run.last, i + static_cast<uint32_t>(hn::Lanes(d)));
-    depth = std::max(depth, penetration_of_pixels(context, state, i, last));
+    const auto near = counted(d, lanes, guards.near(d, load(d, at(frame.state->position, i)), hn::Zero(d)));
+    if (!hn::AllFalse(d, near)) depth = std::max(depth, depth_of(d, frame, substep, i, near));
   });
   frame.penetration[substep] = depth;
 }

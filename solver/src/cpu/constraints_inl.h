@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Springs, bends and attachments in vectors. Rows are contiguous, so constraints across rows vectorise as they stand.
+// Springs and attachments in vectors. Rows are contiguous, so constraints across rows vectorise as they stand.
 // Along a row two vectors are taken apart into the ends of the constraints (even and odd columns) by shuffles that stay
 // within 128 bits, and put together again.
 #if defined(GEOCLOTH_CPU_CONSTRAINTS_INL_H) == defined(HWY_TARGET_TOGGLE)  // once for each instruction set
@@ -53,6 +53,8 @@ struct PointBase {
   float *x, *y, *z;
   const float* inverse_mass;
 
+  HWY_INLINE PointBase(float* px, float* py, float* pz, const float* weights)
+      : x(px), y(py), z(pz), inverse_mass(weights) {}
   HWY_INLINE PointBase(ClothState& state, size_t offset)
       : x(state.position.x.data() + offset),
         y(state.position.y.data() + offset),
@@ -64,9 +66,6 @@ struct PointBase {
 /// Floats of a block's constants.
 constexpr size_t spring_floats(size_t lanes, bool several) {
   return (several ? 3 : 2) * lanes;
-}
-constexpr size_t bend_floats(size_t lanes, bool several) {
-  return (several ? 4 : 3) * lanes;
 }
 
 /// How the springs of a row are gone through: at places first, first + kStep, ... before last.
@@ -170,66 +169,6 @@ HWY_INLINE void in_turn(D d, const Where& where, const Length& length, const Fac
   }
 }
 
-/// A constraint's direction and length, for as many as a vector has lanes. Members one by one, because compilers copy
-/// structs of structs of vectors through memory.
-template <class D>
-struct Ways {
-  Vec<D> x, y, z, length;
-
-  HWY_INLINE Ways() {}  // NOLINT(modernize-use-equals-default): a default one is not of the instruction set at hand
-  HWY_INLINE void set(D d, const Points<D>& way) {
-    x = way.x;
-    y = way.y;
-    z = way.z;
-    length = hn::Sqrt(dot(d, way, way));
-  }
-  HWY_INLINE void take(const Ways& other) {
-    x = other.x;
-    y = other.y;
-    z = other.z;
-    length = other.length;
-  }
-  HWY_INLINE Points<D> scaled(Vec<D> s) const { return {hn::Mul(x, s), hn::Mul(y, s), hn::Mul(z, s)}; }
-};
-
-/// lib/bend.h with inverse = 1 / (w + compliance), 0 where there is no bend.
-template <class D>
-HWY_INLINE Points<D> bend_way(D d, const Points<D>& a, const Points<D>& middle, const Points<D>& b,
-                              const float* constants) {
-  const auto chord = hn::LoadU(d, constants + 2 * hn::Lanes(d)), back = hn::Sub(hn::Set(d, 1.F), chord);
-  return add(scale(d, sub(a, middle), back), scale(d, sub(b, middle), chord));
-}
-template <bool kSeveral, class D>
-HWY_INLINE void project_bend(D d, const Ways<D>& ways, Points<D>& a, Vec<D> wa, Points<D>& middle, Vec<D> wm,
-                             Points<D>& b, Vec<D> wb, const float* constants,
-                             const Multipliers<kSeveral, D>& multipliers) {
-  const size_t lanes = hn::Lanes(d);
-  const auto rest = hn::LoadU(d, constants), inverse = hn::LoadU(d, constants + lanes);
-  const auto chord = hn::LoadU(d, constants + 2 * lanes), back = hn::Sub(hn::Set(d, 1.F), chord);
-  const auto factor = change_over_length(d, ways.length, rest, inverse, constants + 3 * lanes, multipliers,
-                                         [](Vec<D> error) GEOCLOTH_LANES { return error; });
-  const Points<D> step = ways.scaled(factor);
-  a = sub(a, scale(d, step, hn::Mul(wa, back)));
-  middle = add(middle, scale(d, step, wm));
-  b = sub(b, scale(d, step, hn::Mul(wb, chord)));
-}
-
-/// Blocks first .. last - 1: begin(block, state) and then finish(block, state). The roots of a block are under way
-/// while the block before is finished; one after the other, what waits for them fills the processor's queues, and all
-/// takes a third longer. Blocks may share pixels, but no constraint's: finish() reads what it writes.
-template <class State, class Begin, class Finish>
-HWY_INLINE void overlapped(uint32_t first, uint32_t last, const Begin& begin, const Finish& finish) {
-  if (first >= last) return;
-  State now, next;
-  begin(first, now);
-  for (uint32_t k = first + 1; k < last; ++k) {
-    begin(k, next);
-    finish(k - 1, now);
-    now.take(next);
-  }
-  finish(last - 1, now);
-}
-
 /// Even and odd columns of two vectors: within 128 bits those of the first one, then those of the second one.
 template <class D>
 HWY_INLINE Vec<D> even_columns(D d, Vec<D> low, Vec<D> high) {
@@ -282,91 +221,6 @@ HWY_INLINE void put_together(D d, Vec<D> a, Vec<D> b, float* p) {
   }
 }
 
-/// Lanes whose bit is set from one vector, all others from another.
-template <uint32_t kBits, class D>
-HWY_INLINE Vec<D> lanes_from(D d, Vec<D> yes, Vec<D> no) {
-#if HWY_ARCH_X86 && HWY_MAX_BYTES >= 32
-  if constexpr (hn::MaxLanes(D()) == 8) return Vec<D>{_mm256_blend_ps(no.raw, yes.raw, kBits & 0xFF)};
-#endif
-  const hn::RebindToUnsigned<D> du;
-  const auto bit = hn::Shl(hn::Set(du, 1), hn::Iota(du, 0));
-  return hn::IfThenElse(hn::RebindMask(d, hn::TestBit(hn::Set(du, kBits), bit)), yes, no);
-}
-
-/// Three vectors of neighbouring columns taken apart into those whose number modulo 3 is 0, 1 and 2. A lane's three
-/// columns follow each other, and the first one is in the same lane of its vector: 4, 8 and 16 are no multiples of 3,
-/// so that the vectors' lanes of one residue complement each other.
-template <class D>
-struct Third {
-  Vec<D> a, middle, b;
-};
-template <class D>
-class Thirds {
- public:
-  explicit HWY_INLINE Thirds(D d)
-      : next_(turned(d, 1)),
-        after_next_(turned(d, 2)),
-        back_(turned(d, kLanes - 1)),
-        two_back_(turned(d, kLanes - 2)) {}
-
-  HWY_INLINE Third<D> take_apart(D d, const float* p) const {
-    const auto low = hn::LoadU(d, p), mid = hn::LoadU(d, p + kLanes), high = hn::LoadU(d, p + 2 * kLanes);
-    return {of_residue<0>(d, low, mid, high), hn::TableLookupLanes(of_residue<1>(d, low, mid, high), next_),
-            hn::TableLookupLanes(of_residue<2>(d, low, mid, high), after_next_)};
-  }
-  HWY_INLINE void put_together(D d, Vec<D> a, Vec<D> middle, Vec<D> b, float* p) const {
-    const auto second = hn::TableLookupLanes(middle, back_), third = hn::TableLookupLanes(b, two_back_);
-    hn::StoreU(of_vector<0>(d, a, second, third), d, p);
-    hn::StoreU(of_vector<1>(d, a, second, third), d, p + kLanes);
-    hn::StoreU(of_vector<2>(d, a, second, third), d, p + 2 * kLanes);
-  }
-
- private:
-  static constexpr uint32_t kLanes = hn::MaxLanes(D());
-  using Table = decltype(hn::SetTableIndices(D(), static_cast<const int32_t*>(nullptr)));
-
-  /// Lanes whose number is that modulo 3.
-  static constexpr uint32_t lanes_modulo_three(uint32_t residue) {
-    uint32_t bits = 0;
-    for (uint32_t lane = residue % 3; lane < kLanes; lane += 3) bits |= 1U << lane;
-    return bits;
-  }
-  template <uint32_t kResidue>
-  static HWY_INLINE Vec<D> of_residue(D d, Vec<D> low, Vec<D> mid, Vec<D> high) {
-    constexpr uint32_t kOfMid = lanes_modulo_three(kResidue + 2 * kLanes);  // -kLanes modulo 3
-    return lanes_from<lanes_modulo_three(kResidue)>(d, low, lanes_from<kOfMid>(d, mid, high));
-  }
-  template <uint32_t kVector>
-  static HWY_INLINE Vec<D> of_vector(D d, Vec<D> first, Vec<D> second, Vec<D> third) {
-    constexpr uint32_t kOfFirst = lanes_modulo_three(2 * kVector * kLanes);
-    constexpr uint32_t kOfSecond = lanes_modulo_three(1 + 2 * kVector * kLanes);
-    return lanes_from<kOfFirst>(d, first, lanes_from<kOfSecond>(d, second, third));
-  }
-  /// Lane i from lane i + by.
-  static HWY_INLINE Table turned(D d, uint32_t by) {
-    std::array<int32_t, kLanes> from{};
-    for (uint32_t i = 0; i < kLanes; ++i) from[i] = static_cast<int32_t>((i + by) % kLanes);
-    return hn::SetTableIndices(d, from.data());
-  }
-
-  Table next_, after_next_, back_, two_back_;
-};
-
-/// What the blocks of a row are read from and written to; see PointBase.
-struct Blocks {
-  PointBase points;
-  const uint32_t* pixel;
-  const float* constants;
-  size_t floats;  ///< of a block's constants
-
-  Blocks(const SweepOp& op, ClothState& state, size_t block_floats)
-      : points(state, 0),
-        pixel(op.stream->pixel.data()),
-        constants(op.stream->constants.data()),
-        floats(block_floats) {}
-  [[nodiscard]] HWY_INLINE const float* constants_of(uint32_t block) const { return constants + block * floats; }
-};
-
 template <class Where, class D>
 HWY_NOINLINE void springs_across(D d, const SweepOp& op, ClothState& state, uint32_t first, uint32_t last) {
   const Where where(op, first, last);
@@ -414,87 +268,6 @@ HWY_NOINLINE void springs_along(D d, const SweepOp& op, ClothState& state, uint3
         put_together<kColumns>(d, a.y, b.y, p.y);
         put_together<kColumns>(d, a.z, b.z, p.z);
       });
-}
-
-template <bool kSeveral, class D>
-HWY_NOINLINE void bends_across(D d, const SweepOp& op, ClothState& state, uint32_t first, uint32_t last) {
-  const size_t lanes = hn::Lanes(d), offset = op.offset;
-  const Blocks blocks(op, state, bend_floats(lanes, kSeveral));
-  const PointBase& points = blocks.points;
-  overlapped<Ways<D>>(
-      first, last,
-      [&](uint32_t k, Ways<D>& ways) GEOCLOTH_LANES {
-        const size_t i = blocks.pixel[k];
-        ways.set(d, bend_way(d, load(d, points.at(i)), load(d, points.at(i + offset)),
-                             load(d, points.at(i + 2 * offset)), blocks.constants_of(k)));
-      },
-      [&](uint32_t k, const Ways<D>& ways) GEOCLOTH_LANES {
-        const size_t i = blocks.pixel[k], m = i + offset, j = m + offset;
-        const PointRow pa = points.at(i), pm = points.at(m), pb = points.at(j);
-        Points<D> a = load(d, pa), middle = load(d, pm), b = load(d, pb);
-        project_bend(d, ways, a, hn::LoadU(d, points.inverse_mass + i), middle, hn::LoadU(d, points.inverse_mass + m),
-                     b, hn::LoadU(d, points.inverse_mass + j), blocks.constants_of(k),
-                     Multipliers<kSeveral, D>(op, k, lanes));
-        store(d, a, pa);
-        store(d, middle, pm);
-        store(d, b, pb);
-      });
-}
-
-template <bool kSeveral, class D>
-HWY_NOINLINE void bends_along(D d, const SweepOp& op, ClothState& state, uint32_t first, uint32_t last) {
-  const size_t lanes = hn::Lanes(d);
-  const Blocks blocks(op, state, bend_floats(lanes, kSeveral));
-  const PointBase& points = blocks.points;
-  const Thirds<D> thirds(d);
-  const auto with_three = [&](uint32_t k, const auto& body) GEOCLOTH_LANES {
-    const PointRow p = points.at(blocks.pixel[k]);
-    const Third<D> x = thirds.take_apart(d, p.x), y = thirds.take_apart(d, p.y), z = thirds.take_apart(d, p.z);
-    body(Points<D>{x.a, y.a, z.a}, Points<D>{x.middle, y.middle, z.middle}, Points<D>{x.b, y.b, z.b});
-  };
-  overlapped<Ways<D>>(
-      first, last,
-      [&](uint32_t k, Ways<D>& ways) GEOCLOTH_LANES {
-        with_three(k, [&](const Points<D>& a, const Points<D>& middle, const Points<D>& b)
-                          GEOCLOTH_LANES { ways.set(d, bend_way(d, a, middle, b, blocks.constants_of(k))); });
-      },
-      [&](uint32_t k, const Ways<D>& ways) GEOCLOTH_LANES {
-        with_three(k, [&](Points<D> a, Points<D> middle, Points<D> b) GEOCLOTH_LANES {
-          const Third<D> w = thirds.take_apart(d, points.inverse_mass + blocks.pixel[k]);
-          project_bend(d, ways, a, w.a, middle, w.middle, b, w.b, blocks.constants_of(k),
-                       Multipliers<kSeveral, D>(op, k, lanes));
-          const PointRow p = points.at(blocks.pixel[k]);
-          thirds.put_together(d, a.x, middle.x, b.x, p.x);
-          thirds.put_together(d, a.y, middle.y, b.y, p.y);
-          thirds.put_together(d, a.z, middle.z, b.z, p.z);
-        });
-      });
-}
-
-/// lib/span.h. Points well within their reach need no root.
-template <class D>
-HWY_NOINLINE void spans(D d, const SweepOp& op, ClothState& state, uint32_t first, uint32_t last) {
-  const size_t lanes = hn::Lanes(d);
-  for (uint32_t k = first; k < last; ++k) {
-    const size_t i = op.stream->pixel[k], j = i + op.offset;
-    const float* constants = &op.stream->constants[2 * lanes * k];
-    const PointRow pa = at(state.position, i), pb = at(state.position, j);
-    const Points<D> a = load(d, pa), b = load(d, pb), way = sub(b, a);
-    const auto longest = hn::LoadU(d, constants), l2 = dot(d, way, way);
-    if (hn::AllFalse(d, hn::Gt(l2, hn::Mul(hn::Mul(longest, longest), hn::Set(d, 0.9999F))))) continue;
-    const auto l = hn::Sqrt(l2);
-    const auto pulls = hn::Gt(l, longest);
-    const auto change = hn::Mul(hn::Sub(l, longest), hn::LoadU(d, constants + lanes));
-    const Points<D> step = scale(d, way, hn::Mul(change, hn::Div(hn::Set(d, 1.F), l)));
-    const Points<D> a2 = add(a, scale(d, step, hn::LoadU(d, &state.inverse_mass[i])));
-    const Points<D> b2 = sub(b, scale(d, step, hn::LoadU(d, &state.inverse_mass[j])));
-    const auto choose = [&](const Points<D>& moved, const Points<D>& before) GEOCLOTH_LANES {
-      return Points<D>{hn::IfThenElse(pulls, moved.x, before.x), hn::IfThenElse(pulls, moved.y, before.y),
-                       hn::IfThenElse(pulls, moved.z, before.z)};
-    };
-    store(d, choose(a2, a), pa);
-    store(d, choose(b2, b), pb);
-  }
 }
 
 /// The anchors of a substep as limit() wants them, lane by lane.

@@ -168,35 +168,13 @@ void limit(const PassContext& context, ClothState& state) {
 }
 
 void collide_cells(const PassContext& context, ClothState& state, uint32_t group) {
-  const shader::ColliderSet set = colliders_of(context.frame);
   const uint32_t width = state.data.width, height = state.data.height;
-  const auto triangle = [&](uint32_t a, uint32_t b, uint32_t c) {
-    const vec3 w(state.inverse_mass[a], state.inverse_mass[b], state.inverse_mass[c]);
-    const shader::MovedTriangle moved =
-        shader::collide_triangle(set, context.cloth.params, context.substep,
-                                 {state.position.at(a), state.position.at(b), state.position.at(c),
-                                  state.previous.at(a), state.previous.at(b), state.previous.at(c)},
-                                 w);
-    state.position.set(a, moved.a);
-    state.position.set(b, moved.b);
-    state.position.set(c, moved.c);
-    state.previous.set(a, moved.start_a);
-    state.previous.set(b, moved.start_b);
-    state.previous.set(c, moved.start_c);
-  };
-  const auto cell = [&](uint32_t x, uint32_t y) {
-    const uint32_t p0 = y * width + x, p1 = p0 + 1, p2 = p0 + width, p3 = p2 + 1;
-    const uint32_t bits = state.data.cell[p0];
-    const bool left = (bits & shader::kCellDiagonalLeftBit) != 0;
-    if ((bits & shader::kCellFirstBit) != 0) triangle(p0, p2, left ? p1 : p3);
-    if ((bits & shader::kCellSecondBit) != 0) triangle(left ? p1 : p0, left ? p2 : p3, left ? p3 : p1);
-  };
   const shader::uvec2 count = shader::cell_extent(width, height);
   context.threads.for_range(count.y, std::max(1U, kPixelGrain / width), [&](uint32_t first, uint32_t last) {
     for (uint32_t j = first; j < last; ++j) {
       for (uint32_t i = 0; i < count.x; ++i) {
         const shader::uvec2 p = shader::cell_corner(group, i, j);
-        if (p.x + 1 < width && p.y + 1 < height) cell(p.x, p.y);
+        if (p.x + 1 < width && p.y + 1 < height) collide_cell(context, state, p.x, p.y);
       }
     }
   });
@@ -299,6 +277,30 @@ void move_pins(const PassContext& context, ClothState& state, uint32_t first, ui
       state.offset.set(i, pinned_position(context, seen, state.offset.at(i), state.carry.at(i)));
     }
   }
+}
+
+void collide_cell(const PassContext& context, ClothState& state, uint32_t x, uint32_t y) {
+  const shader::ColliderSet set = colliders_of(context.frame);
+  const auto triangle = [&](uint32_t a, uint32_t b, uint32_t c) {
+    const vec3 w(state.inverse_mass[a], state.inverse_mass[b], state.inverse_mass[c]);
+    const shader::MovedTriangle moved =
+        shader::collide_triangle(set, context.cloth.params, context.substep,
+                                 {state.position.at(a), state.position.at(b), state.position.at(c),
+                                  state.previous.at(a), state.previous.at(b), state.previous.at(c)},
+                                 w);
+    state.position.set(a, moved.a);
+    state.position.set(b, moved.b);
+    state.position.set(c, moved.c);
+    state.previous.set(a, moved.start_a);
+    state.previous.set(b, moved.start_b);
+    state.previous.set(c, moved.start_c);
+  };
+  const uint32_t width = state.data.width;
+  const uint32_t p0 = y * width + x, p1 = p0 + 1, p2 = p0 + width, p3 = p2 + 1;
+  const uint32_t bits = state.data.cell[p0];
+  const bool left = (bits & shader::kCellDiagonalLeftBit) != 0;
+  if ((bits & shader::kCellFirstBit) != 0) triangle(p0, p2, left ? p1 : p3);
+  if ((bits & shader::kCellSecondBit) != 0) triangle(left ? p1 : p0, left ? p2 : p3, left ? p3 : p1);
 }
 
 void collide_pixels(const PassContext& context, ClothState& state, uint32_t first, uint32_t last) {

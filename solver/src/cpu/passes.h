@@ -30,6 +30,7 @@ struct PassContext {
 
 /// Parts of passes, for whoever goes through a cloth in another order: the result is the same.
 void move_pins(const PassContext& context, ClothState& state, uint32_t first, uint32_t last);  ///< entries of the list
+void collide_cell(const PassContext& context, ClothState& state, uint32_t x, uint32_t y);      ///< its triangles
 void give_way_pixels(const PassContext& context, ClothState& state, uint32_t first, uint32_t last);
 void collide_pixels(const PassContext& context, ClothState& state, uint32_t first, uint32_t last);
 void normal_pixels(ClothState& state, uint32_t first, uint32_t last);

@@ -25,7 +25,8 @@ enum class RowKernel : uint8_t {
   ties_along,         ///< as springs_along, pulling only: longest, inverse
   springs_along_two,  ///< blocks over two of four columns and the next two: rest, inverse, compliance
   bends_across,       ///< blocks: rest, inverse, chord, compliance
-  bends_along,        ///< blocks over every third column and the next two: rest, inverse, chord, compliance
+  bends_along,        ///< all three groups; blocks over every third column, in columns / 3: rest, inverse, chord,
+                      ///< compliance. group_first the blocks of each group, runs the thirds of each row
   spans,              ///< blocks of kSpanLanes at most: longest, inverse
   limit,              ///< blocks: longest; anchors
   collide,            ///< runs
@@ -46,8 +47,9 @@ struct Run {
 /// constants lie in the order of the lanes, so that nothing is gathered. Lanes without a constraint have the inverse 0.
 /// Compliances are only there with several relaxation steps.
 struct RowStream {
-  std::vector<uint32_t> row_first;  ///< height + 1 entries: the row's blocks, runs or pins
-  std::vector<uint32_t> pixel;      ///< first pixel of a block
+  std::vector<uint32_t> row_first;    ///< height + 1 entries: the row's blocks, runs or pins
+  std::vector<uint32_t> group_first;  ///< bends_along: three entries for each row, as row_first
+  std::vector<uint32_t> pixel;        ///< first pixel of a block
   /// Springs and limit: for each row whether each block begins where the one before ends, and each lane's anchor lies
   /// beside the one of the lane before.
   std::vector<uint8_t> following;
@@ -64,7 +66,7 @@ struct SweepOp {
   Pass pass = Pass::predict;  ///< whose time it is
   uint32_t lag = 0;
   uint32_t rise = 0;    ///< like the lag, for passes that run upwards: what they leave to a band above
-  uint32_t offset = 0;  ///< pixels from one end of a constraint to the next
+  uint32_t offset = 0;  ///< pixels from one end of a constraint to the next; bends_along: see ThirdRow
   float share = 1;
   const RowStream* stream = nullptr;
   float* multipliers = nullptr;  ///< the stream's; nullptr: of one relaxation step
@@ -77,20 +79,20 @@ struct Sweep {
   uint32_t last_lag = 0;  ///< of the last pass
   uint32_t last_rise = 0;
   uint32_t longest_reach = 0;  ///< rows up and down from a row that passes touch
+  uint32_t scratch = 0;        ///< floats of SweepFrame::scratch
   uint32_t distance = 0;       ///< times that the same sweep of the substep before must be ahead
 };
 
 /// A collider from which a point that is this far away is certainly not touched, per substep.
 struct ColliderGuard {
+  enum class Kind : uint8_t { plane, ball, segment };
   float x, y, z;  ///< centre, or a plane's normal
   float reach;    ///< [m] radius, thickness, the collider's own way and rounding, or a plane's height
-  bool plane = false;
+  Kind kind = Kind::ball;
+  float spread = 1;  ///< a point may be nearer to the collider than to the guard by so many times less
+  float axis_x = 0, axis_y = 0, axis_z = 0;  ///< of a segment through the centre
+  float half_length = 0;                     ///< [m]
 };
-
-/// Shapes whose distance is a closed form without branches, which vectors can do.
-[[nodiscard]] inline bool is_simple(const shader::ColliderShape& shape) {
-  return shape.kind == shader::kShapePlane || shape.kind == shader::kShapeSphere || shape.kind == shader::kShapeCapsule;
-}
 
 /// What is the same for all substeps of a frame.
 struct SweepFrame {
@@ -101,8 +103,8 @@ struct SweepFrame {
   uint32_t anchor_count = 0;
   const ColliderGuard* guards = nullptr;  ///< for each substep one for each collider
   bool collide_all = false;               ///< no point is certainly untouched, or points change without being touched
-  bool simple_colliders = false;          ///< see is_simple()
   float* penetration = nullptr;           ///< [m] of each substep, raised by check_colliders
+  float* scratch = nullptr;               ///< memory for a row, Sweep::scratch long; of one thread
   double* seconds = nullptr;              ///< of a sample of the rows, for each substep one for each pass
 };
 
@@ -137,6 +139,9 @@ void run_sweep(uint32_t lanes, const SweepFrame& frame, uint32_t substep, const 
 /// Unit normals of the pixels of some rows from their own cells.
 /// @param runs  none reaches over the end of a row
 void run_normals(uint32_t lanes, ClothState& state, std::span<const Run> runs);
+
+/// The pass collide_cells: one group's cells of a row, without those that no collider can reach.
+void run_cells(uint32_t lanes, const SweepFrame& frame, uint32_t substep, uint32_t group, uint32_t y);
 
 /// Lanes of this processor's vectors.
 [[nodiscard]] uint32_t vector_lanes();

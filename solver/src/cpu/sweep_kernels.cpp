@@ -13,11 +13,14 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "cpu/bends_inl.h"
+#include "cpu/cells_inl.h"
 #include "cpu/collide_inl.h"
 #include "cpu/constraints_inl.h"
 #include "cpu/finish_inl.h"
 #include "cpu/normals_inl.h"
 #include "cpu/predict_inl.h"
+#include "cpu/spans_inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace geocloth::cpu::HWY_NAMESPACE {
@@ -28,6 +31,7 @@ void run_sweep_here(uint32_t, const SweepFrame&, uint32_t, const SweepBand&, con
 void run_normals_here(uint32_t, ClothState& state, std::span<const Run> runs) {
   for (const Run& run : runs) normal_pixels(state, run.first, run.last);
 }
+void run_cells_here(uint32_t, const SweepFrame&, uint32_t, uint32_t, uint32_t) {}
 uint32_t lanes_here() {
   return 1;
 }
@@ -98,7 +102,7 @@ HWY_INLINE void run_row(D d, const SweepFrame& frame, const SweepOp& op, uint32_
       several ? bends_across<true>(d, op, state, first, last) : bends_across<false>(d, op, state, first, last);
       break;
     case RowKernel::bends_along:
-      several ? bends_along<true>(d, op, state, first, last) : bends_along<false>(d, op, state, first, last);
+      several ? bends_along<true>(d, op, state, frame.scratch, y) : bends_along<false>(d, op, state, frame.scratch, y);
       break;
     case RowKernel::spans:
       spans(hn::CappedTag<float, HWY_MIN(kSpanLanes, hn::MaxLanes(D()))>(), op, state, first, last);
@@ -189,6 +193,10 @@ void run_normals_here(uint32_t lanes, ClothState& state, std::span<const Run> ru
   });
 }
 
+void run_cells_here(uint32_t lanes, const SweepFrame& frame, uint32_t substep, uint32_t group, uint32_t y) {
+  with_lanes(lanes, [&](auto d) GEOCLOTH_LANES { collide_cells(d, frame, substep, group, y); });
+}
+
 uint32_t lanes_here() {
   return static_cast<uint32_t>(hn::Lanes(hn::ScalableTag<float>()));
 }
@@ -206,6 +214,7 @@ namespace geocloth::cpu {
 
 HWY_EXPORT(run_sweep_here);
 HWY_EXPORT(run_normals_here);
+HWY_EXPORT(run_cells_here);
 HWY_EXPORT(lanes_here);
 HWY_EXPORT(target_here);
 
@@ -215,6 +224,9 @@ void run_sweep(uint32_t lanes, const SweepFrame& frame, uint32_t substep, const 
 }
 void run_normals(uint32_t lanes, ClothState& state, std::span<const Run> runs) {
   HWY_DYNAMIC_DISPATCH(run_normals_here)(lanes, state, runs);
+}
+void run_cells(uint32_t lanes, const SweepFrame& frame, uint32_t substep, uint32_t group, uint32_t y) {
+  HWY_DYNAMIC_DISPATCH(run_cells_here)(lanes, frame, substep, group, y);
 }
 uint32_t vector_lanes() {
   return HWY_DYNAMIC_DISPATCH(lanes_here)();

@@ -15,6 +15,7 @@
 #include <span>
 #include <utility>
 
+#include "cpu/collider_set.h"
 #include "cpu/spans.h"
 #include "cpu/springs.h"
 #include "lib/bend.h"
@@ -33,8 +34,7 @@ struct BlockShape {
   uint32_t end;            ///< a block ends before this column
 };
 
-/// Lane of the constraint that starts `column` columns after its block; see even_columns() and Thirds in
-/// constraints_inl.h.
+/// Lane of the constraint that starts `column` columns after its block; see even_columns() in constraints_inl.h.
 uint32_t lane_of(RowKernel kernel, uint32_t column, uint32_t lanes) {
   const bool high = column >= lanes;
   const uint32_t c = high ? column - lanes : column;
@@ -43,8 +43,6 @@ uint32_t lane_of(RowKernel kernel, uint32_t column, uint32_t lanes) {
       return c / 4 * 4 + c % 4 / 2 + (high ? 2 : 0);
     case RowKernel::springs_along_two:
       return c / 4 * 4 + c % 4 + (high ? 2 : 0);
-    case RowKernel::bends_along:
-      return column % lanes;
     default:
       return column;
   }
@@ -56,6 +54,9 @@ constexpr uint32_t kRowOverhang = 3;
 /// Rows between two bands that one thread makes up for while others wait: from here on it is cheaper to go through the
 /// rows once more.
 constexpr uint32_t kShortGap = 16;
+
+/// Lines of the scratch that a row is taken apart into: three coordinates and the inverse mass of each residue.
+constexpr uint32_t kThirdLines = 12;
 
 /// Rows above and below its own that a kernel touches.
 struct Reach {
@@ -86,6 +87,7 @@ class SweepPlanner {
     const bool whole =
         std::all_of(substep.begin(), substep.end(), [](const PassStep& s) { return goes_by_rows(s.pass); });
     for (const PassStep& step : substep) {
+      if (is_with_first_group(step)) continue;
       if (!goes_by_rows(step.pass)) {
         plan_->parts_.emplace_back(step);
         continue;
@@ -114,6 +116,7 @@ class SweepPlanner {
     reaches_.push_back(reach);
     sweep.last_lag = op.lag;
     sweep.last_rise = op.rise;
+    if (op.kernel == RowKernel::bends_along) sweep.scratch = std::max(sweep.scratch, kThirdLines * op.offset);
     for (const Reach& other : reaches_) {
       sweep.longest_reach = std::max({sweep.longest_reach, reach.up + other.down, other.up + reach.down});
     }
@@ -155,6 +158,11 @@ class SweepPlanner {
     }
     const std::vector<uint32_t>& blocks = op.stream->pixel;
     return std::any_of(blocks.begin(), blocks.end(), [&](uint32_t p) { return p % width_ + 2 * lanes_ > width_; });
+  }
+
+  /// Groups that bends_along() does with the first one.
+  static bool is_with_first_group(const PassStep& step) {
+    return step.pass == Pass::curvature && shader::bend_component(step.group) == 4 && step.group > 0;
   }
 
   static bool goes_by_rows(Pass pass) {
@@ -253,18 +261,24 @@ class SweepPlanner {
     }
   }
 
-  /// Lays blocks over the constraints of a row that has(x) tells: each begins at the first one that is not covered yet,
-  /// or as far left of it as its phase or the end of the row demand. fill(block, lane, x) writes a lane's constants.
+  /// First column of the block that covers a column first. Where it may begin anywhere it lies within a cache line:
+  /// that is worth more than the lanes that it leaves idle.
+  static uint32_t start_of_block(const BlockShape& shape, uint32_t x) {
+    const uint32_t latest = shape.end - shape.span;
+    if (shape.period == 1) return std::min(std::max(shape.low, x - x % shape.span), latest);
+    return std::min(x - (x - shape.phase) % shape.period, latest - (latest - shape.phase) % shape.period);
+  }
+
+  /// Lays blocks over the constraints of a row that has(x) tells, each from the first one on that is not covered yet.
+  /// fill(block, lane, x) writes a lane's constants.
   template <class Has, class Add, class Fill>
   void cover_row(const BlockShape& shape, uint32_t y, const Has& has, const Add& add, const Fill& fill) {
-    const uint32_t latest = shape.end - shape.span;
-    const uint32_t last_start = latest - (latest - shape.phase) % shape.period;
     for (uint32_t x = shape.low; x < shape.high;) {
       if (!has(x)) {
         ++x;
         continue;
       }
-      const uint32_t start = std::min(x - (x - shape.phase) % shape.period, last_start);
+      const uint32_t start = start_of_block(shape, x);
       add(y * width_ + start);
       uint32_t covered = x;
       for (; covered < start + shape.span; ++covered) {
@@ -357,39 +371,70 @@ class SweepPlanner {
     return state_.compliance[component][a] * cloth_.params.inverse_dt2;
   }
 
+  /// Down the columns one group; along the rows, where the groups follow each other in every row, all three.
   SweepOp bends(uint32_t group) {
-    const uint32_t component = shader::bend_component(group), line = group % 3;
-    const bool along = component == 4;
-    const RowKernel kernel = along ? RowKernel::bends_along : RowKernel::bends_across;
-    const uint32_t offset = along ? 1 : width_;
-    const BlockShape shape = along ? BlockShape{kernel, 3 * lanes_, 3, line, line, width_, width_}
-                                   : BlockShape{kernel, lanes_, 1, 0, 0, width_, width_};
+    if (shader::bend_component(group) == 4) return bends_along();
     RowStream& stream = new_stream();
+    const BlockShape shape{RowKernel::bends_across, lanes_, 1, 0, 0, width_, width_};
     for (uint32_t y = 0; y < height_; ++y) {
       stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
-      if (!along && (y % 3 != line || y + 2 >= height_)) continue;
-      const auto constants_of = [&](uint32_t x) {
-        const bool in_group = !along || (x % 3 == line && x + 2 < width_);
-        return in_group ? bend_constants(component, y * width_ + x, offset) : BendConstants{};
-      };
-      cover_row(
-          shape, y, [&](uint32_t x) { return constants_of(x).inverse > 0; },
-          [&](uint32_t first) { add_block(stream, first, several() ? 4 : 3); },
-          [&](uint32_t lane, uint32_t x) {
-            const BendConstants c = constants_of(x);
-            float* block = &stream.constants[stream.constants.size() - size_t{several() ? 4U : 3U} * lanes_];
-            block[lane] = c.rest;
-            block[lanes_ + lane] = c.inverse;
-            block[2 * lanes_ + lane] = c.chord;
-            if (several()) block[3 * lanes_ + lane] = scaled_compliance(component, y * width_ + x);
-          });
+      if (y % 3 == group % 3 && y + 2 < height_)
+        cover_bends(stream, shape, y, [&](uint32_t x) { return bend_constants(5, y * width_ + x, width_); });
     }
     stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
-    return {.kernel = kernel, .offset = offset, .stream = &stream};
+    return {.kernel = RowKernel::bends_across, .offset = width_, .stream = &stream};
+  }
+
+  /// Blocks count the columns of their group: 0 for the group's first column, 1 for the third one after it, ...
+  SweepOp bends_along() {
+    RowStream& stream = new_stream();
+    const uint32_t thirds = width_ / 3;  // complete ones; WideRows keeps cloth out of the columns behind
+    const BlockShape shape{RowKernel::bends_along, lanes_, 1, 0, 0, thirds, thirds};
+    for (uint32_t y = 0; y < height_; ++y) {
+      const size_t before = stream.pixel.size();
+      stream.row_first.push_back(static_cast<uint32_t>(before));
+      for (uint32_t group = 0; group < 3; ++group) {
+        stream.group_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
+        cover_bends(stream, shape, 0, [&](uint32_t n) {
+          const uint32_t x = 3 * n + group;
+          return x + 2 < 3 * thirds ? bend_constants(4, y * width_ + x, 1) : BendConstants{};
+        });
+      }
+      stream.runs.push_back(thirds_of_blocks(stream, before, thirds));
+    }
+    stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
+    stream.group_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
+    // A line of the scratch holds the thirds, and where the last block begins at the next one, one more vector.
+    const uint32_t line = (thirds / lanes_ + 2) * lanes_;
+    return {.kernel = RowKernel::bends_along, .offset = line, .stream = &stream};
+  }
+
+  /// Thirds that the blocks from `before` on reach, from a whole number of vectors on.
+  [[nodiscard]] Run thirds_of_blocks(const RowStream& stream, size_t before, uint32_t thirds) const {
+    if (before == stream.pixel.size()) return {0, 0};
+    const auto [low, high] =
+        std::minmax_element(stream.pixel.begin() + static_cast<std::ptrdiff_t>(before), stream.pixel.end());
+    return {*low - *low % lanes_, std::min(thirds, *high + lanes_ + 1)};
+  }
+
+  /// @param constants_of  of the bend that starts in a column, or with the inverse 0
+  template <class ConstantsOf>
+  void cover_bends(RowStream& stream, const BlockShape& shape, uint32_t y, const ConstantsOf& constants_of) {
+    cover_row(
+        shape, y, [&](uint32_t x) { return constants_of(x).inverse > 0; },
+        [&](uint32_t first) { add_block(stream, first, several() ? 4 : 3); },
+        [&](uint32_t lane, uint32_t x) {
+          const BendConstants c = constants_of(x);
+          float* block = &stream.constants[stream.constants.size() - size_t{several() ? 4U : 3U} * lanes_];
+          block[lane] = c.rest;
+          block[lanes_ + lane] = c.inverse;
+          block[2 * lanes_ + lane] = c.chord;
+          if (several()) block[3 * lanes_ + lane] = c.compliance;
+        });
   }
 
   struct BendConstants {
-    float rest = 0, inverse = 0, chord = 0;
+    float rest = 0, inverse = 0, chord = 0, compliance = 0;
   };
   /// The weights as bend.h has them, for a middle point that carries all of its mass.
   [[nodiscard]] BendConstants bend_constants(uint32_t component, size_t a, uint32_t offset) const {
@@ -400,7 +445,7 @@ class SweepPlanner {
     const float wa = state_.inverse_mass[a], wm = state_.inverse_mass[a + offset];
     const float wb = state_.inverse_mass[a + 2 * size_t{offset}];
     const float w = wa * back * back + wm * 1.F + wb * chord * chord;
-    return {state_.rest[component][a], 1.F / (w + compliance), chord};
+    return {state_.rest[component][a], 1.F / (w + compliance), chord, compliance};
   }
 
   SweepOp spans(uint32_t group) {
@@ -548,8 +593,8 @@ size_t SweepPlan::memory_bytes() const {
   const auto bytes = [](const auto& values) { return values.capacity() * sizeof(values.front()); };
   size_t sum = 0;
   for (const auto& s : streams_) {
-    sum += bytes(s->row_first) + bytes(s->pixel) + bytes(s->following) + bytes(s->constants) + bytes(s->multipliers) +
-           bytes(s->anchors) + bytes(s->first_anchor) + bytes(s->runs);
+    sum += bytes(s->row_first) + bytes(s->group_first) + bytes(s->pixel) + bytes(s->following) + bytes(s->constants) +
+           bytes(s->multipliers) + bytes(s->anchors) + bytes(s->first_anchor) + bytes(s->runs);
   }
   return sum;
 }
@@ -587,8 +632,24 @@ std::vector<Run> valid_runs(const ClothState& state) {
   return runs;
 }
 
+namespace {
+
+constexpr float kGuardRounding = 1e-5F;  // relative
+
+/// A ball around the grid of a mesh's field: beyond the grid the distance is at least that to the grid.
+void guard_field(const shader::ColliderShape& shape, const shader::ColliderPose& pose, ColliderGuard& guard) {
+  const auto half = [&](uint32_t count) { return 0.5F * static_cast<float>(count - 1) * shape.a.w; };
+  const shader::vec3 side(half(shape.data.y), half(shape.data.z), half(shape.data.w));
+  const shader::vec3 middle = shader::to_world(pose, shader::xyz(shape.a) + side);
+  guard.x = middle.x;
+  guard.y = middle.y;
+  guard.z = middle.z;
+  guard.reach = shader::length3(side) + kGuardRounding * (1 + shader::length3(middle) + shader::length3(side));
+}
+
+}  // namespace
+
 void guard_colliders(const FrameInput& frame, const shader::ClothParams& params, std::vector<ColliderGuard>& guards) {
-  constexpr float kRounding = 1e-5F;  // relative
   const size_t count = frame.shapes.size();
   guards.clear();
   for (size_t s = 0; s < frame.substeps.size(); ++s) {
@@ -596,22 +657,41 @@ void guard_colliders(const FrameInput& frame, const shader::ClothParams& params,
       const shader::ColliderShape& shape = frame.shapes[c];
       const shader::ColliderPose& pose = frame.poses[(s + 1) * count + c];
       const float x = pose.row0.w, y = pose.row1.w, z = pose.row2.w;
-      const float margin = params.thickness + 2 * shape.way + kRounding * (1 + std::abs(x) + std::abs(y) + std::abs(z));
-      ColliderGuard guard{x, y, z, std::numeric_limits<float>::infinity(), false};
+      const float margin =
+          params.thickness + 2 * shape.way + kGuardRounding * (1 + std::abs(x) + std::abs(y) + std::abs(z));
+      ColliderGuard guard{x, y, z, std::numeric_limits<float>::infinity()};
       switch (shape.kind) {
         case shader::kShapePlane:
-          guard = {pose.row0.y, pose.row1.y, pose.row2.y, 0, true};
+          guard = {pose.row0.y, pose.row1.y, pose.row2.y, 0, ColliderGuard::Kind::plane};
           guard.reach = margin + guard.x * x + guard.y * y + guard.z * z;
           break;
         case shader::kShapeSphere:
-          guard.reach = margin + shape.a.x * (1 + kRounding);
+          guard.reach = margin + shape.a.x * (1 + kGuardRounding);
           break;
         case shader::kShapeCapsule:
-          guard.reach = margin + (shape.a.x + std::max(shape.a.y, shape.a.z)) * (1 + kRounding);
+          guard.reach = margin + std::max(shape.a.y, shape.a.z) * (1 + kGuardRounding) + shape.a.x * kGuardRounding;
+          guard.kind = ColliderGuard::Kind::segment;
+          guard.axis_x = pose.row0.x;
+          guard.axis_y = pose.row1.x;
+          guard.axis_z = pose.row2.x;
+          guard.half_length = shape.a.x;
           break;
         case shader::kShapeBox:
+          guard.reach = margin + std::hypot(shape.a.x, shape.a.y, shape.a.z) * (1 + kGuardRounding);
+          break;
         case shader::kShapeEllipsoid:
-          guard.reach = margin + std::hypot(shape.a.x, shape.a.y, shape.a.z) * (1 + kRounding);
+          guard.reach = margin + std::max({shape.a.x, shape.a.y, shape.a.z}) * (1 + kGuardRounding);
+          break;
+        case shader::kShapeMesh:
+          guard_field(shape, pose, guard);
+          guard.reach += margin;
+          break;
+        case shader::kShapeConvex:
+          // Its distance is the largest height above a plane, less than that to the corners. Where that is m at most,
+          // the solid grown about its centre by 1 + m / core holds the point.
+          if (!(shape.core > 0) || !(shape.a.x > 0)) break;
+          guard.spread = shape.a.x / shape.core * (1 + kGuardRounding);
+          guard.reach = (shape.a.x + margin * guard.spread) * (1 + kGuardRounding);
           break;
         default:
           break;  // always near

@@ -10,7 +10,16 @@
 #include <chrono>
 #include <numeric>
 
+#include "lib/cell_groups.h"
+
 namespace geocloth::cpu {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr uint32_t kCellRowGrain = 16;  ///< rows of cells that are worth a thread of their own
+
+}  // namespace
 
 void SweepRunner::prepare(const ClothState& state, const ClothFrame& cloth, const ScheduleOptions& options,
                           uint32_t threads) {
@@ -35,6 +44,33 @@ void SweepRunner::prepare(const ClothState& state, const ClothFrame& cloth, cons
   };
   substep_ = plan(substep_schedule(options), options.relaxation_steps);
   finish_ = options.ties ? plan(finish_schedule(options), 1) : Plan{};
+  make_scratch(threads);
+}
+
+void SweepRunner::make_scratch(uint32_t threads) {
+  scratch_length_ = 0;
+  for (const Plan* plan : {&substep_, &finish_}) {
+    if (!plan->sweeps) continue;
+    for (const SweepPlan::Part& part : plan->sweeps->parts()) {
+      const auto* sweep = std::get_if<Sweep>(&part);
+      if (sweep != nullptr) scratch_length_ = std::max(scratch_length_, size_t{sweep->scratch});
+    }
+  }
+  scratch_.assign(threads * scratch_length_, 0.F);
+}
+
+void SweepRunner::run_step(const PassStep& step, const SweepFrame& frame, const PassContext& context,
+                           const Measuring& measuring, const RunPass& pass) const {
+  if (step.pass != Pass::collide_cells) return pass(step, context);
+  const auto start = Clock::now();
+  const uint32_t height = frame.state->data.height, odd = shader::cell_corner(step.group, 0, 0).y;
+  const uint32_t rows = (height - odd) / 2;
+  context.threads.for_range(rows, kCellRowGrain, [&](uint32_t first, uint32_t last) {
+    for (uint32_t j = first; j < last; ++j)
+      run_cells(substep_.sweeps->lanes(), frame, context.substep, step.group, 2 * j + odd);
+  });
+  if (measuring.seconds == nullptr) return;
+  (*measuring.seconds)[static_cast<size_t>(step.pass)] += std::chrono::duration<double>(Clock::now() - start).count();
 }
 
 void SweepRunner::run_in_bands(const Plan& plan, const SweepFrame& frame, uint32_t first, uint32_t last,
@@ -54,12 +90,13 @@ void SweepRunner::run_in_bands(const Plan& plan, const SweepFrame& frame, uint32
       if (const auto* step = std::get_if<PassStep>(&parts[n])) {
         const PassContext& all = contexts_[substep];
         const Threads& share = phase.kind == BandPhase::Kind::alone ? alone_ : plan.shares[task];
-        pass(*step, {all.frame, all.cloth, share, substep, all.relaxation_steps});
+        run_step(*step, frame, {all.frame, all.cloth, share, substep, all.relaxation_steps}, {}, pass);
         continue;
       }
       SweepFrame own = frame;
       own.sweep = &std::get<Sweep>(parts[n]);
       own.penetration = &penetration_[size_t{task} * substeps];
+      own.scratch = scratch_of(task);
       run_sweep(plan.sweeps->lanes(), own, substep, band_of_task(plan.bands, *own.sweep, phase.kind, task), nullptr,
                 nullptr);
     }
@@ -85,7 +122,6 @@ void SweepRunner::place_anchors(const ClothState& state) {
 
 void SweepRunner::run_substeps(SweepFrame& frame, const Sweep& sweep, uint32_t first, uint32_t last,
                                const Threads& threads, const Measuring& measuring) {
-  using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
   frame.sweep = &sweep;
   if (measuring.seconds != nullptr) seconds_.assign(contexts_.size() * sweep.ops.size(), 0.0);
@@ -94,10 +130,12 @@ void SweepRunner::run_substeps(SweepFrame& frame, const Sweep& sweep, uint32_t f
   if (progress_.size() != contexts_.size()) progress_ = std::vector<Progress>(contexts_.size());
   for (Progress& p : progress_) p.done.store(0, std::memory_order_relaxed);
   // Substeps are taken in order, so the first unfinished one never waits for one that nobody has begun.
-  std::atomic<uint32_t> next{first};
+  std::atomic<uint32_t> next{first}, next_thread{0};
   const auto work = [&] {
+    SweepFrame own = frame;
+    own.scratch = scratch_of(next_thread.fetch_add(1));
     for (uint32_t s = next.fetch_add(1); s < last; s = next.fetch_add(1)) {
-      run_sweep(substep_.sweeps->lanes(), frame, s, whole_sweep(sweep, frame.state->data.height),
+      run_sweep(substep_.sweeps->lanes(), own, s, whole_sweep(sweep, frame.state->data.height),
                 s > first ? &progress_[s - 1] : nullptr, &progress_[s]);
     }
   };
@@ -131,7 +169,7 @@ void SweepRunner::run_plan(Plan& plan, SweepFrame frame, uint32_t first, uint32_
     for (uint32_t s = first; s < last; ++s) {
       for (const SweepPlan::Part& part : parts) {
         if (const auto* step = std::get_if<PassStep>(&part)) {
-          pass(*step, contexts_[s]);
+          run_step(*step, frame, contexts_[s], measuring, pass);
         } else {
           run_substeps(frame, std::get<Sweep>(part), s, s + 1, threads, measuring);
         }
@@ -165,8 +203,7 @@ bool SweepRunner::run(const FrameInput& frame, const ClothFrame& cloth, const Sc
                    anchors_.data(),
                    static_cast<uint32_t>(substep_.sweeps->anchor_of_pin().size()),
                    guards_.data(),
-                   cloth.params.max_step > 0 || cloth.params.moving != 0,
-                   std::all_of(frame.shapes.begin(), frame.shapes.end(), is_simple)};
+                   cloth.params.max_step > 0 || cloth.params.moving != 0};
 
   run_plan(substep_, sweep, 0, substeps, threads, measuring, pass);
   if (finish_.sweeps) run_plan(finish_, sweep, substeps - 1, substeps, threads, measuring, pass);

@@ -53,7 +53,12 @@ class SweepRunner {
   };
 
   void prepare(const ClothState& state, const ClothFrame& cloth, const ScheduleOptions& options, uint32_t threads);
+  void make_scratch(uint32_t threads);
+  [[nodiscard]] float* scratch_of(uint32_t thread) { return scratch_.data() + thread * scratch_length_; }
   void place_anchors(const ClothState& state);
+  /// One thread's share of what does not go by rows; with the guards of colliders where they help.
+  void run_step(const PassStep& step, const SweepFrame& frame, const PassContext& context, const Measuring& measuring,
+                const RunPass& pass) const;
   /// Runs a plan in the substeps first .. last - 1.
   void run_plan(Plan& plan, SweepFrame frame, uint32_t first, uint32_t last, const Threads& threads,
                 const Measuring& measuring, const RunPass& pass);
@@ -74,6 +79,8 @@ class SweepRunner {
   std::vector<float> anchors_;
   std::vector<ColliderGuard> guards_;
   std::vector<float> penetration_;
+  Floats scratch_;  ///< see SweepFrame, for each thread
+  size_t scratch_length_ = 0;
   std::vector<double> seconds_;
   std::vector<Progress> progress_;
 };

@@ -10,7 +10,8 @@
 namespace geocloth::cpu {
 
 /// The cpu's images have rows that begin at cache lines: columns without cloth follow on the right. So vectors of a row
-/// lie within lines, which makes them a tenth to a quarter faster. Only the backend knows; whoever uses it counts
+/// lie within lines, which makes them a tenth to a quarter faster. At least two columns follow: threes of columns from
+/// the first one on then hold all cloth. Only the backend knows; whoever uses it counts
 /// pixels as the asset does.
 class WideRows {
  public:

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which cells a collider may reach, in vectors; those are done one by one by the shared text, lib/collide_cell.h.
+#if defined(GEOCLOTH_CPU_CELLS_INL_H) == defined(HWY_TARGET_TOGGLE)  // once for each instruction set
+#ifdef GEOCLOTH_CPU_CELLS_INL_H
+#undef GEOCLOTH_CPU_CELLS_INL_H
+#else
+#define GEOCLOTH_CPU_CELLS_INL_H
+#endif
+
+#include <array>
+
+#include "cpu/collide_inl.h"
+#include "lib/cell_groups.h"
+#include "lib/collide_cell.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace geocloth::cpu::HWY_NAMESPACE {
+#if HWY_TARGET != HWY_SCALAR
+
+/// Cells of a row from pixel i on with a triangle that a collider may have met. Sums of coordinates take the place of
+/// lengths, which are no longer; no side of a triangle is longer than half the way around the cell.
+template <class D>
+HWY_INLINE Mask<D> near_cells(D d, const Meeting& meeting, ClothState& state, size_t i) {
+  const size_t below = i + state.data.width;
+  const std::array<size_t, 4> corners{i, i + 1, below, below + 1};
+  std::array<Points<D>, 4> now;
+  auto way = hn::Zero(d);
+  for (size_t k = 0; k < corners.size(); ++k) {
+    now[k] = load(d, at(state.position, corners[k]));
+    way = hn::Max(way, at_most(d, sub(now[k], load(d, at(state.previous, corners[k])))));
+  }
+  const auto top = at_most(d, sub(now[1], now[0])), bottom = at_most(d, sub(now[3], now[2]));
+  const auto sides = hn::Add(at_most(d, sub(now[2], now[0])), at_most(d, sub(now[3], now[1])));
+  const auto longest = hn::Mul(hn::Add(hn::Add(top, bottom), sides), hn::Set(d, 0.5001F));
+  // Triangles are seen from their first corner, which is one of the upper two.
+  const auto slack = hn::Add(hn::Add(hn::Add(way, way), longest), top);
+  Mask<D> any = hn::Gt(hn::Zero(d), hn::Zero(d));
+  for (size_t c = 0; c < meeting.guards.count; ++c) {
+    const auto open = hn::Ge(longest, hn::Set(d, shader::kOpenCell * meeting.frame.shapes[c].core));
+    any = hn::Or(any, hn::And(open, Guards::near(d, meeting.guards.guards[c], now[0], slack)));
+  }
+  return any;
+}
+
+template <class D>
+HWY_NOINLINE void collide_cells(D d, const SweepFrame& frame, uint32_t substep, uint32_t group, uint32_t y) {
+  const auto lanes = static_cast<uint32_t>(hn::Lanes(d));
+  ClothState& state = *frame.state;
+  const uint32_t width = state.data.width;
+  const Meeting meeting(frame, substep);
+  const uint32_t odd = shader::cell_corner(group, 0, 0).x;
+  for (uint32_t first = 0; first + 1 < width; first += lanes) {
+    std::array<uint8_t, 8> bits{};
+    hn::StoreMaskBits(d, near_cells(d, meeting, state, size_t{y} * width + first), bits.data());
+    for (uint32_t lane = odd; lane < lanes && first + lane + 1 < width; lane += 2) {
+      if ((bits[lane / 8] >> lane % 8 & 1) != 0) collide_cell(frame.contexts[substep], state, first + lane, y);
+    }
+  }
+}
+
+#endif
+}  // namespace geocloth::cpu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

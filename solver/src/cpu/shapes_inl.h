@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+// Signed distances and normals of collider shapes in vectors, operation by operation those of lib/shapes.h.
+#if defined(GEOCLOTH_CPU_SHAPES_INL_H) == defined(HWY_TARGET_TOGGLE)  // once for each instruction set
+#ifdef GEOCLOTH_CPU_SHAPES_INL_H
+#undef GEOCLOTH_CPU_SHAPES_INL_H
+#else
+#define GEOCLOTH_CPU_SHAPES_INL_H
+#endif
+
+#include "cpu/collider_set.h"
+#include "cpu/lanes_inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace geocloth::cpu::HWY_NAMESPACE {
+#if HWY_TARGET != HWY_SCALAR
+
+template <class D>
+struct Nearest {
+  Vec<D> distance;
+  Points<D> normal;
+};
+
+/// min and max of shared/types.h: of equal zeros the first one.
+template <class D>
+HWY_INLINE Vec<D> min_of(D, Vec<D> a, Vec<D> b) {
+  return hn::IfThenElse(hn::Lt(b, a), b, a);
+}
+template <class D>
+HWY_INLINE Vec<D> max_of(D, Vec<D> a, Vec<D> b) {
+  return hn::IfThenElse(hn::Lt(a, b), b, a);
+}
+template <class D>
+HWY_INLINE Vec<D> max_of(D d, const Points<D>& a) {
+  return max_of(d, a.x, max_of(d, a.y, a.z));
+}
+template <class D>
+HWY_INLINE Points<D> abs_of(D, const Points<D>& a) {
+  return {hn::Abs(a.x), hn::Abs(a.y), hn::Abs(a.z)};
+}
+template <class D>
+HWY_INLINE Points<D> mul(D, const Points<D>& a, const Points<D>& b) {
+  return {hn::Mul(a.x, b.x), hn::Mul(a.y, b.y), hn::Mul(a.z, b.z)};
+}
+template <class D>
+HWY_INLINE Points<D> sides_of(D d, const Points<D>& p) {
+  const auto zero = hn::Zero(d), one = hn::Set(d, 1.F), less = hn::Set(d, -1.F);
+  return {hn::IfThenElse(hn::Lt(p.x, zero), less, one), hn::IfThenElse(hn::Lt(p.y, zero), less, one),
+          hn::IfThenElse(hn::Lt(p.z, zero), less, one)};
+}
+
+/// lib/vector.h: unit_and_length().
+template <class D>
+struct UnitAndLength {
+  Points<D> unit;
+  Vec<D> length;
+};
+template <class D>
+HWY_INLINE UnitAndLength<D> unit_and_length(D d, const Points<D>& a) {
+  const auto l = length(d, a);
+  const auto has_direction = hn::Gt(l, hn::Set(d, 1e-30F));
+  return {scale(d, a, hn::IfThenElseZero(has_direction, hn::Div(hn::Set(d, 1.F), l))),
+          hn::IfThenElseZero(has_direction, l)};
+}
+template <class D>
+HWY_INLINE Nearest<D> nearest_along(D d, const UnitAndLength<D>& out, Vec<D> distance) {
+  return {distance, choose<D>(hn::Gt(out.length, hn::Zero(d)), out.unit, set(d, 0, 1, 0))};
+}
+
+template <class D>
+HWY_INLINE Nearest<D> nearest_ball(D d, const Points<D>& from_center, Vec<D> radius) {
+  const UnitAndLength<D> out = unit_and_length(d, from_center);
+  return nearest_along(d, out, hn::Sub(out.length, radius));
+}
+
+template <class D>
+HWY_INLINE Nearest<D> nearest_capsule(D d, const shader::ColliderShape& shape, const Points<D>& p) {
+  const auto end = hn::Set(d, shape.a.x), start = hn::Neg(end);
+  const auto rho = hn::Sqrt(hn::Add(hn::Mul(p.y, p.y), hn::Mul(p.z, p.z)));
+  const auto along = min_of(d, max_of(d, hn::Sub(p.x, hn::Mul(rho, hn::Set(d, shape.b.y))), start), end);
+  const auto radius = hn::Sub(hn::Set(d, 0.5F * (shape.a.y + shape.a.z)), hn::Mul(hn::Set(d, shape.b.x), along));
+  return nearest_ball(d, sub(p, Points<D>{along, hn::Zero(d), hn::Zero(d)}), radius);
+}
+
+template <class D>
+HWY_NOINLINE Nearest<D> nearest_box(D d, const shader::ColliderShape& shape, const Points<D>& p) {
+  const auto zero = hn::Zero(d);
+  const Points<D> q = sub(abs_of(d, p), set(d, shape.a.x, shape.a.y, shape.a.z)), side = sides_of(d, p);
+  const auto largest = max_of(d, q);
+  const UnitAndLength<D> out =
+      unit_and_length(d, Points<D>{max_of(d, q.x, zero), max_of(d, q.y, zero), max_of(d, q.z, zero)});
+  const auto of_x = hn::Eq(q.x, largest), of_y = hn::AndNot(of_x, hn::Eq(q.y, largest));
+  const Points<D> face{hn::IfThenElseZero(of_x, side.x), hn::IfThenElseZero(of_y, side.y),
+                       hn::IfThenZeroElse(hn::Or(of_x, of_y), side.z)};
+  const auto outside = hn::Gt(largest, zero);
+  return {hn::IfThenElse(outside, out.length, largest), choose<D>(outside, mul(d, out.unit, side), face)};
+}
+
+/// Newton's method of nearest_ellipsoid().
+template <class D>
+HWY_INLINE Nearest<D> nearest_ellipsoid(D d, const shader::vec3& radii, const Points<D>& p) {
+  constexpr uint32_t kNewtonSteps = 12;
+  const float largest = shader::max(radii.x, shader::max(radii.y, radii.z)), to_unit = 1.F / largest;
+  const shader::vec3 r1 = radii * to_unit, r2 = r1 * r1;
+  const auto one = hn::Set(d, 1.F), tiny = hn::Set(d, 1e-20F);
+  const Points<D> r = set(d, r1.x, r1.y, r1.z), squares = set(d, r2.x, r2.y, r2.z);
+  const Points<D> scaled = scale(d, abs_of(d, p), hn::Set(d, to_unit));
+  const Points<D> y{max_of(d, scaled.x, hn::Set(d, 1e-5F * r1.x)), max_of(d, scaled.y, hn::Set(d, 1e-5F * r1.y)),
+                    max_of(d, scaled.z, hn::Set(d, 1e-5F * r1.z))};
+  const Points<D> ry = mul(d, r, y);
+  auto t = max_of(d, sub(ry, squares));
+  const auto inverses = [&](Vec<D> at) GEOCLOTH_LANES {
+    return Points<D>{hn::Div(one, hn::Add(at, squares.x)), hn::Div(one, hn::Add(at, squares.y)),
+                     hn::Div(one, hn::Add(at, squares.z))};
+  };
+  for (uint32_t i = 0; i < kNewtonSteps; ++i) {
+    const Points<D> s = inverses(t), g = mul(d, ry, s);
+    const auto value = hn::Sub(dot(d, g, g), one);
+    const auto slope = hn::Mul(hn::Set(d, 2.F), dot(d, mul(d, g, g), s));
+    const auto step = hn::Mul(value, hn::Div(one, max_of(d, slope, tiny)));
+    t = hn::Add(t, max_of(d, step, hn::Zero(d)));
+  }
+  const Points<D> g = mul(d, ry, inverses(t));
+  const Points<D> on_unit = scale(d, g, hn::Div(one, max_of(d, length(d, g), tiny)));
+  const Points<D> q = mul(d, on_unit, r);
+  const Points<D> outward = mul(d, on_unit, set(d, 1.F / r1.x, 1.F / r1.y, 1.F / r1.z));
+  const Points<D> n = unit_and_length(d, outward).unit;
+  return {hn::Mul(dot(d, sub(scaled, q), n), hn::Set(d, largest)), mul(d, n, sides_of(d, p))};
+}
+
+template <class D>
+HWY_NOINLINE Nearest<D> nearest_ellipsoid_in_reach(D d, const shader::ColliderShape& shape, const Points<D>& p) {
+  const shader::vec3 radii = shader::xyz(shape.a);
+  const auto largest = hn::Set(d, shader::max(radii.x, shader::max(radii.y, radii.z)));
+  const UnitAndLength<D> outward = unit_and_length(d, p);
+  const auto bound = hn::Sub(outward.length, largest);
+  const auto far = hn::Gt(bound, largest);
+  if (hn::AllTrue(d, far)) return {bound, outward.unit};
+  const Nearest<D> near = nearest_ellipsoid(d, radii, p);
+  return {hn::IfThenElse(far, bound, near.distance), choose<D>(far, outward.unit, near.normal)};
+}
+
+template <class D>
+HWY_NOINLINE Nearest<D> nearest_convex(D d, const float* numbers, const shader::ColliderShape& shape,
+                                       const Points<D>& p) {
+  Nearest<D> r{hn::Set(d, -1e30F), set(d, 0, 1, 0)};
+  const float* const end = numbers + shape.data.x + size_t{4} * shape.data.y;
+  for (const float* plane = numbers + shape.data.x; plane < end; plane += 4) {
+    const Points<D> n = set(d, plane[0], plane[1], plane[2]);
+    const auto height = hn::Sub(dot(d, n, p), hn::Set(d, plane[3]));
+    const auto higher = hn::Gt(height, r.distance);
+    r = {hn::IfThenElse(higher, height, r.distance), choose<D>(higher, n, r.normal)};
+  }
+  return r;
+}
+
+template <class D>
+HWY_INLINE Vec<D> mix(D, Vec<D> a, Vec<D> b, Vec<D> t) {
+  return hn::Add(a, hn::Mul(hn::Sub(b, a), t));
+}
+
+template <class D>
+HWY_NOINLINE Nearest<D> nearest_mesh(D d, const float* numbers, const shader::ColliderShape& shape,
+                                     const Points<D>& p) {
+  const hn::RebindToSigned<D> di;
+  const auto zero = hn::Zero(d), one = hn::Set(d, 1.F);
+  const auto row = static_cast<int32_t>(shape.data.y), layer = row * static_cast<int32_t>(shape.data.z);
+  const Points<D> g = scale(d, sub(p, set(d, shape.a.x, shape.a.y, shape.a.z)), hn::Set(d, shape.b.x));
+  const Points<D> side = set(d, static_cast<float>(shape.data.y - 1), static_cast<float>(shape.data.z - 1),
+                             static_cast<float>(shape.data.w - 1));
+  const auto clamped = [&](Vec<D> v, Vec<D> most) GEOCLOTH_LANES { return min_of(d, max_of(d, v, zero), most); };
+  const Points<D> q{clamped(g.x, side.x), clamped(g.y, side.y), clamped(g.z, side.z)};
+  const UnitAndLength<D> out_of = unit_and_length(d, scale(d, sub(g, q), hn::Set(d, shape.a.w)));
+  const auto outside = hn::Gt(out_of.length, zero);
+  const auto bound = hn::Add(out_of.length, hn::Set(d, shape.b.y));
+  if (hn::AllTrue(d, outside)) return {bound, out_of.unit};
+
+  const auto cell_of = [&](Vec<D> v, Vec<D> most)
+                           GEOCLOTH_LANES { return min_of(d, hn::Floor(v), hn::Sub(most, one)); };
+  const Points<D> cell{cell_of(q.x, side.x), cell_of(q.y, side.y), cell_of(q.z, side.z)}, t = sub(q, cell);
+  // What is no number converts to anything: it must not lead out of the field.
+  const auto index_of = [&](Vec<D> v, uint32_t count) GEOCLOTH_LANES {
+    const auto most = hn::Set(di, static_cast<int32_t>(count - 2));
+    return hn::Min(hn::Max(hn::ConvertTo(di, v), hn::Zero(di)), most);
+  };
+  const auto k =
+      hn::Add(hn::Add(index_of(cell.x, shape.data.y), hn::Mul(index_of(cell.y, shape.data.z), hn::Set(di, row))),
+              hn::Mul(index_of(cell.z, shape.data.w), hn::Set(di, layer)));
+  const float* const field = numbers + shape.data.x;
+  const auto at = [&](int32_t by) GEOCLOTH_LANES { return hn::GatherIndex(d, field + by, k); };
+  const auto d000 = at(0), d100 = at(1), d010 = at(row), d110 = at(row + 1);
+  const auto d001 = at(layer), d101 = at(layer + 1), d011 = at(layer + row), d111 = at(layer + row + 1);
+  const auto d00 = mix(d, d000, d100, t.x), d10 = mix(d, d010, d110, t.x);
+  const auto d01 = mix(d, d001, d101, t.x), d11 = mix(d, d011, d111, t.x);
+  const auto d0 = mix(d, d00, d10, t.y), d1 = mix(d, d01, d11, t.y);
+  const auto along_x = mix(d, mix(d, hn::Sub(d100, d000), hn::Sub(d110, d010), t.y),
+                           mix(d, hn::Sub(d101, d001), hn::Sub(d111, d011), t.y), t.z);
+  const auto along_y = mix(d, hn::Sub(d10, d00), hn::Sub(d11, d01), t.z);
+  const UnitAndLength<D> gradient = unit_and_length(d, Points<D>{along_x, along_y, hn::Sub(d1, d0)});
+  const Nearest<D> near = nearest_along(d, gradient, mix(d, d0, d1, t.z));
+  return {hn::IfThenElse(outside, bound, near.distance), choose<D>(outside, out_of.unit, near.normal)};
+}
+
+template <class D>
+HWY_INLINE Nearest<D> nearest_of_shape(D d, const float* numbers, const shader::ColliderShape& shape,
+                                       const Points<D>& p) {
+  switch (shape.kind) {
+    case shader::kShapePlane:
+      return {p.y, set(d, 0, 1, 0)};
+    case shader::kShapeSphere:
+      return nearest_ball(d, p, hn::Set(d, shape.a.x));
+    case shader::kShapeCapsule:
+      return nearest_capsule(d, shape, p);
+    case shader::kShapeBox:
+      return nearest_box(d, shape, p);
+    case shader::kShapeConvex:
+      return nearest_convex(d, numbers, shape, p);
+    case shader::kShapeMesh:
+      return nearest_mesh(d, numbers, shape, p);
+    default:
+      return nearest_ellipsoid_in_reach(d, shape, p);
+  }
+}
+
+#endif
+}  // namespace geocloth::cpu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
