@@ -238,7 +238,7 @@ template <bool kSeveral, class D>
 HWY_NOINLINE void bends_along(D d, const SweepOp& op, ClothState& state, float* scratch, uint32_t y) {
   const auto lanes = static_cast<uint32_t>(hn::Lanes(d));
   const RowStream& stream = *op.stream;
-  const Run thirds_of_row = stream.runs[y];
+  const Run thirds_of_row = stream.thirds[y];
   const Thirds<D> thirds(d);
   const ThirdRow row(scratch, op.offset);
   const size_t begin = size_t{y} * state.data.width;

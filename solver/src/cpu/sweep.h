@@ -26,7 +26,7 @@ enum class RowKernel : uint8_t {
   springs_along_two,  ///< blocks over two of four columns and the next two: rest, inverse, compliance
   bends_across,       ///< blocks: rest, inverse, chord, compliance
   bends_along,        ///< all three groups; blocks over every third column, in columns / 3: rest, inverse, chord,
-                      ///< compliance. group_first the blocks of each group, runs the thirds of each row
+                      ///< compliance. group_first the blocks of each group, thirds the ones of each row that they reach
   spans,              ///< blocks of kSpanLanes at most: longest, inverse
   limit,              ///< blocks: longest; anchors
   collide,            ///< runs
@@ -58,6 +58,7 @@ struct RowStream {
   std::vector<uint32_t> first_anchor;  ///< limit: of as many as a block has lanes
   std::vector<int32_t> anchors;        ///< limit: for each lane the one of those that holds it
   std::vector<Run> runs;
+  std::vector<Run> thirds;
 };
 
 /// One pass in a sweep: at the time t of the sweep it works on the row t - lag.

@@ -400,7 +400,7 @@ class SweepPlanner {
           return x + 2 < 3 * thirds ? bend_constants(4, y * width_ + x, 1) : BendConstants{};
         });
       }
-      stream.runs.push_back(thirds_of_blocks(stream, before, thirds));
+      stream.thirds.push_back(thirds_of_blocks(stream, before, thirds));
     }
     stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
     stream.group_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
@@ -594,7 +594,7 @@ size_t SweepPlan::memory_bytes() const {
   size_t sum = 0;
   for (const auto& s : streams_) {
     sum += bytes(s->row_first) + bytes(s->group_first) + bytes(s->pixel) + bytes(s->following) + bytes(s->constants) +
-           bytes(s->multipliers) + bytes(s->anchors) + bytes(s->first_anchor) + bytes(s->runs);
+           bytes(s->multipliers) + bytes(s->anchors) + bytes(s->first_anchor) + bytes(s->runs) + bytes(s->thirds);
   }
   return sum;
 }
