@@ -9,6 +9,7 @@ ScheduleOptions schedule_options(const SimulationData& data, uint32_t cloth, con
   const ClothData& c = data.cloths[cloth];
   const ClothFrame& f = frame.cloths[cloth];
   const bool spans = c.attachments && !frame.shapes.empty();
+  const bool attached = c.attachments && !f.pins.empty();
   const uint32_t cell_rounds = frame.shapes.empty() ? 0 : f.cell_rounds;
   return {.substeps = static_cast<uint32_t>(frame.substeps.size()),
           .relaxation_steps = data.relaxation_steps,
@@ -18,9 +19,10 @@ ScheduleOptions schedule_options(const SimulationData& data, uint32_t cloth, con
           .splits = c.split_rows() > 0,
           .bending = c.bending,
           .fine = data.fine,
-          .attachments = c.attachments && !f.pins.empty(),
+          .attachments = attached,
           .spans = spans,
-          .ties = spans && !data.fine && cell_rounds == 0 && !frame.measure_motion,
+          .ties = (spans || (attached && c.uneven)) && !f.pulled_apart && !data.fine && cell_rounds == 0 &&
+                  !frame.measure_motion,
           .self_collision = f.params.self_points > 0,
           .collide = !frame.shapes.empty() || f.params.max_step > 0,
           .cell_rounds = cell_rounds,

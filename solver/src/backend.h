@@ -42,6 +42,7 @@ struct ClothData {
   SelfData self;
   Bending bending = Bending::none;
   bool attachments = false;        ///< max_stretch > 0
+  bool uneven = false;             ///< structural springs differ in length: short ones stretch most where cloth hangs
   uint64_t springs_per_sweep = 0;  ///< springs and seam bends that one relaxation step projects
 
   [[nodiscard]] uint32_t split_rows() const {
@@ -64,8 +65,9 @@ struct ClothFrame {
   shader::ClothParams params;
   std::vector<shader::PinTarget> pins;  ///< ascending by pixel, all copies listed
 
-  uint32_t cell_rounds = 0;  ///< see ScheduleOptions
-  bool asleep = false;       ///< nothing is done: everything stays as it is
+  uint32_t cell_rounds = 0;   ///< see ScheduleOptions
+  bool asleep = false;        ///< nothing is done: everything stays as it is
+  bool pulled_apart = false;  ///< two of its pins are farther from each other than the cloth may stretch
 
   /// The set of pinned pixels differs from the last frame's: inverse_mass (and attachments, when ClothData has them)
   /// replace what the backend holds, before the first substep. Positions stay.

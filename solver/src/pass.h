@@ -117,8 +117,9 @@ struct ScheduleOptions {
   bool fine = false;         ///< constraints act on offsets
   bool attachments = false;  ///< max_stretch > 0 and pins
   bool spans = false;        ///< max_stretch > 0 and colliders: attachments pull too late around them
-  /// Like the spans, but not on offsets, not where a triangle may be pulled over a thin collider, and not for cloth
-  /// that is to fall asleep: what ties pull together sinks back at a centimetre a second.
+  /// Like the spans, and where uneven springs hang from pins; but not on offsets, not where a triangle may be pulled
+  /// over a thin collider, not between pins that are pulled apart, and not for cloth that is to fall asleep: what ties
+  /// pull together sinks back at a centimetre a second.
   bool ties = false;
   bool self_collision = false;
   bool collide = false;      ///< colliders, or max_speed > 0

@@ -303,8 +303,19 @@ void Solver::Impl::fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const {
     pin.from = pin.target;
   }
   frame.pins_changed = cloth.pins_changed;
-  if (!cloth.pins_changed) return;
+  if (cloth.pins_changed) change_pins(cloth, frame);
+  frame.pulled_apart = is_pulled_apart(cloth, frame.params.stretch_limit);
+}
 
+bool Solver::Impl::is_pulled_apart(const Cloth& cloth, float stretch_limit) {
+  return std::any_of(cloth.pin_ways.begin(), cloth.pin_ways.end(), [&](const PinWay& way) {
+    const Vec3 &a = cloth.pins.at(way.a).target, &b = cloth.pins.at(way.b).target;
+    return length(b - a) > stretch_limit * way.length;
+  });
+}
+
+/// What a frame says of other pins than the one before had.
+void Solver::Impl::change_pins(Cloth& cloth, ClothFrame& frame) const {
   cloth.pins_changed = false;
   frame.inverse_mass = cloth.free_inverse_mass;
   std::vector<uint32_t> pinned;
@@ -315,6 +326,7 @@ void Solver::Impl::fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const {
   }
   if (frame.params.stretch_limit > 0) {
     frame.attachments = make_attachments(*cloth.asset, cloth.scale, pinned);
+    cloth.pin_ways = ways_between_pins(*cloth.asset, cloth.scale, frame.attachments, pinned);
     cloth.reach = pinned.empty() ? rest_size(*cloth.asset, cloth.scale) : 0;
     for (const shader::Attachment& a : frame.attachments) cloth.reach = std::max(cloth.reach, a.reach);
     frame.params.stretch_limit = stretch_limit(cloth);

@@ -11,6 +11,7 @@
 #include "frame_input.h"
 #include "geocloth/solver/solver.h"
 #include "reach.h"
+#include "upload.h"
 
 namespace geocloth {
 
@@ -61,6 +62,7 @@ class Solver::Impl {
       return pin != pins.end() && pin->second.held();
     }
     bool pins_changed = false;                        ///< since the last step
+    std::vector<PinWay> pin_ways;                     ///< of the pins that are held
     std::optional<Transform> parent_from, parent_to;  ///< at the start and the end of the next frame
     Vec3 inertia_scale{1, 1, 1};
     std::optional<SelfCollision> self_collision;
@@ -80,6 +82,8 @@ class Solver::Impl {
 
   [[nodiscard]] const Cloth& cloth_at(uint32_t cloth) const;
   void fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const;
+  void change_pins(Cloth& cloth, ClothFrame& frame) const;
+  [[nodiscard]] static bool is_pulled_apart(const Cloth& cloth, float stretch_limit);
   void carry_over(uint32_t cloth);
   [[nodiscard]] float stretch_limit(const Cloth& cloth) const;
   [[nodiscard]] FrameClock clock() const;

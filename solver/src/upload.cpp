@@ -11,6 +11,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <map>
 #include <queue>
 #include <utility>
 
@@ -106,6 +107,21 @@ struct Bounds {
   [[nodiscard]] bool empty() const { return low.x > high.x; }
 };
 
+bool has_uneven_springs(const ClothAsset& asset) {
+  constexpr float kUneven = 1.2F;  // longest / shortest
+  float shortest = std::numeric_limits<float>::max(), longest = 0;
+  const auto add = [&](uint32_t a, uint32_t b) {
+    const float l = length(asset.rest_position[b] - asset.rest_position[a]);
+    shortest = std::min(shortest, l);
+    longest = std::max(longest, l);
+  };
+  for (uint32_t p = 0; p < asset.pixel_count(); ++p) {
+    if ((asset.spring_mask[p] & kSpringRight) != 0) add(p, p + 1);
+    if ((asset.spring_mask[p] & kSpringDown) != 0) add(p, p + asset.width);
+  }
+  return longest > kUneven * shortest;
+}
+
 }  // namespace
 
 ClothData make_cloth_data(const ClothDesc& cloth, const Vec3& origin) {
@@ -121,6 +137,7 @@ ClothData make_cloth_data(const ClothDesc& cloth, const Vec3& origin) {
   data.split_offset = asset.splits.offset;
   data.split_pixel = asset.splits.pixel;
   data.attachments = largest_stretch(cloth.material, {}, 0) > 0;
+  data.uneven = has_uneven_springs(asset);
   if (data.attachments) add_seam_spans(asset, rest, data);
   if (cloth.self_collision) add_self_points(cloth, data);
   return data;
@@ -178,6 +195,30 @@ std::vector<shader::Attachment> make_attachments(const ClothAsset& asset, float 
       attachments[p] = {anchor[f], static_cast<float>(distance[f])};
   }
   return attachments;
+}
+
+std::vector<PinWay> ways_between_pins(const ClothAsset& asset, float scale,
+                                      std::span<const shader::Attachment> attachments,
+                                      std::span<const uint32_t> pinned) {
+  std::vector<shader::Attachment> nearest(attachments.begin(), attachments.end());
+  for (const uint32_t p : pinned) nearest[p] = {p, 0};
+  const SurfaceGraph graph(asset, scale);
+  std::map<std::pair<uint32_t, uint32_t>, double> shortest;
+  for (uint32_t p = 0; p < asset.pixel_count(); ++p) {
+    const shader::Attachment& from = nearest[p];
+    if (from.anchor == shader::kNoAnchor) continue;
+    graph.for_neighbors(p, [&](uint32_t q, double step) {
+      const shader::Attachment& to = nearest[q];
+      if (to.anchor == shader::kNoAnchor || from.anchor >= to.anchor) return;
+      const double way = static_cast<double>(from.reach) + step + static_cast<double>(to.reach);
+      const auto [known, added] = shortest.try_emplace({from.anchor, to.anchor}, way);
+      if (!added) known->second = std::min(known->second, way);
+    });
+  }
+  std::vector<PinWay> ways;
+  ways.reserve(shortest.size());
+  for (const auto& [pins, way] : shortest) ways.push_back({pins.first, pins.second, static_cast<float>(way)});
+  return ways;
 }
 
 }  // namespace geocloth

@@ -24,4 +24,15 @@ namespace geocloth {
 [[nodiscard]] std::vector<shader::Attachment> make_attachments(const ClothAsset& asset, float scale,
                                                                std::span<const uint32_t> pinned);
 
+/// A way along the surface at rest between two pinned pixels.
+struct PinWay {
+  uint32_t a, b;
+  float length;  ///< [m]
+};
+/// The shortest ways between pins whose nearest cloth meets: pins that are farther apart than one of them stretch it.
+/// @param attachments  of these pins
+[[nodiscard]] std::vector<PinWay> ways_between_pins(const ClothAsset& asset, float scale,
+                                                    std::span<const shader::Attachment> attachments,
+                                                    std::span<const uint32_t> pinned);
+
 }  // namespace geocloth
