@@ -90,8 +90,10 @@ std::vector<PassStep> finish_schedule(const ScheduleOptions& options) {
   std::vector<PassStep> steps;
   if (!options.ties) return steps;
   steps.push_back({Pass::hold_way});
-  for (uint32_t r = 0; r < kRounds; ++r) add_family(steps, Pass::ties, 0, 0);
-  if (options.splits) steps.push_back({Pass::stitch});
+  for (uint32_t r = 0; r < kRounds; ++r) {
+    add_family(steps, Pass::ties, 0, 0);
+    if (options.splits) steps.push_back({Pass::stitch});
+  }
   steps.push_back({Pass::give_way});
   add_checks(steps, options);
   return steps;

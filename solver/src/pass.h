@@ -139,7 +139,7 @@ struct ScheduleOptions {
 ///   { collide_cells, stitch_contacts } x rounds, collide [check]
 [[nodiscard]] std::vector<PassStep> substep_schedule(const ScheduleOptions& options);
 
-/// The passes after those of a frame's last substep, which belong to it: hold_way { ties } x 3 [stitch] give_way
+/// The passes after those of a frame's last substep, which belong to it: hold_way { ties, [stitch] } x 3, give_way
 /// [check], or none.
 [[nodiscard]] std::vector<PassStep> finish_schedule(const ScheduleOptions& options);
 
