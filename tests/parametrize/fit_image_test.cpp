@@ -35,10 +35,11 @@ struct Images {
   Raster raster;
   ClothAsset sampled, fitted;
 };
-Images images_of(const FlatBuilder& b) {
+/// In panels pixels slide.
+Images images_of(const FlatBuilder& b, Layout layout = Layout::square) {
   Images images;
   images.raster = rasterize(b.flat);
-  images.sampled = build_image(b.flat, images.raster, Layout::square);
+  images.sampled = build_image(b.flat, images.raster, layout);
   images.fitted = images.sampled;
   fit_image(b.flat, images.raster, images.fitted);
   return images;
@@ -118,20 +119,6 @@ TEST(FitImage, AFoldNarrowerThanAPixelDoesNotPullSpringsApart) {
   }
 }
 
-/// As panels, whose pixels slide.
-struct Panels {
-  Raster raster;
-  ClothAsset sampled, fitted;
-};
-Panels panels_of(const FlatBuilder& b) {
-  Panels panels;
-  panels.raster = rasterize(b.flat);
-  panels.sampled = build_image(b.flat, panels.raster, Layout::panels);
-  panels.fitted = panels.sampled;
-  fit_image(b.flat, panels.raster, panels.fitted);
-  return panels;
-}
-
 /// A roof whose ridge runs between two columns of pixels.
 FlatBuilder roof() {
   return fine_square(33, 10, [](double u, double v) {
@@ -142,7 +129,7 @@ FlatBuilder roof() {
 
 TEST(FitImage, PixelsOfPanelsSlideToFolds) {
   const FlatBuilder b = roof();
-  const Panels panels = panels_of(b);
+  const Images panels = images_of(b, Layout::panels);
   const auto rms = [&](const ClothAsset& asset) {
     return measure_quality(b.clean, b.flat, panels.raster, asset).rms_error;
   };
@@ -151,7 +138,7 @@ TEST(FitImage, PixelsOfPanelsSlideToFolds) {
 
 TEST(FitImage, SpringsOfPanelsThatSlideStayEvenAndAtRightAngles) {
   const FlatBuilder b = roof();
-  const Panels panels = panels_of(b);
+  const Images panels = images_of(b, Layout::panels);
   const Quality q = measure_quality(b.clean, b.flat, panels.raster, panels.fitted);
   EXPECT_LE(q.spring_p99_over_p1, 1.5);
   EXPECT_LE(q.shear_deg_p95, 6);
@@ -159,7 +146,7 @@ TEST(FitImage, SpringsOfPanelsThatSlideStayEvenAndAtRightAngles) {
 
 TEST(FitImage, FreeBordersOfPanelsStayWhereTheyAre) {
   const FlatBuilder b = roof();
-  const Panels panels = panels_of(b);
+  const Images panels = images_of(b, Layout::panels);
   for (const OutlineSample& s : b.flat.charts[0].outline) {
     const uint32_t i = s.y * panels.fitted.width + s.x;
     const Vec3 way = panels.fitted.rest_position[i] - panels.sampled.rest_position[i];
@@ -175,7 +162,7 @@ TEST(FitImage, UnevenAndAskewSpringsOfPanelsAreMended) {
   b.add_square(kSide, test::apart(), [&](double u, double v) {
     return Point3{bent(u) + 0.107 * bent(v), -bent(v), 0};
   });
-  const Panels panels = panels_of(b);
+  const Images panels = images_of(b, Layout::panels);
   const auto quality = [&](const ClothAsset& asset) { return measure_quality(b.clean, b.flat, panels.raster, asset); };
   const Quality before = quality(panels.sampled), after = quality(panels.fitted);
   EXPECT_GT(before.spring_p99_over_p1, 1.6);
