@@ -181,8 +181,11 @@ void collide_cells(const PassContext& context, ClothState& state, uint32_t group
 }
 
 void collide(const PassContext& context, ClothState& state) {
-  context.threads.for_range(static_cast<uint32_t>(state.pixel_count()), kPixelGrain,
-                            [&](uint32_t first, uint32_t last) { collide_pixels(context, state, first, last); });
+  const shader::ColliderSet set = colliders_of(context.frame);
+  for_pixels(context.threads, state, [&](uint32_t i) {
+    if (state.inverse_mass[i] != 0)
+      state.set_point(i, shader::collide(set, context.cloth.params, context.substep, state.point(i)));
+  });
 }
 
 void hold_way(const PassContext& context, ClothState& state) {
@@ -192,8 +195,11 @@ void hold_way(const PassContext& context, ClothState& state) {
 }
 
 void give_way(const PassContext& context, ClothState& state) {
-  context.threads.for_range(static_cast<uint32_t>(state.pixel_count()), kPixelGrain,
-                            [&](uint32_t first, uint32_t last) { give_way_pixels(context, state, first, last); });
+  const shader::ColliderSet set = colliders_of(context.frame);
+  for_pixels(context.threads, state, [&](uint32_t i) {
+    if (state.inverse_mass[i] != 0)
+      state.set_point(i, shader::way_given(set, context.cloth.params, context.substep, state.point(i)));
+  });
 }
 
 /// Largest of largest_of(first, last) over parts of 0..count. A maximum does not depend on the order.
@@ -220,6 +226,17 @@ float copy_gap(const PassContext& context, const ClothState& state) {
     }
     return gap;
   });
+}
+
+/// Largest depth of a pixel in a collider [m].
+float penetration_of_pixels(const PassContext& context, const ClothState& state, uint32_t first, uint32_t last) {
+  const shader::ColliderSet set = colliders_of(context.frame);
+  float depth = 0;
+  for (uint32_t i = first; i < last; ++i) {
+    if (state.inverse_mass[i] == 0) continue;
+    depth = std::max(depth, shader::depth_in_colliders(set, set.count, context.substep, state.position.at(i)));
+  }
+  return depth;
 }
 
 float penetration(const PassContext& context, const ClothState& state) {
@@ -301,32 +318,6 @@ void collide_cell(const PassContext& context, ClothState& state, uint32_t x, uin
   const bool left = (bits & shader::kCellDiagonalLeftBit) != 0;
   if ((bits & shader::kCellFirstBit) != 0) triangle(p0, p2, left ? p1 : p3);
   if ((bits & shader::kCellSecondBit) != 0) triangle(left ? p1 : p0, left ? p2 : p3, left ? p3 : p1);
-}
-
-void collide_pixels(const PassContext& context, ClothState& state, uint32_t first, uint32_t last) {
-  const shader::ColliderSet set = colliders_of(context.frame);
-  for (uint32_t i = first; i < last; ++i) {
-    if (state.inverse_mass[i] == 0) continue;
-    state.set_point(i, shader::collide(set, context.cloth.params, context.substep, state.point(i)));
-  }
-}
-
-void give_way_pixels(const PassContext& context, ClothState& state, uint32_t first, uint32_t last) {
-  const shader::ColliderSet set = colliders_of(context.frame);
-  for (uint32_t i = first; i < last; ++i) {
-    if (state.inverse_mass[i] == 0) continue;
-    state.set_point(i, shader::way_given(set, context.cloth.params, context.substep, state.point(i)));
-  }
-}
-
-float penetration_of_pixels(const PassContext& context, const ClothState& state, uint32_t first, uint32_t last) {
-  const shader::ColliderSet set = colliders_of(context.frame);
-  float depth = 0;
-  for (uint32_t i = first; i < last; ++i) {
-    if (state.inverse_mass[i] == 0) continue;
-    depth = std::max(depth, shader::depth_in_colliders(set, set.count, context.substep, state.position.at(i)));
-  }
-  return depth;
 }
 
 void run_pass(const PassStep& step, const PassContext& context, ClothState& state, Measures& measures) {

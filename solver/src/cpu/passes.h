@@ -31,12 +31,7 @@ struct PassContext {
 /// Parts of passes, for whoever goes through a cloth in another order: the result is the same.
 void move_pins(const PassContext& context, ClothState& state, uint32_t first, uint32_t last);  ///< entries of the list
 void collide_cell(const PassContext& context, ClothState& state, uint32_t x, uint32_t y);      ///< its triangles
-void give_way_pixels(const PassContext& context, ClothState& state, uint32_t first, uint32_t last);
-void collide_pixels(const PassContext& context, ClothState& state, uint32_t first, uint32_t last);
 void normal_pixels(ClothState& state, uint32_t first, uint32_t last);
-/// Largest depth of a pixel in a collider [m].
-[[nodiscard]] float penetration_of_pixels(const PassContext& context, const ClothState& state, uint32_t first,
-                                          uint32_t last);
 /// Where the pins pass puts a pin that is at `position`; a held one from wherever it was before.
 [[nodiscard]] shader::vec3 pinned_position(const PassContext& context, const shader::PinTarget& pin,
                                            const shader::vec3& position, const shader::vec3& previous);
