@@ -123,6 +123,8 @@ class SceneCheck {
       for (const auto& [name, value] : target.items()) {
         const GltfAccessor& a = data_.attribute(target, name.c_str(), where + ".targets");
         if (a.count != count) gltf_.bad(where + ": a morph target and POSITION differ in count");
+        check_attribute_type(name, a, where);
+        if (name == "POSITION" && a.components != 3) gltf_.bad(where + ": POSITION of a morph target is not VEC3");
       }
     }
   }
@@ -186,12 +188,18 @@ class SceneCheck {
       if (attributes.contains("JOINTS_0") != attributes.contains("WEIGHTS_0")) {
         gltf_.bad(where + ": its mesh has joints without weights");
       }
-      if (attributes.contains("JOINTS_0")) check_joints(data_.attribute(attributes, "JOINTS_0", where), joints, where);
+      for (const auto& [name, value] : attributes.items()) {
+        if (!name.starts_with("JOINTS_")) continue;
+        if (!attributes.contains("WEIGHTS_" + name.substr(7)))
+          gltf_.bad(where + ": its mesh has joints without weights");
+        check_joints(data_.attribute(attributes, name.c_str(), where), joints, where);
+      }
     }
   }
 
   void check_joints(const GltfAccessor& a, std::size_t joints, const std::string& where) const {
     if (a.component_type != 5121 && a.component_type != 5123) gltf_.bad(where + ": JOINTS_0 has the wrong type");
+    if (!a.sparse.empty()) check_joints(a.sparse[1], joints, where);
     if (a.bytes.empty()) return;
     for (std::size_t i = 0; i < a.count; ++i) {
       for (std::size_t k = 0; k < 4; ++k) {

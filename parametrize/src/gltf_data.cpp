@@ -6,6 +6,8 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <limits>
+#include <type_traits>
 #include <utility>
 
 #include "gltf_compression.h"
@@ -26,6 +28,35 @@ std::size_t components_of(const Json& accessor) {
   const std::string_view name = type->get_ref<const std::string&>();
   const auto it = std::find_if(kKinds.begin(), kKinds.end(), [&](const auto& kind) { return kind.first == name; });
   return it == kKinds.end() ? 0 : it->second;
+}
+
+uint32_t index_at(const GltfAccessor& indices, std::size_t i) {
+  uint32_t value = 0;
+  std::memcpy(&value, indices.bytes.data() + i * indices.stride, indices.component_size);
+  return value;
+}
+
+/// A component at `at`; integers are parts of their largest value when `scaled`.
+float read_component(const std::byte* at, std::size_t type, bool scaled) {
+  const auto read = [&]<typename T>(T value) {
+    std::memcpy(&value, at, sizeof value);
+    if (std::is_same_v<T, float> || !scaled) return static_cast<float>(value);
+    return std::max(static_cast<float>(value) / static_cast<float>(std::numeric_limits<T>::max()), -1.0F);
+  };
+  switch (type) {
+    case 5120:
+      return read(int8_t{});
+    case 5121:
+      return read(uint8_t{});
+    case 5122:
+      return read(int16_t{});
+    case 5123:
+      return read(uint16_t{});
+    case 5125:
+      return read(uint32_t{});
+    default:
+      return read(float{});
+  }
 }
 
 }  // namespace
@@ -165,6 +196,7 @@ void GltfData::load_accessors() {
     a.component_type = gltf_.number(json, "componentType", where);
     a.component_size = gltf_component_size(a.component_type);
     a.components = components_of(json);
+    a.normalized = json.value("normalized", Json(false)) == true;
     if (a.component_size == 0 || a.components == 0) gltf_.bad(where + " has an unknown type");
     if (json.contains("bufferView")) {
       a.bytes = elements(json, where, a);
@@ -175,7 +207,7 @@ void GltfData::load_accessors() {
   }
 }
 
-void GltfData::load_sparse(const Json& json, GltfAccessor& accessor, const std::string& where) const {
+void GltfData::load_sparse(const Json& json, GltfAccessor& accessor, const std::string& where) {
   const auto sparse = json.find("sparse");
   if (sparse == json.end()) return;
   if (!sparse->is_object()) gltf_.bad(where + ".sparse is not an object");
@@ -196,8 +228,27 @@ void GltfData::load_sparse(const Json& json, GltfAccessor& accessor, const std::
     if (a.component_size == 0) gltf_.bad(name + " has an unknown type");
     a.bytes = elements(*object, name, a);
     if (indices) check_indices(a, accessor.count, name);
+    accessor.sparse.push_back(a);
   }
+  // Zeros that a few bytes of the file announce.
+  if (!accessor.has_data) count_bytes(accessor.count * accessor.components * accessor.component_size);
   accessor.has_data = true;
+}
+
+std::vector<float> GltfData::floats(std::size_t i) const {
+  const GltfAccessor& a = accessors_[i];
+  std::vector<float> out(a.count * a.components, 0.0F);
+  const auto copy = [&](const GltfAccessor& from, std::size_t element, std::size_t to) {
+    for (std::size_t c = 0; c < a.components; ++c) {
+      const std::byte* at = from.bytes.data() + element * from.stride + c * a.component_size;
+      out[to * a.components + c] = read_component(at, a.component_type, a.normalized);
+    }
+  };
+  for (std::size_t k = 0; !a.bytes.empty() && k < a.count; ++k) copy(a, k, k);
+  for (std::size_t k = 0; !a.sparse.empty() && k < a.sparse[0].count; ++k) {
+    copy(a.sparse[1], k, index_at(a.sparse[0], k));
+  }
+  return out;
 }
 
 void GltfData::check_indices(const GltfAccessor& a, std::size_t limit, const std::string& where) const {
@@ -205,8 +256,7 @@ void GltfData::check_indices(const GltfAccessor& a, std::size_t limit, const std
     gltf_.bad(where + " has indices that are not unsigned integers");
   }
   for (std::size_t i = 0; i < a.count; ++i) {
-    uint32_t value = 0;
-    std::memcpy(&value, a.bytes.data() + i * a.stride, a.component_size);
+    const uint32_t value = index_at(a, i);
     if (value >= limit) {
       gltf_.bad(where + ": index " + std::to_string(value) + " at " + std::to_string(i) + ", but there are only " +
                 std::to_string(limit) + " vertices");
@@ -251,10 +301,12 @@ void GltfData::replace(std::size_t i, std::size_t component_type, std::vector<st
   a.stride = a.component_size * a.components;
   const std::size_t view = add_view(std::move(bytes));
   a.bytes = views_[view].bytes;
+  a.normalized = false;
+  a.sparse.clear();
   Json& json = gltf_.json["accessors"][i];
   json["componentType"] = component_type;
   json["bufferView"] = view;
-  for (const char* name : {"byteOffset", "normalized", "min", "max"}) json.erase(name);
+  for (const char* name : {"byteOffset", "normalized", "sparse", "min", "max"}) json.erase(name);
 }
 
 }  // namespace geocloth::import_detail

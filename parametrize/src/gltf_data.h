@@ -13,9 +13,10 @@ namespace geocloth::import_detail {
 
 struct GltfAccessor {
   std::size_t count = 0, component_size = 0, components = 0, component_type = 0;
-  bool has_data = false;
+  bool has_data = false, normalized = false;
   std::size_t stride = 0;
-  GltfFile::Bytes bytes;  ///< from its first element on; empty for one that is sparse only
+  GltfFile::Bytes bytes;             ///< from its first element on; empty for one that is sparse only
+  std::vector<GltfAccessor> sparse;  ///< indices and values, of one that is sparse
 };
 
 class GltfData {
@@ -32,6 +33,9 @@ class GltfData {
   [[nodiscard]] const GltfAccessor& accessor(std::size_t i) const { return accessors_[i]; }
   /// The accessor that object[key] names.
   [[nodiscard]] const GltfAccessor& attribute(const Json& object, const char* key, const std::string& where) const;
+
+  /// All components of accessor `i`, sparse ones resolved, normalized integers as the numbers they stand for (3.11).
+  [[nodiscard]] std::vector<float> floats(std::size_t i) const;
 
   /// Refuses values that are not below `limit`.
   void check_indices(const GltfAccessor& a, std::size_t limit, const std::string& where) const;
@@ -54,7 +58,7 @@ class GltfData {
   Bytes load_buffer(const Json& buffer, std::size_t i, const std::string& where);
   View read_view(const Json& json, const std::string& where) const;
   void decode_view(std::size_t i, const Json& compression, const std::string& where);
-  void load_sparse(const Json& json, GltfAccessor& accessor, const std::string& where) const;
+  void load_sparse(const Json& json, GltfAccessor& accessor, const std::string& where);
   [[nodiscard]] Bytes elements(const Json& object, const std::string& where, GltfAccessor& a) const;
   std::size_t add_buffer(std::vector<std::byte> bytes);
   std::size_t add_view(std::vector<std::byte> bytes);

@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // glTF ahead of assimp, whose reader takes offsets, counts and node graphs on trust: the file is opened (gltf_file),
-// its bytes are found and decoded (gltf_data, gltf_compression), everything is checked (gltf_check), and what assimp
-// gets is written anew: without animations, cameras, morph targets and lights, with buffers as bytes and attributes as
-// floats.
-#include <algorithm>
-#include <cstdint>
+// its bytes are found and decoded (gltf_data, gltf_compression), everything is checked (gltf_check), skinned and
+// morphed meshes are posed (gltf_pose), and what assimp gets is written anew: without animations, cameras, morph
+// targets and lights, with buffers as bytes and attributes as floats.
 #include <cstring>
-#include <limits>
+#include <utility>
 
 #include "geocloth/asset/output_file.h"
 #include "gltf_check.h"
 #include "gltf_compression.h"
 #include "gltf_data.h"
 #include "gltf_file.h"
+#include "gltf_pose.h"
 #include "import_detail.h"
 #include "import_files.h"
 
@@ -21,47 +20,16 @@ namespace {
 
 using Json = GltfFile::Json;
 
-float read_component(const std::byte* at, std::size_t type, bool scaled) {
-  const auto read = [&]<typename T>(T value) {
-    std::memcpy(&value, at, sizeof value);
-    if (!scaled) return static_cast<float>(value);
-    return std::max(static_cast<float>(value) / static_cast<float>(std::numeric_limits<T>::max()), -1.0F);
-  };
-  switch (type) {
-    case 5120:
-      return read(int8_t{});
-    case 5121:
-      return read(uint8_t{});
-    case 5122:
-      return read(int16_t{});
-    case 5123:
-      return read(uint16_t{});
-    default:
-      return read(uint32_t{});
-  }
-}
-
-/// Writes an accessor of integers anew as floats (KHR_mesh_quantization; 3.11 for normalized values).
-void make_float(const GltfFile& gltf, GltfData& data, std::size_t i) {
-  const GltfAccessor& a = data.accessor(i);
-  if (a.component_type == 5126) return;
-  const Json& json = gltf.json["accessors"][i];
-  const auto normalized = json.find("normalized");
-  const bool scaled = normalized != json.end() && normalized->is_boolean() && normalized->get<bool>();
-  if (json.contains("sparse")) {
-    fail(gltf.path, ErrorCode::unsupported,
-         "sparse and quantised at once; run 'npx @gltf-transform/cli dequantize IN.glb OUT.glb'");
-  }
-  std::vector<std::byte> bytes(a.count * a.components * sizeof(float));
-  for (std::size_t k = 0; k < a.count * a.components; ++k) {
-    const std::byte* at = a.bytes.data() + k / a.components * a.stride + k % a.components * a.component_size;
-    const float value = read_component(at, a.component_type, scaled);
-    std::memcpy(bytes.data() + k * sizeof value, &value, sizeof value);
-  }
+/// Writes an accessor of integers anew as floats (KHR_mesh_quantization).
+void make_float(GltfData& data, std::size_t i) {
+  if (data.accessor(i).component_type == 5126) return;
+  const std::vector<float> values = data.floats(i);
+  std::vector<std::byte> bytes(values.size() * sizeof(float));
+  if (!bytes.empty()) std::memcpy(bytes.data(), values.data(), bytes.size());
   data.replace(i, 5126, std::move(bytes));
 }
 
-void rewrite_primitive(const GltfFile& gltf, GltfData& data, Json& primitive) {
+void rewrite_primitive(GltfData& data, Json& primitive) {
   primitive.erase("targets");
   primitive.erase("extensions");
   Json& attributes = primitive["attributes"];
@@ -70,7 +38,7 @@ void rewrite_primitive(const GltfFile& gltf, GltfData& data, Json& primitive) {
     const bool wanted =
         name == "POSITION" || name == "NORMAL" || name == "TEXCOORD_0" || name == "JOINTS_0" || name == "WEIGHTS_0";
     if (!wanted) continue;
-    if (name != "JOINTS_0") make_float(gltf, data, value.get<std::size_t>());
+    if (name != "JOINTS_0") make_float(data, value.get<std::size_t>());
     kept[name] = value;
   }
   attributes = std::move(kept);
@@ -89,6 +57,15 @@ void rewrite_images(GltfFile& gltf) {
     } catch (const Error&) {
       image.erase("uri");
     }
+  }
+}
+
+/// A mesh without a name goes by that of the first node which shows it; assimp would count them.
+void name_meshes(Json& json) {
+  for (const Json& node : json["nodes"]) {
+    if (!node.contains("mesh") || !node.contains("name")) continue;
+    Json& mesh = json["meshes"][node["mesh"].get<std::size_t>()];
+    if (!mesh.contains("name") || mesh["name"] == "") mesh["name"] = node["name"];
   }
 }
 
@@ -123,8 +100,9 @@ std::vector<MemoryFile> rewrite(GltfFile& gltf, GltfData& data) {
   }
   for (Json& mesh : json["meshes"]) {
     mesh.erase("weights");
-    for (Json& primitive : mesh["primitives"]) rewrite_primitive(gltf, data, primitive);
+    for (Json& primitive : mesh["primitives"]) rewrite_primitive(data, primitive);
   }
+  name_meshes(json);
   add_scene(json);
   rewrite_images(gltf);
   std::vector<MemoryFile> files(1);
@@ -146,6 +124,7 @@ std::vector<MemoryFile> read_gltf(const std::filesystem::path& file, std::span<c
   GltfData data(gltf);
   decode_draco(gltf, data);
   check_scene(gltf, data);
+  pose_meshes(gltf, data);
   return rewrite(gltf, data);
 }
 

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Skinned and morphed glTF comes out where every viewer shows it before anything moves: a body that lies on its back,
+// or a garment of another size than its wearer, would be of no use.
+#include "import_fixture.h"
+
+namespace geocloth::test {
+namespace {
+
+using nlohmann::json;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+/// A strip of two squares along +y from 0 to 2, its lower end bound to joint 0 and its upper to joint 1, the middle row
+/// to both by halves. Nodes: 0 the mesh; 1 the hip at the origin and, a child of it, 2 the knee at (0, 1, 0).
+Gltf skinned_strip() {
+  Gltf g;
+  g.json = json::parse(R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}],
+    "bufferViews": [], "accessors": [],
+    "nodes": [{"mesh": 0, "skin": 0, "name": "strip"}, {"name": "hip", "children": [2]},
+              {"name": "knee", "translation": [0, 1, 0]}]})");
+  const auto position = g.add_accessor<float>({0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 2, 0, 1, 2, 0}, 5126, "VEC3", 3);
+  const auto normal = g.add_accessor<float>({0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1}, 5126, "VEC3", 3);
+  const auto joint = g.add_accessor<uint8_t>({0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0},
+                                             5121, "VEC4", 4);
+  const auto weight = g.add_accessor<float>(
+      {1, 0, 0, 0, 1, 0, 0, 0, .5F, .5F, 0, 0, .5F, .5F, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, 5126, "VEC4", 4);
+  const auto indices = g.add_accessor<uint16_t>({0, 1, 3, 0, 3, 2, 2, 3, 5, 2, 5, 4}, 5123, "SCALAR", 1);
+  g.json["meshes"] = {
+      {{"primitives",
+        {{{"attributes", {{"POSITION", position}, {"NORMAL", normal}, {"JOINTS_0", joint}, {"WEIGHTS_0", weight}}},
+          {"indices", indices}}}}}};
+  const auto bind = g.add_accessor<float>({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0,  0, 1,   //
+                                           1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -1, 0, 1},  //
+                                          5126, "MAT4", 16);
+  g.json["skins"] = {{{"joints", {1, 2}}, {"inverseBindMatrices", bind}}};
+  return g;
+}
+
+void expect_at(const Point3& p, double x, double y, double z) {
+  EXPECT_NEAR(p[0], x, 1e-6);
+  EXPECT_NEAR(p[1], y, 1e-6);
+  EXPECT_NEAR(p[2], z, 1e-6);
+}
+
+using ImportPose = ImportTest;
+
+TEST_F(ImportPose, ASkinnedMeshStandsWhereItsJointsAreAndNotWhereItsNodeIs) {
+  Gltf g = skinned_strip();
+  g.json["nodes"][0]["rotation"] = {0.70710678, 0, 0, 0.70710678};
+  g.json["nodes"][0]["translation"] = {5, 0, 0};
+  const TriangleMesh bound = read("bound.glb", g.glb());
+  EXPECT_THAT(bound.position, ElementsAre(Point3{0, 0, 0}, Point3{1, 0, 0}, Point3{0, 1, 0}, Point3{1, 1, 0},
+                                          Point3{0, 2, 0}, Point3{1, 2, 0}));
+  ASSERT_EQ(bound.part.size(), 1U);
+  EXPECT_EQ(bound.part[0].name, "strip");
+
+  // An armature in centimetres that stands on its head.
+  g.json["nodes"][1]["scale"] = {0.01, 0.01, 0.01};
+  g.json["nodes"][1]["rotation"] = {0, 0, 1, 0};
+  g.json["nodes"][1]["translation"] = {0, 3, 0};
+  const TriangleMesh placed = read("placed.glb", g.glb());
+  expect_at(placed.position[5], -0.01, 2.98, 0);
+  EXPECT_NEAR(placed.normal[0][0][2], 1, 1e-6);
+}
+
+TEST_F(ImportPose, ABentJointBendsTheMesh) {
+  Gltf g = skinned_strip();
+  g.json["nodes"][2]["rotation"] = {0.70710678, 0, 0, 0.70710678};  // +y to +z
+  const TriangleMesh mesh = read("a.glb", g.glb());
+  expect_at(mesh.position[1], 1, 0, 0);
+  expect_at(mesh.position[3], 1, 1, 0);
+  expect_at(mesh.position[5], 1, 1, 1);
+  ASSERT_EQ(mesh.normal.size(), 4U);
+  EXPECT_NEAR(mesh.normal[2][2][1], -1, 1e-6);  // of vertex 5
+  ASSERT_EQ(mesh.vertex_groups.size(), 3U);     // the part, and both joints
+  // The file's own scene decides what is there.
+  g.json["scenes"] = {{{"nodes", {1}}}, {{"nodes", {0, 1}}}};
+  EXPECT_THAT(refusal("empty.glb", g.glb()).what(), HasSubstr("no faces"));
+}
+
+TEST_F(ImportPose, AMeshOfTwoNodesIsPosedForEach) {
+  Gltf g = skinned_strip();
+  g.json["nodes"][2]["translation"] = {0, 1.5, 0};
+  g.json["nodes"].push_back({{"mesh", 0}, {"translation", {0, 0, 7}}});
+  g.json["scenes"][0]["nodes"] = {0, 1, 3};
+  const TriangleMesh mesh = read("a.glb", g.glb());
+  ASSERT_EQ(mesh.position.size(), 12U);
+  expect_at(mesh.position[5], 1, 2, 7);
+  expect_at(mesh.position[11], 1, 2.5, 0);
+  expect_at(mesh.position[9], 1, 1.25, 0);
+}
+
+TEST_F(ImportPose, FiveJointsToAPointAndWeightsThatAreNotOneInSum) {
+  Gltf g = skinned_strip();
+  g.json["nodes"][2]["translation"] = {0, 2, 0};
+  json& attributes = g.json["meshes"][0]["primitives"][0]["attributes"];
+  attributes["JOINTS_1"] = g.add_accessor<uint8_t>(std::vector<uint8_t>(24, 1), 5121, "VEC4", 4);
+  attributes["WEIGHTS_1"] =
+      g.add_accessor<float>({1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}, 5126, "VEC4", 4);
+  expect_at(read("a.glb", g.glb()).position[0], 0, 0.5, 0);
+  attributes["JOINTS_1"] = g.add_accessor<uint8_t>(std::vector<uint8_t>(24, 2), 5121, "VEC4", 4);
+  EXPECT_THAT(refusal("b.glb", g.glb()).what(), HasSubstr("joint 2 of 2"));
+  attributes.erase("WEIGHTS_1");
+  EXPECT_THAT(refusal("c.glb", g.glb()).what(), HasSubstr("joints without weights"));
+}
+
+TEST_F(ImportPose, MorphTargetsWithTheirWeights) {
+  Gltf g = skinned_strip();
+  g.json["nodes"] = {{{"mesh", 0}}};
+  g.json.erase("skins");
+  g.json["scenes"][0]["nodes"] = {0};
+  const auto up = g.add_accessor<float>({0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 0, 2}, 5126, "VEC3", 3);
+  g.json["meshes"][0]["primitives"][0]["targets"] = {{{"POSITION", up}}};
+  expect_at(read("none.glb", g.glb()).position[5], 1, 2, 0);
+  g.json["meshes"][0]["weights"] = {0.5};
+  expect_at(read("mesh.glb", g.glb()).position[5], 1, 2, 1);
+  g.json["nodes"][0]["weights"] = {0.25};
+  expect_at(read("node.glb", g.glb()).position[5], 1, 2, 0.5);
+}
+
+TEST_F(ImportPose, SparseAndQuantisedAtOnce) {
+  Gltf g = skinned_strip();
+  g.json["nodes"][0].erase("skin");
+  json& attributes = g.json["meshes"][0]["primitives"][0]["attributes"];
+  const auto position = g.add_accessor<int16_t>(
+      {0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 0, 2, 0, 0, 1, 2, 0, 0}, 5122, "VEC4", 4);
+  g.json["accessors"][position]["type"] = "VEC3";
+  g.json["bufferViews"][g.json["accessors"][position]["bufferView"].get<std::size_t>()]["byteStride"] = 8;
+  std::string index, value;
+  put(index, uint16_t{5});
+  for (const int16_t v : {int16_t{3}, int16_t{4}, int16_t{-5}}) put(value, v);
+  g.json["accessors"][position]["sparse"] = {{"count", 1},
+                                             {"indices", {{"bufferView", g.add_view(index)}, {"componentType", 5123}}},
+                                             {"values", {{"bufferView", g.add_view(value)}}}};
+  attributes["POSITION"] = position;
+  g.json["extensionsRequired"] = {"KHR_mesh_quantization"};
+  const TriangleMesh mesh = read("a.glb", g.glb());
+  EXPECT_EQ(mesh.position[4], (Point3{0, 2, 0}));
+  EXPECT_EQ(mesh.position[5], (Point3{3, 4, -5}));
+}
+
+TEST_F(ImportPose, DamagedSkinsAreReadOrRefused) {
+  Gltf g = skinned_strip();
+  g.json["nodes"][2]["rotation"] = {0, 0, 0.38268343, 0.92387953};
+  survive_damage("damaged.glb", g.glb(), 300);
+}
+
+}  // namespace
+}  // namespace geocloth::test
