@@ -189,7 +189,8 @@ void play(const Options& options, Simulation& simulation) {
     if (frame == frames) break;
     const auto start = std::chrono::steady_clock::now();
     step(options, simulation);
-    recorder.add_frame_time(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+    recorder.add_frame_time(simulation, seconds.count());
     if (report_file != nullptr) recorder.add_energy(simulation);
   }
 
