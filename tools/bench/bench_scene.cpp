@@ -121,6 +121,14 @@ TriangleMesh t_shirt_mesh() {
   return mesh;
 }
 
+/// What the garment's cloth costs in one square: its material, pins and a ball that pokes through the plane.
+BenchScene make_drape(uint32_t size) {
+  const ClothDesc cloth{make_sheet(size, false), attached(), {}};
+  const float side = kSpacing * static_cast<float>(size - 1), radius = 0.15F * side;
+  const Sphere ball{{0, -0.55F * side, -0.5F * radius}, radius};
+  return {{cloth}, {hold_group(cloth, "top")}, {{"ball", ball, 0.3F, {}}}};
+}
+
 /// A T-shirt of two panels, held by its collar, with a ball inside: charts with free outlines and seams.
 BenchScene make_garment(uint32_t size) {
   ConvertOptions options;
@@ -163,6 +171,13 @@ const std::vector<BenchSceneKind>& bench_scene_kinds() {
        {1},
        make_zeller},
       {"crowd", "32 sheets in one solver", {32, 64}, {32}, {8}, {8}, make_crowd},
+      {"drape",
+       "a square sheet of the garment's cloth before a ball, to compare the garment with",
+       {64, 128, 256},
+       {64},
+       {4, 8, 16},
+       {8},
+       make_drape},
       {"garment", "a T-shirt of two panels", {64, 128, 256}, {64}, {4, 8, 16}, {8}, make_garment},
   };
   return kinds;
