@@ -145,8 +145,10 @@ TEST(Cost, SeamsPartASubstepIntoThreeSweeps) {
 uint64_t rows_in(const cpu::Sweep& sweep, const cpu::SweepBand& band, uint32_t height) {
   uint64_t rows = 0;
   for (uint32_t time = band.first_time; time < band.end_time; ++time)
-    for (const cpu::SweepOp& op : sweep.ops)
-      if (time >= op.lag && cpu::has_row(band, op, time - op.lag, height)) ++rows;
+    for (const cpu::SweepOp& op : sweep.ops) {
+      const cpu::RowRange own = cpu::rows_between(band, op, time, time + 1, height);
+      if (own.first < own.last) ++rows;
+    }
   return rows;
 }
 

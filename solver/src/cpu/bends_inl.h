@@ -233,42 +233,59 @@ class ThirdRow {
   size_t stride_;
 };
 
-/// Groups 0, 1 and 2 of bend_groups.h in row y.
-template <bool kSeveral, class D>
-HWY_NOINLINE void bends_along(D d, const SweepOp& op, ClothState& state, float* scratch, uint32_t y) {
+/// Calls body(third) for vectors of a row's thirds; the last one ends within the row.
+template <class D, class Body>
+HWY_INLINE void for_thirds(D d, const ClothState& state, const Run& run, const Body& body) {
   const auto lanes = static_cast<uint32_t>(hn::Lanes(d));
-  const RowStream& stream = *op.stream;
-  const Run thirds_of_row = stream.thirds[y];
-  const Thirds<D> thirds(d);
-  const ThirdRow row(scratch, op.offset);
-  const size_t begin = size_t{y} * state.data.width;
-  const PointBase points(state, begin);
-  const std::array<float*, 3> coordinates{points.x, points.y, points.z};
-  // The last vector ends within the row.
   const uint32_t latest = state.data.width / 3 - lanes;
-  const auto for_vectors = [&](const auto& body) GEOCLOTH_LANES {
-    for (uint32_t n = thirds_of_row.first; n < thirds_of_row.last; n += lanes) body(std::min(n, latest));
+  for (uint32_t n = run.first; n < run.last; n += lanes) body(std::min(n, latest));
+}
+
+/// Groups 0, 1 and 2 of bend_groups.h in some rows, group by group: what waits for a row before goes on meanwhile.
+template <bool kSeveral, class D>
+HWY_NOINLINE void bends_along(D d, const SweepOp& op, ClothState& state, float* scratch, const RowRange& rows) {
+  const RowStream& stream = *op.stream;
+  const Thirds<D> thirds(d);
+  const size_t width = state.data.width;
+  const auto apart = [&](uint32_t y) GEOCLOTH_LANES {
+    return ThirdRow(scratch + (y - rows.first) * kThirdLines * size_t{op.offset}, op.offset);
   };
-  for_vectors([&](uint32_t n) GEOCLOTH_LANES {
-    const auto take_apart = [&](const float* p, size_t coordinate) GEOCLOTH_LANES {
-      const Third<D> third = thirds.take_apart(d, p + 3 * size_t{n});
-      hn::StoreU(third.a, d, row.at(0, coordinate, n));
-      hn::StoreU(third.middle, d, row.at(1, coordinate, n));
-      hn::StoreU(third.b, d, row.at(2, coordinate, n));
-    };
-    for (size_t c = 0; c < 3; ++c) take_apart(coordinates[c], c);
-    take_apart(points.inverse_mass, 3);
-  });
-  for (uint32_t group = 0; group < 3; ++group) {
-    const uint32_t* const blocks = &stream.group_first[3 * size_t{y} + group];
-    project_bends<kSeveral>(d, op, {row.from(group), row.from(group + 1), row.from(group + 2)}, blocks[0], blocks[1]);
+  for (uint32_t y = rows.first; y < rows.last; ++y) {
+    const ThirdRow row = apart(y);
+    const PointBase points(state, y * width);
+    for_thirds(d, state, stream.thirds[y], [&](uint32_t n) GEOCLOTH_LANES {
+      const auto take_apart = [&](const float* p, size_t coordinate) GEOCLOTH_LANES {
+        const Third<D> third = thirds.take_apart(d, p + 3 * size_t{n});
+        hn::StoreU(third.a, d, row.at(0, coordinate, n));
+        hn::StoreU(third.middle, d, row.at(1, coordinate, n));
+        hn::StoreU(third.b, d, row.at(2, coordinate, n));
+      };
+      take_apart(points.x, 0);
+      take_apart(points.y, 1);
+      take_apart(points.z, 2);
+      take_apart(points.inverse_mass, 3);
+    });
   }
-  for_vectors([&](uint32_t n) GEOCLOTH_LANES {
-    for (size_t c = 0; c < 3; ++c) {
-      thirds.put_together(d, hn::LoadU(d, row.at(0, c, n)), hn::LoadU(d, row.at(1, c, n)),
-                          hn::LoadU(d, row.at(2, c, n)), coordinates[c] + 3 * size_t{n});
+  for (uint32_t group = 0; group < 3; ++group) {
+    for (uint32_t y = rows.first; y < rows.last; ++y) {
+      const ThirdRow row = apart(y);
+      const uint32_t* const blocks = &stream.group_first[3 * size_t{y} + group];
+      project_bends<kSeveral>(d, op, {row.from(group), row.from(group + 1), row.from(group + 2)}, blocks[0], blocks[1]);
     }
-  });
+  }
+  for (uint32_t y = rows.first; y < rows.last; ++y) {
+    const ThirdRow row = apart(y);
+    const PointBase points(state, y * width);
+    for_thirds(d, state, stream.thirds[y], [&](uint32_t n) GEOCLOTH_LANES {
+      const auto put_together = [&](float* p, size_t c) GEOCLOTH_LANES {
+        thirds.put_together(d, hn::LoadU(d, row.at(0, c, n)), hn::LoadU(d, row.at(1, c, n)),
+                            hn::LoadU(d, row.at(2, c, n)), p + 3 * size_t{n});
+      };
+      put_together(points.x, 0);
+      put_together(points.y, 1);
+      put_together(points.z, 2);
+    });
+  }
 }
 
 #endif

@@ -284,17 +284,17 @@ HWY_INLINE Mask<D> all_counted(D d, FirstLanes lanes) {
 
 /// Where no collider can reach, collide.h leaves a point as it is.
 template <class D>
-HWY_NOINLINE void collide(D d, const SweepFrame& frame, uint32_t substep, const Run& run) {
+HWY_NOINLINE void collide(D d, const SweepFrame& frame, uint32_t substep, std::span<const Run> runs) {
   ClothState& state = *frame.state;
   if (frame.collide_all) {
-    for_run(d, run, [&](uint32_t i, auto lanes) GEOCLOTH_LANES {
+    for_runs(d, runs, [&](uint32_t i, auto lanes) GEOCLOTH_LANES {
       collide_from<true>(d, frame, substep, i, all_counted(d, lanes));
     });
     return;
   }
   const Guards guards(frame, substep);
   const PointRow position = at(state.position, 0), previous = at(state.previous, 0);
-  for_run(d, run, [&](uint32_t i, auto lanes) GEOCLOTH_LANES {
+  for_runs(d, runs, [&](uint32_t i, auto lanes) GEOCLOTH_LANES {
     const Points<D> p = load(d, after(position, i));
     const auto way = at_most(d, sub(p, load(d, after(previous, i))));
     const auto near = counted(d, lanes, guards.near(d, p, way));
@@ -321,10 +321,10 @@ HWY_NOINLINE float depth_of(D d, const SweepFrame& frame, uint32_t substep, uint
 }
 
 template <class D>
-HWY_NOINLINE void check_colliders(D d, const SweepFrame& frame, uint32_t substep, const Run& run) {
+HWY_NOINLINE void check_colliders(D d, const SweepFrame& frame, uint32_t substep, std::span<const Run> runs) {
   const Guards guards(frame, substep);
   float depth = frame.penetration[substep];
-  for_run(d, run, [&](uint32_t i, auto lanes) GEOCLOTH_LANES {
+  for_runs(d, runs, [&](uint32_t i, auto lanes) GEOCLOTH_LANES {
     const auto near = counted(d, lanes, guards.near(d, load(d, at(frame.state->position, i)), hn::Zero(d)));
     if (!hn::AllFalse(d, near)) depth = std::max(depth, depth_of(d, frame, substep, i, near));
   });

@@ -68,67 +68,25 @@ constexpr size_t spring_floats(size_t lanes, bool several) {
   return (several ? 3 : 2) * lanes;
 }
 
-/// How the springs of a row are gone through: at places first, first + kStep, ... before last.
-/// Any springs: a place is a block's number.
-template <size_t kLanes, bool kSomeSteps>
-struct Listed {
-  static constexpr bool kSeveral = kSomeSteps;  ///< relaxation steps
-  static constexpr bool kWhole = false;
-  static constexpr bool kPullsOnly = false;
-  static constexpr size_t kStep = 1;
-
-  HWY_INLINE Listed(const SweepOp& op, uint32_t first_block, uint32_t last_block)
-      : pixels(op.stream->pixel.data()), constants(op.stream->constants.data()), first(first_block), last(last_block) {}
-  [[nodiscard]] HWY_INLINE size_t pixel(size_t place) const { return pixels[place]; }
-  [[nodiscard]] HWY_INLINE const float* constants_of(size_t place) const {
-    return constants + place * spring_floats(kLanes, kSeveral);
-  }
-
-  const uint32_t* pixels;
-  const float* constants;
-  size_t origin = 0, first, last;
-};
-/// Most: each block begins where the one before ends, so many columns further, and all of a spring's error is removed.
-/// A place is its distance from the first one, so that one number leads to all addresses; they were a quarter of the
-/// instructions.
-template <size_t kLanes, size_t kColumns>
-struct Following {
-  static constexpr bool kSeveral = false;
-  static constexpr bool kWhole = true;
-  static constexpr bool kPullsOnly = false;
-  static constexpr size_t kStep = kColumns;
-
-  HWY_INLINE Following(const SweepOp& op, uint32_t first_block, uint32_t last_block)
-      : constants(op.stream->constants.data() + first_block * spring_floats(kLanes, false)),
-        origin(op.stream->pixel[first_block]),
-        last((last_block - first_block) * kColumns) {}
-  [[nodiscard]] HWY_INLINE size_t pixel(size_t place) const { return place; }
-  [[nodiscard]] HWY_INLINE const float* constants_of(size_t place) const {
-    return constants + place * (spring_floats(kLanes, false) / kColumns);
-  }
-
-  const float* constants;
-  size_t origin, first = 0, last;  ///< origin: to add to pixels
-};
-
-/// Ties: spans of one pixel, lib/span.h.
-template <class Where>
-struct PullsOnly : Where {
-  static constexpr bool kPullsOnly = true;
-
-  HWY_INLINE PullsOnly(const SweepOp& op, uint32_t first_block, uint32_t last_block)
-      : Where(op, first_block, last_block) {}
+/// What springs do besides lib/spring.h.
+template <bool kSomeSteps, bool kAll, bool kOnlyPull>
+struct SpringKind {
+  static constexpr bool kSeveral = kSomeSteps;   ///< relaxation steps
+  static constexpr bool kWhole = kAll;           ///< all of a spring's error is removed
+  static constexpr bool kPullsOnly = kOnlyPull;  ///< ties and spans, lib/span.h
 };
 
 /// lib/spring.h with inverse = 1 / (wa + wb + compliance), 0 where there is no spring.
-template <class Where, class D>
-HWY_INLINE Vec<D> spring_factor(D d, const SweepOp& op, const Where& where, size_t place, Vec<D> length, Vec<D> share) {
+/// @param block  its number
+template <class Kind, class D>
+HWY_INLINE Vec<D> spring_factor(D d, const SweepOp& op, const float* all_constants, size_t block, Vec<D> length,
+                                Vec<D> share) {
   const size_t lanes = hn::Lanes(d);
-  const float* const constants = where.constants_of(place);
+  const float* const constants = all_constants + block * spring_floats(lanes, Kind::kSeveral);
   return change_over_length(d, length, hn::LoadU(d, constants), hn::LoadU(d, constants + lanes), constants + 2 * lanes,
-                            Multipliers<Where::kSeveral, D>(op, place, lanes), [&](Vec<D> error) GEOCLOTH_LANES {
-                              if constexpr (Where::kPullsOnly) return hn::Max(error, hn::Zero(d));
-                              if constexpr (Where::kWhole) return error;
+                            Multipliers<Kind::kSeveral, D>(op, block, lanes), [&](Vec<D> error) GEOCLOTH_LANES {
+                              if constexpr (Kind::kPullsOnly) return hn::Max(error, hn::Zero(d));
+                              if constexpr (Kind::kWhole) return error;
                               return hn::Mul(share, error);
                             });
 }
@@ -139,33 +97,44 @@ HWY_INLINE void apply_spring(D d, Vec<D> factor, Points<D>& a, Vec<D> wa, Points
   b = sub(b, scale(d, step, wb));
 }
 
-/// length(place), factor(place, length) and apply(place, factor) for all blocks, one or two blocks ahead of the next:
-/// what has to wait for a root or a division would fill the processor's queues. Blocks may share pixels, but no
-/// constraint's: what length() has read is not changed until apply() reads it again.
-template <class D, class Where, class Length, class Factor, class Apply>
-HWY_INLINE void in_turn(D d, const Where& where, const Length& length, const Factor& factor, const Apply& apply) {
-  constexpr size_t kStep = Where::kStep;
-  const size_t last = where.last;
-  size_t p = where.first;
-  if (p >= last) return;
-  const auto length_before_end = [&](size_t place)
-                                     GEOCLOTH_LANES { return place < last ? length(place) : hn::Zero(d); };
-  Vec<D> now = factor(p, length(p));
-  Vec<D> next = length_before_end(p + kStep), after_next = length_before_end(p + 2 * kStep);
-  for (; p + 3 * kStep < last; p += kStep) {
-    const Vec<D> newest = length(p + 3 * kStep);
-    const Vec<D> soon = factor(p + kStep, next);
-    apply(p, now);
+/// length(block, pixel), factor(block, length) and apply(block, pixel, factor) for the blocks first .. last - 1, one or
+/// two blocks ahead of the next: what has to wait for a root or a division would fill the processor's queues. Blocks
+/// may share pixels, but no constraint's: what length() has read is not changed until apply() reads it again.
+template <class D, class Length, class Factor, class Apply>
+HWY_INLINE void in_turn(D d, const RowStream& stream, uint32_t first, uint32_t last, const Length& length,
+                        const Factor& factor, const Apply& apply) {
+  const uint32_t* const pixels = stream.pixel.data();
+  // A pixel's number is read once and handed on: to find it and its addresses again is a quarter of the instructions.
+  size_t k = first, at = pixels[k], at_next = 0, at_after_next = 0;
+  const size_t end = last;
+  Vec<D> now = factor(k, length(k, at)), next = hn::Zero(d), after_next = hn::Zero(d);
+  if (k + 1 < end) {
+    at_next = pixels[k + 1];
+    next = length(k + 1, at_next);
+  }
+  if (k + 2 < end) {
+    at_after_next = pixels[k + 2];
+    after_next = length(k + 2, at_after_next);
+  }
+  for (; k + 3 < end; ++k) {
+    const size_t at_newest = pixels[k + 3];
+    const Vec<D> newest = length(k + 3, at_newest);
+    const Vec<D> soon = factor(k + 1, next);
+    apply(k, at, now);
+    at = at_next;
+    at_next = at_after_next;
+    at_after_next = at_newest;
     next = after_next;
     after_next = newest;
     now = soon;
   }
   for (;;) {
-    apply(p, now);
-    p += kStep;
-    if (p >= last) return;
-    now = factor(p, next);
+    apply(k, at, now);
+    if (++k >= end) return;
+    now = factor(k, next);
     next = after_next;
+    at = at_next;
+    at_next = at_after_next;
   }
 }
 
@@ -221,20 +190,16 @@ HWY_INLINE void put_together(D d, Vec<D> a, Vec<D> b, float* p) {
   }
 }
 
-template <class Where, class D>
+template <class Kind, class D>
 HWY_NOINLINE void springs_across(D d, const SweepOp& op, ClothState& state, uint32_t first, uint32_t last) {
-  const Where where(op, first, last);
-  const PointBase up(state, where.origin), down(state, where.origin + op.offset);
+  const PointBase up(state, 0), down(state, op.offset);
+  const float* const constants = op.stream->constants.data();
   const auto share = hn::Set(d, op.share);
   in_turn(
-      d, where,
-      [&](size_t place) GEOCLOTH_LANES {
-        const size_t i = where.pixel(place);
-        return length(d, sub(load(d, down.at(i)), load(d, up.at(i))));
-      },
-      [&](size_t place, Vec<D> l) GEOCLOTH_LANES { return spring_factor(d, op, where, place, l, share); },
-      [&](size_t place, Vec<D> factor) GEOCLOTH_LANES {
-        const size_t i = where.pixel(place);
+      d, *op.stream, first, last,
+      [&](size_t, size_t i) GEOCLOTH_LANES { return length(d, sub(load(d, down.at(i)), load(d, up.at(i)))); },
+      [&](size_t block, Vec<D> l) GEOCLOTH_LANES { return spring_factor<Kind>(d, op, constants, block, l, share); },
+      [&](size_t, size_t i, Vec<D> factor) GEOCLOTH_LANES {
         Points<D> a = load(d, up.at(i)), b = load(d, down.at(i));
         apply_spring(d, factor, a, hn::LoadU(d, up.inverse_mass + i), b, hn::LoadU(d, down.inverse_mass + i));
         store(d, a, up.at(i));
@@ -242,22 +207,21 @@ HWY_NOINLINE void springs_across(D d, const SweepOp& op, ClothState& state, uint
       });
 }
 
-template <size_t kColumns, class Where, class D>
+template <size_t kColumns, class Kind, class D>
 HWY_NOINLINE void springs_along(D d, const SweepOp& op, ClothState& state, uint32_t first, uint32_t last) {
-  const Where where(op, first, last);
-  const PointBase points(state, where.origin);
+  const PointBase points(state, 0);
+  const float* const constants = op.stream->constants.data();
   const auto share = hn::Set(d, op.share);
   in_turn(
-      d, where,
-      [&](size_t place) GEOCLOTH_LANES {
-        const PointRow p = points.at(where.pixel(place));
+      d, *op.stream, first, last,
+      [&](size_t, size_t i) GEOCLOTH_LANES {
+        const PointRow p = points.at(i);
         const Ends<D> x = take_apart<kColumns>(d, p.x), y = take_apart<kColumns>(d, p.y);
         const Ends<D> z = take_apart<kColumns>(d, p.z);
         return length(d, Points<D>{hn::Sub(x.b, x.a), hn::Sub(y.b, y.a), hn::Sub(z.b, z.a)});
       },
-      [&](size_t place, Vec<D> l) GEOCLOTH_LANES { return spring_factor(d, op, where, place, l, share); },
-      [&](size_t place, Vec<D> factor) GEOCLOTH_LANES {
-        const size_t i = where.pixel(place);
+      [&](size_t block, Vec<D> l) GEOCLOTH_LANES { return spring_factor<Kind>(d, op, constants, block, l, share); },
+      [&](size_t, size_t i, Vec<D> factor) GEOCLOTH_LANES {
         const PointRow p = points.at(i);
         const Ends<D> x = take_apart<kColumns>(d, p.x), y = take_apart<kColumns>(d, p.y);
         const Ends<D> z = take_apart<kColumns>(d, p.z);
@@ -270,83 +234,49 @@ HWY_NOINLINE void springs_along(D d, const SweepOp& op, ClothState& state, uint3
       });
 }
 
-/// The anchors of a substep as limit() wants them, lane by lane.
-/// Any: each lane chooses among as many as a vector has.
-template <size_t kLanes>
+/// The anchors of a substep as limit() wants them, lane by lane. Any: each lane chooses among as many as a vector has.
 struct ChosenAnchors {
-  static constexpr size_t kStep = 1;
-
-  HWY_INLINE ChosenAnchors(const RowStream& stream, const float* anchors, uint32_t count, uint32_t first_block,
-                           uint32_t last_block)
-      : pixels(stream.pixel.data()),
-        first_anchor(stream.first_anchor.data()),
-        own(stream.anchors.data()),
-        longest(stream.constants.data()),
-        x(anchors),
-        y(x + count),
-        z(y + count),
-        first(first_block),
-        last(last_block) {}
-  [[nodiscard]] HWY_INLINE size_t pixel(size_t place) const { return pixels[place]; }
-  [[nodiscard]] HWY_INLINE const float* longest_of(size_t place) const { return longest + place * kLanes; }
   template <class D>
-  [[nodiscard]] HWY_INLINE Points<D> at(D d, size_t place) const {
-    const size_t start = first_anchor[place];
-    const auto lanes = hn::IndicesFromVec(d, hn::LoadU(hn::RebindToSigned<D>(), own + place * kLanes));
-    return {hn::TableLookupLanes(hn::LoadU(d, x + start), lanes), hn::TableLookupLanes(hn::LoadU(d, y + start), lanes),
-            hn::TableLookupLanes(hn::LoadU(d, z + start), lanes)};
+  static HWY_INLINE Vec<D> from(D d, const RowStream& stream, size_t block, const float* anchors) {
+    const int32_t* const own = stream.anchors.data() + block * hn::Lanes(d);
+    return hn::TableLookupLanes(hn::LoadU(d, anchors), hn::IndicesFromVec(d, hn::LoadU(hn::RebindToSigned<D>(), own)));
   }
-
-  const uint32_t *pixels, *first_anchor;
-  const int32_t* own;
-  const float *longest, *x, *y, *z;
-  size_t origin = 0, first, last;
 };
-/// Of a sheet below its pins: neighbours have neighbouring anchors all along the row.
-template <size_t kLanes>
+/// Of a sheet below its pins: neighbours have neighbouring anchors.
 struct AnchorsBeside {
-  static constexpr size_t kStep = kLanes;
-
-  HWY_INLINE AnchorsBeside(const RowStream& stream, const float* anchors, uint32_t count, uint32_t first_block,
-                           uint32_t last_block)
-      : longest(stream.constants.data() + first_block * kLanes),
-        x(anchors + stream.first_anchor[first_block]),
-        y(x + count),
-        z(y + count),
-        origin(stream.pixel[first_block]),
-        last((last_block - first_block) * kLanes) {}
-  [[nodiscard]] HWY_INLINE size_t pixel(size_t place) const { return place; }
-  [[nodiscard]] HWY_INLINE const float* longest_of(size_t place) const { return longest + place; }
   template <class D>
-  [[nodiscard]] HWY_INLINE Points<D> at(D d, size_t place) const {
-    return {hn::LoadU(d, x + place), hn::LoadU(d, y + place), hn::LoadU(d, z + place)};
+  static HWY_INLINE Vec<D> from(D d, const RowStream&, size_t, const float* anchors) {
+    return hn::LoadU(d, anchors);
   }
-
-  const float *longest, *x, *y, *z;
-  size_t origin, first = 0, last;
 };
 
 /// lib/limit.h.
 template <class Anchors, class D>
 HWY_NOINLINE void limit(D d, const SweepOp& op, ClothState& state, const float* all_anchors, uint32_t count,
                         uint32_t first, uint32_t last) {
-  const Anchors anchors(*op.stream, all_anchors, count, first, last);
-  const PointBase points(state, anchors.origin);
+  const RowStream& stream = *op.stream;
+  const PointBase points(state, 0);
+  const uint32_t* const first_anchor = stream.first_anchor.data();
+  const float* const longest_of = stream.constants.data();
   const auto one = hn::Set(d, 1.F), within = hn::Set(d, -1.F);
+  const auto anchor_of = [&](size_t block) GEOCLOTH_LANES {
+    const float* const x = all_anchors + first_anchor[block];
+    return Points<D>{Anchors::from(d, stream, block, x), Anchors::from(d, stream, block, x + count),
+                     Anchors::from(d, stream, block, x + size_t{2} * count)};
+  };
   in_turn(
-      d, anchors,
-      [&](size_t place)
-          GEOCLOTH_LANES { return length(d, sub(load(d, points.at(anchors.pixel(place))), anchors.at(d, place))); },
-      [&](size_t place, Vec<D> l) GEOCLOTH_LANES {
-        const auto longest = hn::LoadU(d, anchors.longest_of(place));
+      d, stream, first, last,
+      [&](size_t block, size_t i) GEOCLOTH_LANES { return length(d, sub(load(d, points.at(i)), anchor_of(block))); },
+      [&](size_t block, Vec<D> l) GEOCLOTH_LANES {
+        const auto longest = hn::LoadU(d, longest_of + block * hn::Lanes(d));
         const auto far = hn::Gt(l, longest);
         return hn::IfThenElse(far, hn::Mul(longest, hn::Div(one, hn::IfThenElse(far, l, one))), within);
       },
-      [&](size_t place, Vec<D> factor) GEOCLOTH_LANES {
+      [&](size_t block, size_t i, Vec<D> factor) GEOCLOTH_LANES {
         const auto far = hn::Ge(factor, hn::Zero(d));
         if (hn::AllFalse(d, far)) return;
-        const PointRow p = points.at(anchors.pixel(place));
-        const Points<D> position = load(d, p), anchor = anchors.at(d, place);
+        const PointRow p = points.at(i);
+        const Points<D> position = load(d, p), anchor = anchor_of(block);
         const Points<D> pulled = add(anchor, scale(d, sub(position, anchor), factor));
         store(d, choose<D>(far, pulled, position), p);
       });

@@ -14,11 +14,11 @@ namespace geocloth::cpu::HWY_NAMESPACE {
 #if HWY_TARGET != HWY_SCALAR
 
 template <class D>
-HWY_NOINLINE void hold_way(D d, ClothState& state, const Run& run) {
+HWY_NOINLINE void hold_way(D d, ClothState& state, std::span<const Run> runs) {
   const PointRow positions = at(state.position, 0), before = at(state.previous, 0), carried = at(state.carry, 0);
   const float* const inverse_mass = state.inverse_mass.data();
   // The last vector of a run gives back what follows the run as it was, as in predict().
-  for_run(d, run, [&](uint32_t i, auto lanes) GEOCLOTH_LANES {
+  for_runs(d, runs, [&](uint32_t i, auto lanes) GEOCLOTH_LANES {
     const PointRow pp = after(before, i), pc = after(carried, i);
     const Points<D> position = load(d, after(positions, i)), previous = load(d, pp), carry = load(d, pc);
     const auto free = counted(d, lanes, hn::Gt(hn::LoadU(d, inverse_mass + i), hn::Zero(d)));
@@ -59,11 +59,11 @@ HWY_INLINE void keep_out(D d, const Meeting& meeting, Mask<D> lanes, const Point
 }
 
 template <class D>
-HWY_NOINLINE void give_way(D d, const SweepFrame& frame, uint32_t substep, const Run& run) {
+HWY_NOINLINE void give_way(D d, const SweepFrame& frame, uint32_t substep, std::span<const Run> runs) {
   ClothState& state = *frame.state;
   const Guards guards(frame, substep);
   const float* const inverse_mass = state.inverse_mass.data();
-  for_run(d, run, [&](uint32_t i, auto lanes) GEOCLOTH_LANES {
+  for_runs(d, runs, [&](uint32_t i, auto lanes) GEOCLOTH_LANES {
     const PointRow p = at(state.position, i), pp = at(state.previous, i), pc = at(state.carry, i);
     const Points<D> moved = load(d, p), way = load(d, pp), start = load(d, pc);
     const auto free = counted(d, lanes, hn::Gt(hn::LoadU(d, inverse_mass + i), hn::Zero(d)));

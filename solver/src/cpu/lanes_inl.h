@@ -160,13 +160,17 @@ HWY_INLINE Points<D> only(Mask<D> mask, const Points<D>& a) {
   return {hn::IfThenElseZero(mask, a.x), hn::IfThenElseZero(mask, a.y), hn::IfThenElseZero(mask, a.z)};
 }
 
-/// Calls body(first pixel, lanes that count) for a run.
+/// Calls body(first pixel, lanes that count) for runs.
 template <class D, class Body>
 HWY_INLINE void for_run(D d, const Run& run, const Body& body) {
   const auto lanes = static_cast<uint32_t>(hn::Lanes(d));
   uint32_t i = run.first;
   for (; i + lanes <= run.last; i += lanes) body(i, AllLanes());
   if (i < run.last) body(i, FirstLanes{run.last - i});
+}
+template <class D, class Body>
+HWY_INLINE void for_runs(D d, std::span<const Run> runs, const Body& body) {
+  for (const Run& run : runs) for_run(d, run, body);
 }
 
 #endif

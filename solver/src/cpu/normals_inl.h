@@ -45,7 +45,7 @@ HWY_INLINE Points<D> corner_normal(D d, Lanes mask, ClothState& state, size_t i)
 
 /// Pixels with all four cells inside the image; the outermost ones are taken one by one.
 template <class D>
-HWY_NOINLINE void normals(D d, ClothState& state, const Run& run) {
+HWY_INLINE void normals_of_run(D d, ClothState& state, const Run& run) {
   const uint32_t width = state.data.width, y = run.first / width;
   if (y == 0 || y + 1 == state.data.height) return normal_pixels(state, run.first, run.last);
   if (run.first % width == 0) normal_pixels(state, run.first, run.first + 1);
@@ -62,6 +62,10 @@ HWY_NOINLINE void normals(D d, ClothState& state, const Run& run) {
     store(d, scale(d, sum, inverse), mask, at(state.normal, i));
     store(d, hn::IfThenElseZero(long_enough, l), mask, &state.normal_length[i]);
   });
+}
+template <class D>
+HWY_NOINLINE void normals(D d, ClothState& state, std::span<const Run> runs) {
+  for (const Run& run : runs) normals_of_run(d, state, run);
 }
 
 #endif

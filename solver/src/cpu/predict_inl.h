@@ -106,14 +106,14 @@ HWY_INLINE void fall(D d, float* position, float* previous, float* carry, Vec<D>
 /// lib/predict.h. What is pinned stays.
 /// @param kForces  air acts, or the cloth's parent moves
 template <bool kForces, class D>
-HWY_NOINLINE void predict(D d, const PassContext& context, ClothState& state, const Run& run) {
+HWY_NOINLINE void predict(D d, const PassContext& context, ClothState& state, std::span<const Run> runs) {
   const shader::ClothParams& params = context.cloth.params;
   const Points<D> gravity = set(d, params.gravity_step.x, params.gravity_step.y, params.gravity_step.z);
   const auto keep = hn::Set(d, params.keep), dt2 = hn::Set(d, params.dt * params.dt);
   const PointRow positions = at(state.position, 0), before = at(state.previous, 0), carried = at(state.carry, 0);
   const float* const inverse_mass = state.inverse_mass.data();
   // Masked stores are slow: the last vector of a run gives back what follows the run as it was.
-  for_run(d, run, [&](uint32_t i, auto lanes) GEOCLOTH_LANES {
+  for_runs(d, runs, [&](uint32_t i, auto lanes) GEOCLOTH_LANES {
     const PointRow p = after(positions, i), pp = after(before, i), pc = after(carried, i);
     const auto free = counted(d, lanes, hn::Gt(hn::LoadU(d, inverse_mass + i), hn::Zero(d)));
     if (!kForces && hn::AllTrue(d, free)) {

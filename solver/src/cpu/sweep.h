@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstdint>
@@ -21,13 +22,13 @@ enum class RowKernel : uint8_t {
   pins,               ///< pins of the row
   springs_across,     ///< blocks: rest, inverse, compliance
   springs_along,      ///< blocks over every second column and its neighbour: rest, inverse, compliance
-  ties_across,        ///< as springs_across, pulling only: longest, inverse
+  ties_across,        ///< as springs_across, pulling only, also spans over rows: longest, inverse
   ties_along,         ///< as springs_along, pulling only: longest, inverse
   springs_along_two,  ///< blocks over two of four columns and the next two: rest, inverse, compliance
   bends_across,       ///< blocks: rest, inverse, chord, compliance
   bends_along,        ///< all three groups; blocks over every third column, in columns / 3: rest, inverse, chord,
                       ///< compliance. group_first the blocks of each group, thirds the ones of each row that they reach
-  spans,              ///< blocks of kSpanLanes at most: longest, inverse
+  spans_along,        ///< as ties_across, blocks of kSpanLanes at most
   limit,              ///< blocks: longest; anchors
   collide,            ///< runs
   hold_way,           ///< runs
@@ -37,6 +38,10 @@ enum class RowKernel : uint8_t {
 
 /// Springs over so many pixels share none when no more of them than that lie next to each other.
 inline constexpr uint32_t kSpanLanes = shader::kSpanPixels;
+
+/// Lines of the scratch that bends_along takes a row apart into: of each residue modulo 3 three coordinates and the
+/// inverse mass.
+inline constexpr uint32_t kThirdLines = 12;
 
 /// Neighbouring pixels, first <= i < last.
 struct Run {
@@ -50,9 +55,7 @@ struct RowStream {
   std::vector<uint32_t> row_first;    ///< height + 1 entries: the row's blocks, runs or pins
   std::vector<uint32_t> group_first;  ///< bends_along: three entries for each row, as row_first
   std::vector<uint32_t> pixel;        ///< first pixel of a block
-  /// Springs and limit: for each row whether each block begins where the one before ends, and each lane's anchor lies
-  /// beside the one of the lane before.
-  std::vector<uint8_t> following;
+  std::vector<uint8_t> beside;        ///< limit: for each row whether each lane's anchor lies beside the lane's before
   Floats constants;
   std::vector<float> multipliers;      ///< of constraints with several relaxation steps, for each lane
   std::vector<uint32_t> first_anchor;  ///< limit: of as many as a block has lanes
@@ -61,7 +64,7 @@ struct RowStream {
   std::vector<Run> thirds;
 };
 
-/// One pass in a sweep: at the time t of the sweep it works on the row t - lag.
+/// One pass in a sweep: from the time t to t + n of the sweep it works on the rows t - lag .. t + n - 1 - lag.
 struct SweepOp {
   RowKernel kernel;
   Pass pass = Pass::predict;  ///< whose time it is
@@ -82,6 +85,7 @@ struct Sweep {
   uint32_t longest_reach = 0;  ///< rows up and down from a row that passes touch
   uint32_t scratch = 0;        ///< floats of SweepFrame::scratch
   uint32_t distance = 0;       ///< times that the same sweep of the substep before must be ahead
+  uint32_t strip = 1;          ///< times that pass: rows that a pass works on before the next one does
 };
 
 /// A collider from which a point that is this far away is certainly not touched, per substep.
@@ -105,8 +109,8 @@ struct SweepFrame {
   const ColliderGuard* guards = nullptr;  ///< for each substep one for each collider
   bool collide_all = false;               ///< no point is certainly untouched, or points change without being touched
   float* penetration = nullptr;           ///< [m] of each substep, raised by check_colliders
-  float* scratch = nullptr;               ///< memory for a row, Sweep::scratch long; of one thread
-  double* seconds = nullptr;              ///< of a sample of the rows, for each substep one for each pass
+  float* scratch = nullptr;               ///< memory for a strip, Sweep::scratch long; of one thread
+  double* seconds = nullptr;              ///< for each substep one for each pass
 };
 
 /// Rows of a sweep that can be done without those of other bands. Band k leaves out the rows at its upper side that
@@ -123,15 +127,23 @@ struct SweepBand {
   bool upper = false;  ///< a band above has the rows before
   bool lower = false;  ///< it is a gap: a band below has the rows after
 };
-/// Whether a band has the row of a pass.
-[[nodiscard]] inline bool has_row(const SweepBand& band, const SweepOp& op, uint32_t y, uint32_t height) {
-  return y < height && (!band.upper || y >= band.low + op.rise) && (!band.lower || y < band.high + op.rise);
+/// first <= y < last; none when first is not below last.
+struct RowRange {
+  uint32_t first, last;
+};
+/// The rows of a pass that a band has from a time on to another one.
+[[nodiscard]] inline RowRange rows_between(const SweepBand& band, const SweepOp& op, uint32_t time, uint32_t end,
+                                           uint32_t height) {
+  RowRange rows{time > op.lag ? time - op.lag : 0, end > op.lag ? std::min(end - op.lag, height) : 0};
+  if (band.upper) rows.first = std::max(rows.first, band.low + op.rise);
+  if (band.lower) rows.last = std::min(rows.last, band.high + op.rise);
+  return rows;
 }
 [[nodiscard]] inline SweepBand whole_sweep(const Sweep& sweep, uint32_t height) {
   return {.first_time = 0, .end_time = height + sweep.last_lag};
 }
 
-/// Runs the sweep of one substep. Waits, row by row, until `ahead` has come far enough, and tells its own way.
+/// Runs the sweep of one substep. Waits, strip by strip, until `ahead` has come far enough, and tells its own way.
 /// @param lanes  of the vectors that the streams were made for
 /// @param ahead  times that the substep before has done, or nullptr
 void run_sweep(uint32_t lanes, const SweepFrame& frame, uint32_t substep, const SweepBand& band, const Progress* ahead,

@@ -20,7 +20,6 @@
 #include "cpu/finish_inl.h"
 #include "cpu/normals_inl.h"
 #include "cpu/predict_inl.h"
-#include "cpu/spans_inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace geocloth::cpu::HWY_NAMESPACE {
@@ -42,89 +41,84 @@ template <class T>
 struct Chosen {
   using Type = T;
 };
-/// Calls body(Chosen<Where>()) with the fastest way through the springs of a row, whose blocks reach over `kVectors` of
-/// columns. The kernel makes the Where: to hand it over goes through memory, in pieces that are read as a whole.
-template <size_t kVectors, class D, class Body>
-HWY_INLINE void with_where(D, const SweepOp& op, uint32_t y, const Body& body) {
-  constexpr size_t kLanes = hn::MaxLanes(D()), kColumns = kVectors * kLanes;
-  if (op.multipliers != nullptr) return body(Chosen<Listed<kLanes, true>>());
-  if (op.share == 1 && op.stream->following[y] != 0) return body(Chosen<Following<kLanes, kColumns>>());
-  body(Chosen<Listed<kLanes, false>>());
+/// Calls body(Chosen<SpringKind<...>>()). The kernel makes its own: to hand one over goes through memory, in pieces
+/// that are read as a whole.
+template <class Body>
+HWY_INLINE void with_kind(const SweepOp& op, const Body& body) {
+  if (op.multipliers != nullptr) return body(Chosen<SpringKind<true, false, false>>());
+  if (op.share == 1) return body(Chosen<SpringKind<false, true, false>>());
+  body(Chosen<SpringKind<false, false, false>>());
 }
+using Pulls = SpringKind<false, true, true>;
 
 template <class D>
-HWY_INLINE void run_row(D d, const SweepFrame& frame, const SweepOp& op, uint32_t substep, uint32_t y) {
+HWY_INLINE void run_rows(D d, const SweepFrame& frame, const SweepOp& op, uint32_t substep, const RowRange& rows) {
   ClothState& state = *frame.state;
   const RowStream& stream = *op.stream;
-  const uint32_t first = stream.row_first[y], last = stream.row_first[y + 1];
+  const uint32_t first = stream.row_first[rows.first], last = stream.row_first[rows.last];
   if (first == last) return;
   const bool several = op.multipliers != nullptr;  // relaxation steps
+  const auto runs = [&] { return std::span(stream.runs).subspan(first, last - first); };
   switch (op.kernel) {
     case RowKernel::normals:
-      for (uint32_t k = first; k < last; ++k) normals(d, state, stream.runs[k]);
+      normals(d, state, runs());
       break;
-    case RowKernel::predict:
-      for (uint32_t k = first; k < last; ++k) {
-        const PassContext& context = frame.contexts[substep];
-        const bool forces = context.cloth.params.air != 0 || context.cloth.params.moving != 0;
-        forces ? predict<true>(d, context, state, stream.runs[k]) : predict<false>(d, context, state, stream.runs[k]);
-      }
+    case RowKernel::predict: {
+      const PassContext& context = frame.contexts[substep];
+      const bool forces = context.cloth.params.air != 0 || context.cloth.params.moving != 0;
+      forces ? predict<true>(d, context, state, runs()) : predict<false>(d, context, state, runs());
       break;
+    }
     case RowKernel::pins:
       move_pins(frame.contexts[substep], state, first, last);
       break;
     case RowKernel::springs_across:
-      with_where<1>(d, op, y, [&](auto where) GEOCLOTH_LANES {
-        springs_across<typename decltype(where)::Type>(d, op, state, first, last);
-      });
+      with_kind(op, [&](auto kind)
+                        GEOCLOTH_LANES { springs_across<typename decltype(kind)::Type>(d, op, state, first, last); });
       break;
     case RowKernel::springs_along:
-      with_where<2>(d, op, y, [&](auto where) GEOCLOTH_LANES {
-        springs_along<1, typename decltype(where)::Type>(d, op, state, first, last);
-      });
+      with_kind(op, [&](auto kind)
+                        GEOCLOTH_LANES { springs_along<1, typename decltype(kind)::Type>(d, op, state, first, last); });
       break;
     case RowKernel::ties_across:
-      with_where<1>(d, op, y, [&](auto where) GEOCLOTH_LANES {
-        springs_across<PullsOnly<typename decltype(where)::Type>>(d, op, state, first, last);
-      });
+      springs_across<Pulls>(d, op, state, first, last);
       break;
     case RowKernel::ties_along:
-      with_where<2>(d, op, y, [&](auto where) GEOCLOTH_LANES {
-        springs_along<1, PullsOnly<typename decltype(where)::Type>>(d, op, state, first, last);
-      });
+      springs_along<1, Pulls>(d, op, state, first, last);
+      break;
+    case RowKernel::spans_along:  // half of the columns are the other ends
+      springs_across<Pulls>(hn::CappedTag<float, HWY_MIN(kSpanLanes, hn::MaxLanes(D()))>(), op, state, first, last);
       break;
     case RowKernel::springs_along_two:
-      with_where<2>(d, op, y, [&](auto where) GEOCLOTH_LANES {
-        springs_along<2, typename decltype(where)::Type>(d, op, state, first, last);
-      });
+      with_kind(op, [&](auto kind)
+                        GEOCLOTH_LANES { springs_along<2, typename decltype(kind)::Type>(d, op, state, first, last); });
       break;
     case RowKernel::bends_across:
       several ? bends_across<true>(d, op, state, first, last) : bends_across<false>(d, op, state, first, last);
       break;
     case RowKernel::bends_along:
-      several ? bends_along<true>(d, op, state, frame.scratch, y) : bends_along<false>(d, op, state, frame.scratch, y);
-      break;
-    case RowKernel::spans:
-      spans(hn::CappedTag<float, HWY_MIN(kSpanLanes, hn::MaxLanes(D()))>(), op, state, first, last);
+      several ? bends_along<true>(d, op, state, frame.scratch, rows)
+              : bends_along<false>(d, op, state, frame.scratch, rows);
       break;
     case RowKernel::limit: {
-      constexpr size_t kLanes = hn::MaxLanes(D());
       const float* const anchors = frame.anchors + size_t{3} * frame.anchor_count * substep;
-      stream.following[y] != 0 ? limit<AnchorsBeside<kLanes>>(d, op, state, anchors, frame.anchor_count, first, last)
-                               : limit<ChosenAnchors<kLanes>>(d, op, state, anchors, frame.anchor_count, first, last);
+      const bool beside = std::find(stream.beside.begin() + rows.first, stream.beside.begin() + rows.last, 0) ==
+                          stream.beside.begin() + rows.last;
+      beside ? limit<AnchorsBeside>(d, op, state, anchors, frame.anchor_count, first, last)
+             : limit<ChosenAnchors>(d, op, state, anchors, frame.anchor_count, first, last);
       break;
     }
     case RowKernel::collide:
-      for (uint32_t k = first; k < last; ++k) collide(d, frame, substep, stream.runs[k]);
+      collide(d, frame, substep, runs());
       break;
     case RowKernel::hold_way:
-      for (uint32_t k = first; k < last; ++k) hold_way(d, state, stream.runs[k]);
+      hold_way(d, state, runs());
       break;
     case RowKernel::give_way:
-      for (uint32_t k = first; k < last; ++k) give_way(d, frame, substep, stream.runs[k]);
+      give_way(d, frame, substep, runs());
       break;
     case RowKernel::check_colliders:
-      for (uint32_t k = first; k < last; ++k) check_colliders(d, frame, substep, stream.runs[k]);
+      check_colliders(d, frame, substep, runs());
       break;
   }
 }
@@ -132,19 +126,17 @@ HWY_INLINE void run_row(D d, const SweepFrame& frame, const SweepOp& op, uint32_
 /// Whoever has to wait lets the other one go so many rows farther.
 constexpr uint32_t kRowsAtOnce = 4;
 
-/// One row in so many is timed: odd and no multiple of 3, so that all groups of rows are met.
-constexpr uint32_t kSampledRows = 13;
-constexpr uint32_t kFewRows = 100;  ///< that all are timed
-
 template <class D>
-HWY_NOINLINE void time_rows(D d, const SweepFrame& frame, uint32_t substep, uint32_t time) {
+HWY_NOINLINE void time_rows(D d, const SweepFrame& frame, uint32_t substep, const SweepBand& band, uint32_t time,
+                            uint32_t next) {
   using Clock = std::chrono::steady_clock;
   const std::vector<SweepOp>& ops = frame.sweep->ops;
   double* seconds = frame.seconds + substep * ops.size();
   auto start = Clock::now();
-  for (size_t k = 0; k < ops.size() && ops[k].lag <= time; ++k) {
-    if (time - ops[k].lag >= frame.state->data.height) continue;
-    run_row(d, frame, ops[k], substep, time - ops[k].lag);
+  for (size_t k = 0; k < ops.size() && ops[k].lag < next; ++k) {
+    const RowRange rows = rows_between(band, ops[k], time, next, frame.state->data.height);
+    if (rows.first >= rows.last) continue;
+    run_rows(d, frame, ops[k], substep, rows);
     const auto end = Clock::now();
     seconds[k] += std::chrono::duration<double>(end - start).count();
     start = end;
@@ -156,20 +148,22 @@ void sweep_rows(D d, const SweepFrame& frame, uint32_t substep, const SweepBand&
                 Progress* own) {
   const Sweep& sweep = *frame.sweep;
   const uint32_t height = frame.state->data.height, end = height + sweep.last_lag;
-  uint32_t seen = 0;  // of the way ahead: to look at it every row costs as much as a row
-  for (uint32_t time = band.first_time; time < band.end_time; ++time) {
-    if (ahead != nullptr && seen < std::min(end, time + sweep.distance)) {
-      seen = wait_until(ahead->done, std::min(end, time + sweep.distance + kRowsAtOnce));
+  uint32_t seen = 0;  // of the way ahead: to look at it every strip costs as much as a row
+  for (uint32_t time = band.first_time; time < band.end_time; time += sweep.strip) {
+    const uint32_t next = std::min(band.end_time, time + sweep.strip), needed = next - 1 + sweep.distance;
+    if (ahead != nullptr && seen < std::min(end, needed)) {
+      seen = wait_until(ahead->done, std::min(end, needed + kRowsAtOnce));
     }
-    if (frame.seconds != nullptr && (end < kFewRows || time % kSampledRows == 0)) {
-      time_rows(d, frame, substep, time);
+    if (frame.seconds != nullptr) {
+      time_rows(d, frame, substep, band, time, next);
     } else {
       for (const SweepOp& op : sweep.ops) {
-        if (op.lag > time) break;  // lags ascend
-        if (has_row(band, op, time - op.lag, height)) run_row(d, frame, op, substep, time - op.lag);
+        if (op.lag >= next) break;  // lags ascend
+        const RowRange rows = rows_between(band, op, time, next, height);
+        if (rows.first < rows.last) run_rows(d, frame, op, substep, rows);
       }
     }
-    if (own != nullptr) own->done.store(time + 1, std::memory_order_release);
+    if (own != nullptr) own->done.store(next, std::memory_order_release);
   }
 }
 
@@ -188,9 +182,7 @@ void run_sweep_here(uint32_t lanes, const SweepFrame& frame, uint32_t substep, c
 }
 
 void run_normals_here(uint32_t lanes, ClothState& state, std::span<const Run> runs) {
-  with_lanes(lanes, [&](auto d) GEOCLOTH_LANES {
-    for (const Run& run : runs) normals(d, state, run);
-  });
+  with_lanes(lanes, [&](auto d) GEOCLOTH_LANES { normals(d, state, runs); });
 }
 
 void run_cells_here(uint32_t lanes, const SweepFrame& frame, uint32_t substep, uint32_t group, uint32_t y) {

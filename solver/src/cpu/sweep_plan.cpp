@@ -55,9 +55,6 @@ constexpr uint32_t kRowOverhang = 3;
 /// rows once more.
 constexpr uint32_t kShortGap = 16;
 
-/// Lines of the scratch that a row is taken apart into: three coordinates and the inverse mass of each residue.
-constexpr uint32_t kThirdLines = 12;
-
 /// Rows above and below its own that a kernel touches.
 struct Reach {
   uint32_t up = 0, down = 0;
@@ -76,7 +73,8 @@ class SweepPlanner {
         in_bands_(in_bands),
         lanes_(lanes),
         width_(state.data.width),
-        height_(state.data.height) {
+        height_(state.data.height),
+        strip_(rows_at_once(runs, state.data.height)) {
     plan_->lanes_ = lanes;
   }
 
@@ -116,7 +114,8 @@ class SweepPlanner {
     reaches_.push_back(reach);
     sweep.last_lag = op.lag;
     sweep.last_rise = op.rise;
-    if (op.kernel == RowKernel::bends_along) sweep.scratch = std::max(sweep.scratch, kThirdLines * op.offset);
+    sweep.strip = strip_;
+    if (op.kernel == RowKernel::bends_along) sweep.scratch = std::max(sweep.scratch, strip_ * kThirdLines * op.offset);
     for (const Reach& other : reaches_) {
       sweep.longest_reach = std::max({sweep.longest_reach, reach.up + other.down, other.up + reach.down});
     }
@@ -139,8 +138,6 @@ class SweepPlanner {
         return {0, (op.offset + 1) / width_};  // down-left: width - 1
       case RowKernel::bends_across:
         return {0, 2};
-      case RowKernel::spans:
-        return {0, op.offset / width_};
       default:
         return gives_back(op) ? Reach{0, 1} : Reach{};
     }
@@ -158,6 +155,16 @@ class SweepPlanner {
     }
     const std::vector<uint32_t>& blocks = op.stream->pixel;
     return std::any_of(blocks.begin(), blocks.end(), [&](uint32_t p) { return p % width_ + 2 * lanes_ > width_; });
+  }
+
+  /// A pass begins with what has to wait for roots and divisions: it should go on for so many pixels then. More would
+  /// be out of the nearest cache when the next pass comes.
+  static uint32_t rows_at_once(const std::vector<Run>& runs, uint32_t height) {
+    constexpr uint32_t kPixels = 1000, kLeast = 4, kMost = 16;
+    uint64_t pixels = 0;
+    for (const Run& run : runs) pixels += run.last - run.first;
+    return static_cast<uint32_t>(
+        std::clamp<uint64_t>(uint64_t{kPixels} * height / std::max<uint64_t>(pixels, 1), kLeast, kMost));
   }
 
   /// Groups that bends_along() does with the first one.
@@ -198,7 +205,7 @@ class SweepPlanner {
       case Pass::hold_way:
         return over_runs(RowKernel::hold_way);
       case Pass::ties:
-        return ties(step);
+        return kept(step, &SweepPlanner::ties);
       case Pass::give_way:
         return over_runs(RowKernel::give_way);
       case Pass::check_colliders:
@@ -208,7 +215,7 @@ class SweepPlanner {
       case Pass::curvature:
         return relaxed(step, &SweepPlanner::bends);
       case Pass::spans:
-        return spans(step.group);
+        return kept(step, &SweepPlanner::spans);
       case Pass::limit:
         return limit();
       default:
@@ -230,6 +237,13 @@ class SweepPlanner {
     op.read_multipliers = step.relaxation > 0;
     op.write_multipliers = step.relaxation + 1 < relaxation_steps_;
     return op;
+  }
+
+  /// What has no multipliers is laid out once, too.
+  SweepOp kept(const PassStep& step, SweepOp (SweepPlanner::*lay_out)(uint32_t)) {
+    const auto known = first_relaxation_.find({step.pass, step.group});
+    if (known != first_relaxation_.end()) return known->second;
+    return first_relaxation_.emplace(std::pair{step.pass, step.group}, (this->*lay_out)(step.group)).first->second;
   }
 
   [[nodiscard]] bool several() const { return relaxation_steps_ > 1; }
@@ -289,13 +303,10 @@ class SweepPlanner {
   }
 
   /// They lie where the structural springs do.
-  SweepOp ties(const PassStep& step) {
-    const auto known = first_relaxation_.find({step.pass, step.group});
-    if (known != first_relaxation_.end()) return known->second;
-    SweepOp op = lay_out_springs(step.group, true);
+  SweepOp ties(uint32_t group) {
+    SweepOp op = lay_out_springs(group, true);
     op.kernel = op.kernel == RowKernel::springs_along ? RowKernel::ties_along : RowKernel::ties_across;
     op.share = 1;
-    first_relaxation_.emplace(std::pair{step.pass, step.group}, op);
     return op;
   }
 
@@ -326,7 +337,7 @@ class SweepPlanner {
       };
       cover_row(
           shape, y, [&](uint32_t x) { return inverse_of(x) > 0; },
-          [&](uint32_t first) { add_block(stream, first, several() ? 3 : 2); },
+          [&](uint32_t first) { add_block(stream, first, several() ? 3 : 2, lanes_); },
           [&](uint32_t lane, uint32_t x) {
             float* block = &stream.constants[stream.constants.size() - size_t{several() ? 3U : 2U} * lanes_];
             block[lane] = state_.rest[component][y * width_ + x] * (tie ? cloth_.params.stretch_limit : 1.F);
@@ -335,23 +346,12 @@ class SweepPlanner {
           });
     }
     stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
-    find_following(stream, shape.span);
     return {.kernel = kernel, .offset = offset, .share = share_of(cloth_.params, component), .stream = &stream};
   }
 
-  static void find_following(RowStream& stream, uint32_t span) {
-    for (size_t y = 0; y + 1 < stream.row_first.size(); ++y) {
-      const auto row =
-          std::span(stream.pixel).subspan(stream.row_first[y], stream.row_first[y + 1] - stream.row_first[y]);
-      const auto gap =
-          std::adjacent_find(row.begin(), row.end(), [&](uint32_t a, uint32_t b) { return a + span != b; });
-      stream.following.push_back(!row.empty() && gap == row.end() ? 1 : 0);
-    }
-  }
-
-  void add_block(RowStream& stream, uint32_t first, uint32_t constants) const {
+  static void add_block(RowStream& stream, uint32_t first, uint32_t constants, uint32_t lanes) {
     stream.pixel.push_back(first);
-    stream.constants.resize(stream.constants.size() + size_t{constants} * lanes_, 0.F);
+    stream.constants.resize(stream.constants.size() + size_t{constants} * lanes, 0.F);
   }
 
   static bool group_has_line(uint32_t group, uint32_t line) {
@@ -422,7 +422,7 @@ class SweepPlanner {
   void cover_bends(RowStream& stream, const BlockShape& shape, uint32_t y, const ConstantsOf& constants_of) {
     cover_row(
         shape, y, [&](uint32_t x) { return constants_of(x).inverse > 0; },
-        [&](uint32_t first) { add_block(stream, first, several() ? 4 : 3); },
+        [&](uint32_t first) { add_block(stream, first, several() ? 4 : 3, lanes_); },
         [&](uint32_t lane, uint32_t x) {
           const BendConstants c = constants_of(x);
           float* block = &stream.constants[stream.constants.size() - size_t{several() ? 4U : 3U} * lanes_];
@@ -449,11 +449,13 @@ class SweepPlanner {
   }
 
   SweepOp spans(uint32_t group) {
-    const uint32_t component = shader::span_component(group), lanes = std::min(lanes_, kSpanLanes);
+    const uint32_t component = shader::span_component(group);
     const bool along = component == 0;
+    const RowKernel kernel = along ? RowKernel::spans_along : RowKernel::ties_across;
+    const uint32_t lanes = along ? std::min(lanes_, kSpanLanes) : lanes_;
     const uint32_t offset = shader::kSpanPixels * (along ? 1 : width_);
     const uint32_t end = width_ - (along ? shader::kSpanPixels : 0);
-    const BlockShape shape{RowKernel::spans, lanes, 1, 0, 0, end, end};
+    const BlockShape shape{kernel, lanes, 1, 0, 0, end, end};
     RowStream& stream = new_stream();
     for (uint32_t y = 0; y < height_; ++y) {
       stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
@@ -465,22 +467,16 @@ class SweepPlanner {
       };
       cover_row(
           shape, y, [&](uint32_t x) { return length_of(x) > 0; },
-          [&](uint32_t first) {
-            stream.pixel.push_back(first);
-            stream.constants.resize(stream.constants.size() + lanes, std::numeric_limits<float>::infinity());
-            stream.constants.resize(stream.constants.size() + lanes, 0.F);
-          },
+          [&](uint32_t first) { add_block(stream, first, 2, lanes); },
           [&](uint32_t lane, uint32_t x) {
-            const float length = length_of(x);
-            if (!(length > 0)) return;
             const size_t a = size_t{y} * width_ + x;
             float* block = &stream.constants[stream.constants.size() - 2 * size_t{lanes}];
-            block[lane] = length * cloth_.params.stretch_limit;
+            block[lane] = length_of(x) * cloth_.params.stretch_limit;
             block[lanes + lane] = 1.F / (state_.inverse_mass[a] + state_.inverse_mass[a + offset]);
           });
     }
     stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
-    return {.kernel = RowKernel::spans, .offset = offset, .stream = &stream};
+    return {.kernel = kernel, .offset = offset, .stream = &stream};
   }
 
   /// Pixels of a row are held by anchors of neighbouring columns, more or less: in that order a vector's lanes choose
@@ -526,35 +522,41 @@ class SweepPlanner {
       add_limits(stream, block, anchors);
     }
     stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
-    find_following(stream, lanes_);
     find_neighbouring_anchors(stream);
     return SweepOp{.kernel = RowKernel::limit, .stream = &stream};
   }
 
-  /// Takes out of the rows whose blocks follow each other those where some anchor is not beside its neighbour's.
   void find_neighbouring_anchors(RowStream& stream) const {
     for (size_t y = 0; y < height_; ++y) {
-      if (stream.following[y] == 0) continue;
-      const uint32_t first = stream.row_first[y];
-      for (uint32_t k = first; k < stream.row_first[y + 1]; ++k) {
-        const uint32_t expected = stream.first_anchor[first] + (k - first) * lanes_;
-        for (uint32_t lane = 0; lane < lanes_; ++lane) {
-          const size_t n = size_t{k} * lanes_ + lane;
-          const bool held = std::isfinite(stream.constants[n]);
-          const uint32_t anchor = stream.first_anchor[k] + static_cast<uint32_t>(stream.anchors[n]);
-          if (held && anchor != expected + lane) stream.following[y] = 0;
-        }
+      bool beside = true;
+      for (size_t n = size_t{stream.row_first[y]} * lanes_; n < size_t{stream.row_first[y + 1]} * lanes_; ++n) {
+        const bool held = std::isfinite(stream.constants[n]);
+        beside = beside && (!held || stream.anchors[n] == static_cast<int32_t>(n % lanes_));
       }
+      stream.beside.push_back(beside ? 1 : 0);
     }
+  }
+
+  /// From which on a vector's anchors are chosen: the one that is the first lane's if all lie beside each other, else
+  /// the smallest one; below 0: there are none.
+  static int32_t first_of_anchors(const std::vector<int32_t>& anchors) {
+    int32_t smallest = -1, first = -1;
+    bool beside = true;
+    for (size_t lane = 0; lane < anchors.size(); ++lane) {
+      if (anchors[lane] < 0) continue;
+      const int32_t own = anchors[lane] - static_cast<int32_t>(lane);
+      if (smallest < 0) first = own;
+      smallest = smallest < 0 ? anchors[lane] : std::min(smallest, anchors[lane]);
+      beside = beside && own == first;
+    }
+    return beside && first >= 0 ? first : smallest;
   }
 
   /// Lays out one block for each range of anchors that its lanes need, and takes them out of the list.
   void add_limits(RowStream& stream, uint32_t pixel, std::vector<int32_t>& anchors) const {
     for (;;) {
-      int32_t first = std::numeric_limits<int32_t>::max();
-      for (const int32_t anchor : anchors)
-        if (anchor >= 0) first = std::min(first, anchor);
-      if (first == std::numeric_limits<int32_t>::max()) return;
+      const int32_t first = first_of_anchors(anchors);
+      if (first < 0) return;
       stream.pixel.push_back(pixel);
       stream.first_anchor.push_back(static_cast<uint32_t>(first));
       for (uint32_t lane = 0; lane < lanes_; ++lane) {
@@ -573,6 +575,7 @@ class SweepPlanner {
   uint32_t relaxation_steps_;
   bool in_bands_;
   uint32_t lanes_, width_, height_;
+  uint32_t strip_;
   std::unique_ptr<SweepPlan> plan_ = std::make_unique<SweepPlan>();
   RowStream* run_stream_ = nullptr;
   std::map<std::pair<Pass, uint32_t>, SweepOp> first_relaxation_;  ///< of what comes again, by pass and group
@@ -593,7 +596,7 @@ size_t SweepPlan::memory_bytes() const {
   const auto bytes = [](const auto& values) { return values.capacity() * sizeof(values.front()); };
   size_t sum = 0;
   for (const auto& s : streams_) {
-    sum += bytes(s->row_first) + bytes(s->group_first) + bytes(s->pixel) + bytes(s->following) + bytes(s->constants) +
+    sum += bytes(s->row_first) + bytes(s->group_first) + bytes(s->pixel) + bytes(s->beside) + bytes(s->constants) +
            bytes(s->multipliers) + bytes(s->anchors) + bytes(s->first_anchor) + bytes(s->runs) + bytes(s->thirds);
   }
   return sum;
