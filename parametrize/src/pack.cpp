@@ -2,8 +2,8 @@
 // Packing of real outlines: bottom left fill on a bitmap (as in Levy et al., Least Squares Conformal Maps, 2002, but
 // with whole shapes in place of their horizons, so that hollows are filled too). A shape is tried at all columns of a
 // row at once: the columns that one of its runs forbids are a window over the bits taken, and windows whose length is a
-// power of two are kept per row. Several widths, orders and half turns are tried and the best kept; large atlases are
-// packed in blocks of pixels, so that the work stays bounded.
+// power of two are kept per row. Several widths, orders, half turns and corners to fill from are tried and the best
+// kept; large atlases are packed in blocks of pixels, so that the work stays bounded.
 #include "pack.h"
 
 #include <algorithm>
@@ -22,11 +22,13 @@ namespace {
 
 constexpr double kMostBlocks = 1U << 18U;   // [blocks] an atlas is packed in blocks of pixels beyond this size
 constexpr uint64_t kMostWork = 30'000'000;  // [words looked at] no further arrangement is tried beyond
-constexpr double kLopsided = 0.02;          // what a lopsided atlas costs, per longer / shorter side - 1
-constexpr double kTurnPays = 0.995;         // half turns must bring the cost down to this share
-constexpr double kWidthStep = 1.02;         // between widths tried
-constexpr int kNarrower = 20, kWider = 35;  // steps from the square root of the area
-constexpr int kQuickStride = 3;             // steps of the width, where speed matters more
+constexpr double kOblong = 0.001;           // what an atlas costs that is no square, per longer / shorter side - 1
+constexpr double kLopsided = 0.04;          // and a lopsided one, per longer / shorter side - kLongest
+constexpr double kLongest = 2;
+constexpr double kTurnPays = 0.995;                      // half turns must bring the cost down to this share
+constexpr double kWidthStep = 1.02;                      // between widths tried
+constexpr int kNarrower = 20, kWider = 35;               // steps from the square root of the area
+constexpr int kQuickStride = 3;                          // steps of the width, where speed matters more
 constexpr size_t kMostTries = 4000, kTriesPerPair = 40;  // few shapes have been through everything soon
 constexpr double kThreshold = 0.03;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -71,6 +73,43 @@ ChartShape half_turned(const ChartShape& shape) {
   }
   return result;
 }
+
+/// Rows become columns.
+ChartShape transposed(const ChartShape& shape) {
+  ChartShape result{shape.height, shape.width, {}};
+  std::vector<uint8_t> taken(size_t{shape.width} * shape.height, 0);
+  for (const ChartShape::Run& r : shape.run) {
+    for (uint32_t x = r.first; x <= r.last; ++x) taken[size_t{x} * shape.height + r.row] = 1;
+  }
+  for (uint32_t row = 0; row < result.height; ++row) {
+    const uint8_t* pixel = &taken[size_t{row} * result.width];
+    for (uint32_t x = 0; x < result.width; ++x) {
+      if (pixel[x] == 0) continue;
+      const uint32_t first = x;
+      while (x + 1 < result.width && pixel[x + 1] != 0) ++x;
+      result.run.push_back({row, first, x});
+    }
+  }
+  return result;
+}
+
+ChartShape mirrored(const ChartShape& shape) {
+  ChartShape result = shape;
+  for (ChartShape::Run& r : result.run) r = {r.row, shape.width - 1 - r.last, shape.width - 1 - r.first};
+  return result;
+}
+
+/// From which corner, and along which of its sides, an atlas is filled: what is filled is seen mirrored or transposed,
+/// or both. The other four corners and sides are those with everything turned by half a turn.
+struct Fill {
+  bool is_transposed, is_mirrored;
+
+  [[nodiscard]] ChartShape seen(const ChartShape& shape) const {
+    const ChartShape lying = is_transposed ? transposed(shape) : shape;
+    return is_mirrored ? mirrored(lying) : lying;
+  }
+};
+constexpr std::array kFills{Fill{false, false}, Fill{false, true}, Fill{true, false}, Fill{true, true}};
 
 /// The blocks taken, for columns 0..width-1 and as many rows as needed.
 class Board {
@@ -153,7 +192,8 @@ class Board {
 struct Arrangement {
   std::vector<uint32_t> order;
   std::vector<uint8_t> turned;  ///< empty: whichever way fits lower
-  uint32_t width = 0;           ///< [blocks]
+  uint32_t width = 0;           ///< [blocks] of the board, as filled
+  size_t fill = 0;              ///< of kFills
 };
 
 void expect_side(uint32_t side) {
@@ -167,26 +207,33 @@ class Packer {
  public:
   explicit Packer(std::span<const ChartShape> shape) : shape_(shape) {
     double area = 0;
-    uint32_t highest = 0;
+    uint32_t widest = 0, highest = 0;
     for (const ChartShape& s : shape) {
       area += (s.width + 1.0) * (s.height + 1.0);
-      widest_ = std::max(widest_, s.width);
+      widest = std::max(widest, s.width);
       highest = std::max(highest, s.height);
     }
-    expect_side(std::max(widest_, highest));
+    expect_side(std::max(widest, highest));
     block_ = static_cast<uint32_t>(std::ceil(std::sqrt(area / kMostBlocks)));
-    for (const ChartShape& s : shape) {
-      upright_.push_back(grown(s, block_));
-      turned_.push_back(grown(half_turned(s), block_));
-      for (const ChartShape::Run& r : upright_.back().run) blocks_ += r.last - r.first + 1.0;
+    for (size_t f = 0; f < kFills.size(); ++f) {
+      Seen& seen = seen_[f];
+      seen.widest = kFills[f].is_transposed ? highest : widest;
+      for (const ChartShape& s : shape) {
+        const ChartShape lying = kFills[f].seen(s);
+        seen.upright.push_back(grown(lying, block_));
+        seen.turned.push_back(grown(half_turned(lying), block_));
+      }
+    }
+    for (const Grown& g : seen_[0].upright) {
+      for (const ChartShape::Run& r : g.run) blocks_ += r.last - r.first + 1.0;
     }
   }
 
   Packing pack_quickly() {
-    std::vector<std::vector<uint32_t>> order = orders();
+    std::vector<std::vector<uint32_t>> order = orders(0);
     order.resize(2);
     for (const std::vector<uint32_t>& o : order) {
-      for (const uint32_t width : widths(kQuickStride)) {
+      for (const uint32_t width : widths(0, kQuickStride)) {
         Arrangement arrangement{o, {}, width};
         try_arrangement(arrangement, best_cost_);
       }
@@ -196,14 +243,16 @@ class Packer {
 
   Packing pack() {
     const std::vector<uint8_t> all_upright(shape_.size(), 0);
-    for (const std::vector<uint8_t>& turned : {all_upright, std::vector<uint8_t>{}}) {
-      for (const std::vector<uint32_t>& order : orders()) {
-        for (const uint32_t width : widths(1)) {
-          Arrangement arrangement{order, turned, width};
-          if (!std::isfinite(best_cost_) || work_ < kMostWork / 2) try_arrangement(arrangement, best_cost_);
+    for (size_t fill = 0; fill < kFills.size(); ++fill) {
+      for (const std::vector<uint8_t>& turned : {all_upright, std::vector<uint8_t>{}}) {
+        for (const std::vector<uint32_t>& order : orders(fill)) {
+          for (const uint32_t width : widths(fill, 1)) {
+            Arrangement arrangement{order, turned, width, fill};
+            if (!std::isfinite(best_cost_) || work_ < kMostWork / 2) try_arrangement(arrangement, best_cost_);
+          }
         }
+        if (shape_.size() == 1) return best_;
       }
-      if (shape_.size() == 1) return best_;
     }
     improve();
     expect_side(std::max(best_.width, best_.height));
@@ -211,15 +260,21 @@ class Packer {
   }
 
  private:
-  [[nodiscard]] uint32_t least_width() const { return widest_ / block_ + 1; }
+  /// The shapes as a way to fill sees them.
+  struct Seen {
+    std::vector<Grown> upright, turned;
+    uint32_t widest = 0;  // [pixels]
+  };
+
+  [[nodiscard]] uint32_t least_width(size_t fill) const { return seen_[fill].widest / block_ + 1; }
 
   /// [blocks] the likeliest first, each once.
-  [[nodiscard]] std::vector<uint32_t> widths(int stride) const {
+  [[nodiscard]] std::vector<uint32_t> widths(size_t fill, int stride) const {
     std::vector<uint32_t> result;
     const double side = std::sqrt(blocks_);
     const auto add = [&](int steps) {
       const auto wanted = static_cast<uint32_t>(std::ceil(side * std::pow(kWidthStep, steps)));
-      const uint32_t width = std::max(wanted, least_width());
+      const uint32_t width = std::max(wanted, least_width(fill));
       if (std::find(result.begin(), result.end(), width) == result.end()) result.push_back(width);
     };
     for (int steps = 1; steps <= kWider; steps += stride) add(steps);
@@ -227,14 +282,15 @@ class Packer {
     return result;
   }
 
-  [[nodiscard]] std::vector<std::vector<uint32_t>> orders() const {
+  [[nodiscard]] std::vector<std::vector<uint32_t>> orders(size_t fill) const {
     std::vector<uint32_t> order(shape_.size());
     std::iota(order.begin(), order.end(), 0U);
     std::vector<std::vector<uint32_t>> result;
+    const std::vector<Grown>& upright = seen_[fill].upright;
     const auto by = [&](const auto& size) {
       std::vector<uint32_t> sorted = order;
       std::stable_sort(sorted.begin(), sorted.end(),
-                       [&](uint32_t a, uint32_t b) { return size(upright_[a]) > size(upright_[b]); });
+                       [&](uint32_t a, uint32_t b) { return size(upright[a]) > size(upright[b]); });
       result.push_back(std::move(sorted));
     };
     by([](const Grown& g) { return g.height; });
@@ -257,7 +313,10 @@ class Packer {
       const uint32_t kind = below(4), i = below(shape_.size()), k = below(shape_.size());
       if (kind <= 1) std::swap(trial.order[i], trial.order[k]);
       if (kind == 1 || kind == 2) trial.turned[k] ^= 1U;
-      if (kind >= 2) trial.width = std::max(least_width(), trial.width + below(trial.width / 8 + 2) - trial.width / 16);
+      if (kind >= 2) {
+        const uint32_t width = trial.width + below(trial.width / 8 + 2) - trial.width / 16;
+        trial.width = std::max(least_width(trial.fill), width);
+      }
       const double left = 1 - std::max(static_cast<double>(tries) / static_cast<double>(most_tries),
                                        static_cast<double>(work_) / kMostWork);
       const double cost = try_arrangement(trial, now_cost * (1 + kThreshold * left));
@@ -273,19 +332,20 @@ class Packer {
     const bool choose = arrangement.turned.empty();
     if (choose) arrangement.turned.assign(shape_.size(), 0);
     Board board(arrangement.width);
+    const Seen& seen = seen_[arrangement.fill];
     Packing packing;
     packing.corner.resize(shape_.size());
     uint32_t row = 0;  // of the shape placed last
     const Grown* last = nullptr;
     for (const uint32_t i : arrangement.order) {
-      const Grown* lying = arrangement.turned[i] != 0 ? &turned_[i] : &upright_[i];
+      const Grown* lying = arrangement.turned[i] != 0 ? &seen.turned[i] : &seen.upright[i];
       // Where an equal shape did not fit this does not either.
       std::array<uint32_t, 2> corner = board.find(*lying, last != nullptr && equal(*last, *lying) ? row : 0, work_);
       if (choose) {
-        const std::array<uint32_t, 2> other = board.find(turned_[i], 0, work_);
+        const std::array<uint32_t, 2> other = board.find(seen.turned[i], 0, work_);
         if (std::array{other[1], other[0]} < std::array{corner[1], corner[0]}) {
           corner = other;
-          lying = &turned_[i];
+          lying = &seen.turned[i];
           arrangement.turned[i] = 1;
         }
       }
@@ -293,8 +353,9 @@ class Packer {
       last = lying;
       board.take(*lying, corner);
       packing.corner[i] = {corner[0] * block_, corner[1] * block_};
-      packing.width = std::max(packing.width, packing.corner[i][0] + shape_[i].width);
-      packing.height = std::max(packing.height, packing.corner[i][1] + shape_[i].height);
+      const auto [width, height] = size_of(i, arrangement.fill);
+      packing.width = std::max(packing.width, packing.corner[i][0] + width);
+      packing.height = std::max(packing.height, packing.corner[i][1] + height);
       if (cost_of(packing) >= bound) return kInfinity;
     }
     const auto is_set = [](uint8_t t) { return t != 0; };
@@ -302,12 +363,29 @@ class Packer {
     const double cost = cost_of(packing) / (turns ? kTurnPays : 1);
     if (cost < best_cost_) {
       best_cost_ = cost;
-      best_ = std::move(packing);
+      best_ = as_it_is(std::move(packing), arrangement.fill);
       best_.turned = arrangement.turned;
       best_arrangement_ = arrangement;
     }
     if (cost >= bound) return kInfinity;
     return cost;
+  }
+
+  /// Width and height of a shape as a way to fill sees it [pixels].
+  [[nodiscard]] std::array<uint32_t, 2> size_of(uint32_t i, size_t fill) const {
+    const ChartShape& s = shape_[i];
+    return kFills[fill].is_transposed ? std::array{s.height, s.width} : std::array{s.width, s.height};
+  }
+
+  /// A packing as a way to fill sees it becomes one of the shapes as they are.
+  [[nodiscard]] Packing as_it_is(Packing packing, size_t fill) const {
+    for (uint32_t i = 0; i < packing.corner.size(); ++i) {
+      std::array<uint32_t, 2>& corner = packing.corner[i];
+      if (kFills[fill].is_mirrored) corner[0] = packing.width - corner[0] - size_of(i, fill)[0];
+      if (kFills[fill].is_transposed) std::swap(corner[0], corner[1]);
+    }
+    if (kFills[fill].is_transposed) std::swap(packing.width, packing.height);
+    return packing;
   }
 
   static bool equal(const Grown& a, const Grown& b) {
@@ -320,12 +398,13 @@ class Packer {
   /// Grows with every shape that is placed.
   static double cost_of(const Packing& packing) {
     const double longer = std::max(packing.width, packing.height), shorter = std::min(packing.width, packing.height);
-    return longer * shorter * (1 + kLopsided * (longer / shorter - 1));
+    const double ratio = longer / shorter;
+    return longer * shorter * (1 + kOblong * (ratio - 1) + kLopsided * std::max(ratio - kLongest, 0.0));
   }
 
   std::span<const ChartShape> shape_;
-  std::vector<Grown> upright_, turned_;
-  uint32_t widest_ = 0, block_ = 1;
+  std::array<Seen, kFills.size()> seen_;
+  uint32_t block_ = 1;
   double blocks_ = 0;
   uint64_t work_ = 0;
   Packing best_;
