@@ -8,12 +8,15 @@
 #include <gtest/gtest.h>
 
 #include "chart.h"
+#include "close_slits.h"
 #include "develop.h"
+#include "embed_chart.h"
 #include "half_edges.h"
 #include "mixed_cut.h"
 #include "parametrize/clean_surfaces.h"
 #include "point_math.h"
 #include "straight_cuts.h"
+#include "symmetric_dirichlet.h"
 
 namespace geocloth {
 namespace {
@@ -158,6 +161,50 @@ TEST(StraightCuts, APathStaysAsNearAsItIsToldTo) {
   EXPECT_GT(free_way, 5);
   EXPECT_LT(near, 0.8 * kSerrated);
   EXPECT_LT(free, 0.9 * near);
+}
+
+/// A sheet of 41 x 41 vertices, cut open from its side to its middle, as it lies in the plane.
+/// @param height  above the plane, per vertex of the unit square
+template <class Height>
+std::pair<CutSurface, std::vector<Chart>> slit_sheet(const Height& height) {
+  CleanSurface sheet = test::disk(41, 41);
+  for (Point3& p : sheet.position) p[2] = height(p);
+  CutSurface cut = cut_to_disks(sheet);
+  std::vector<uint32_t> path;
+  for (uint32_t k = 0; k <= 20; ++k) path.push_back(k * 41 + 20);
+  std::vector<Chart> charts = charts_of(cut);
+  std::map<uint32_t, uint32_t> of_clean;  // per vertex of the sheet: its vertex in the chart
+  for (uint32_t v = 0; v < charts[0].position.size(); ++v) of_clean[cut.clean_vertex[charts[0].cut_vertex[v]]] = v;
+  for (uint32_t& v : path) v = of_clean.at(v);
+  charts[0] = opened(charts[0], path);
+  EXPECT_TRUE(embed_on_circle(charts[0]));
+  SymmetricDirichlet(charts[0].position, charts[0].triangle, {}).minimise(charts[0].uv, 100, 1e-6);
+  return {std::move(cut), std::move(charts)};
+}
+
+double cone(const Point3& p) {
+  return 0.5 - std::hypot(p[0] - 0.5, p[1] - 0.5);
+}
+
+// A cut that brings next to nothing costs a seam, pixels and a hinge.
+TEST(CloseSlits, AnIdleSlitIsSewnShut) {
+  auto [cut, charts] = slit_sheet([](const Point3& p) { return 0.05 * cone(p); });
+  const double area = total_area(charts[0]), outline = outline_length(charts[0]);
+  close_slits(charts, find_sheet(cut), {});
+  ASSERT_EQ(charts.size(), 1U);
+  EXPECT_LT(outline_length(charts[0]), outline - 0.99);
+  EXPECT_NEAR(total_area(charts[0]), area, 1e-12);
+  EXPECT_TRUE(flip_free(charts[0]));
+  EXPECT_LT(SymmetricDirichlet(charts[0].position, charts[0].triangle, {}).energy(charts[0].uv), 4.001);
+}
+
+// The top of a cone does not lie flat without its slit.
+TEST(CloseSlits, ASlitThatIsNeededStays) {
+  auto [cut, charts] = slit_sheet([](const Point3& p) { return 0.5 - std::hypot(p[0] - 0.5, p[1] - 0.5); });
+  const double outline = outline_length(charts[0]);
+  close_slits(charts, find_sheet(cut), {});
+  EXPECT_GT(outline_length(charts[0]), 0.9 * outline);
+  EXPECT_LT(SymmetricDirichlet(charts[0].position, charts[0].triangle, {}).energy(charts[0].uv), 4.03);
 }
 
 }  // namespace
