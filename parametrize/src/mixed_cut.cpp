@@ -14,6 +14,10 @@ namespace {
 class CutMixer {
  public:
   explicit CutMixer(std::span<const CutSurface> cuts) : cuts_(cuts) {
+    // Not only what the cuts use: points of pieces that the image leaves out have numbers, too.
+    result_.point_count = std::min_element(cuts.begin(), cuts.end(), [](const CutSurface& a, const CutSurface& b) {
+                            return a.point_count < b.point_count;
+                          })->point_count;
     for (const CutSurface& cut : cuts) {
       vertex_.emplace_back(cut.position.size(), kNone);
       point_.emplace_back(cut.point_count, kNone);
@@ -21,7 +25,6 @@ class CutMixer {
         if (cut.clean_vertex[v] == kNone) continue;
         // Points of the surface itself keep their numbers, which are below all inserted ones.
         point_.back()[cut.point[v]] = cut.point[v];
-        result_.point_count = std::max(result_.point_count, cut.point[v] + 1);
       }
     }
   }

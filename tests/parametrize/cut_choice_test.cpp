@@ -42,6 +42,22 @@ std::vector<Chart> charts_of(const CutSurface& cut) {
   return charts;
 }
 
+// A button that is carried has points in the surface but no triangles: read by their numbers they must not be past the
+// end, nor be those of vertices that the cuts have put in.
+TEST(MixedCut, PointsThatTheImageLeavesOutKeepTheirNumbers) {
+  CleanSurface tubes = two_tubes();
+  tubes.point_count += 3;
+  const std::vector<CutSurface> cuts{cut_to_disks(tubes), cut_to_disks(tubes)};
+  std::vector<Chart> charts{charts_of(cuts[0]).front(), charts_of(cuts[1]).back()};
+  const CutSurface mixed = put_together(cuts, std::vector<size_t>{0, 1}, charts);
+  EXPECT_GE(mixed.point_count, tubes.point_count);
+  for (size_t v = 0; v < mixed.position.size(); ++v) {
+    EXPECT_LT(mixed.point[v], mixed.point_count);
+    const bool inserted = mixed.clean_vertex[v] == kNone;
+    EXPECT_TRUE(!inserted || mixed.point[v] >= tubes.point_count) << v;
+  }
+}
+
 // Vertices that straight cuts put on edges have numbers of their own in every cut: mixed up, seams would be sewn to
 // places that have nothing to do with each other.
 TEST(MixedCut, PartsOfTwoCutsMakeOneSurface) {
