@@ -67,11 +67,11 @@ void spring_at(uint family, uvec2 pa) {
   keep_multiplier(slot, project_spring(pa, pb, rest.x, rest.y, share, multiplier_so_far(slot)));
 }
 
-void pull_span(uvec2 pa, uvec2 pb, float rest) {
+void pull_span(uvec2 pa, uvec2 pb, float rest, float share) {
   vec4 a = load_point(pa);
   vec4 b = load_point(pb);
   precise float longest = rest * params.stretch_limit;
-  SpanMove move = span_move(way_between(pa, a, pb, b), a.w, b.w, longest);
+  SpanMove move = span_move(way_between(pa, a, pb, b), a.w, b.w, longest, share);
   if (!move.pulls) return;
   store_point(pa, shifted(a.xyz, move.step, a.w), a.w);
   store_point(pb, shifted(b.xyz, -move.step, b.w), b.w);
@@ -90,7 +90,7 @@ void span_at(uvec2 pa) {
     if (own == 0.0f) return;
     rest = rest + own;
   }
-  pull_span(pa, pb, rest);
+  pull_span(pa, pb, rest, 1.0f);
 }
 
 // A structural spring of the group constants.group as a span of one pixel.
@@ -98,7 +98,8 @@ void tie_at(uvec2 pa) {
   uint component = group_component(constants.group);
   float rest = of_component(component, imageLoad(structural_image, texel(pa))).x;
   uvec2 pb = spring_end(component, pa.x, pa.y);
-  if (rest != 0.0f && is_here(pb)) pull_span(pa, pb, rest);
+  float share = constants.read_multiplier != 0u ? kTieShare : 1.0f;
+  if (rest != 0.0f && is_here(pb)) pull_span(pa, pb, rest, share);
 }
 
 // The bend of the group constants.group over three pixels that starts at pixel pa.
@@ -153,5 +154,5 @@ void seam_curvature_at(uint i) {
 
 void seam_span_at(uint i) {
   SeamSpring span = seam_springs[i];
-  pull_span(pixel_at(span.a), pixel_at(span.b), span.rest);
+  pull_span(pixel_at(span.a), pixel_at(span.b), span.rest, 1.0f);
 }

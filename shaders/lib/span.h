@@ -4,7 +4,8 @@
 // spring over n pixels is n^2 times as stiff as they are for the same work, so one level of the pyramid of long springs
 // (Mueller 2008, "Hierarchical Position Based Dynamics") takes most of it. It only pulls, so folds are free, and its
 // ends are points of the cloth like all others, so that nothing is gained that was not there. Ties, at a frame's end,
-// are spans of one pixel.
+// are spans of one pixel. Of springs in a row, all as much too long, those that are met first would get what the others
+// lose; the last ones give back a part, so that all are left with about as much.
 #ifndef GEOCLOTH_LIB_SPAN_H
 #define GEOCLOTH_LIB_SPAN_H
 
@@ -15,7 +16,8 @@ namespace geocloth::shader {
 #endif
 
 const uint kSpanPixels = 8u;
-const uint kSpanGroups = 4u;  // 0, 1 to the right from columns with floor(x / 8) even, odd; 2, 3 down, by rows
+const float kTieShare = 0.7f;  // of what is too long, that the last ties take
+const uint kSpanGroups = 4u;   // 0, 1 to the right from columns with floor(x / 8) even, odd; 2, 3 down, by rows
 
 // Component of the structural springs that a group's spans are made of.
 inline uint span_component(uint group) {
@@ -50,11 +52,12 @@ struct SpanMove {
 
 // @param d       [m] from a to b
 // @param wa, wb  inverse masses [1/kg]
-inline SpanMove span_move(vec3 d, float wa, float wb, float longest) {
+// @param share   of what is too long
+inline SpanMove span_move(vec3 d, float wa, float wb, float longest, float share) {
   precise float l = length3(d);
   precise float w = wa + wb;
   bool pulls = l > longest && w > 0.0f;
-  precise float change = (l - longest) * (1.0f / (pulls ? w : 1.0f));
+  precise float change = (l - longest) * (share * (1.0f / (pulls ? w : 1.0f)));
   precise vec3 step = d * (change * (1.0f / (pulls ? l : 1.0f)));
   SpanMove r;
   r.pulls = pulls;

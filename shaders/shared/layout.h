@@ -203,7 +203,8 @@ struct PassConstants {
   uint group;             // spring group 0..11
   uint first;             // first seam bend of the colour, first row, first pin
   uint count;             // how many of them
-  uint read_multiplier;   // 1: XPBD's accumulated multiplier is read (not in the first relaxation step)
+  uint read_multiplier;   // 1: XPBD's accumulated multiplier is read (not in the first relaxation step);
+                          // of ties: only kTieShare is taken
   uint write_multiplier;  // 1: and written (not in the last one)
 };
 

@@ -31,7 +31,8 @@ ScheduleOptions schedule_options(const SimulationData& data, uint32_t cloth, con
           .motion = frame.measure_motion,
           .motion_word = frame.motion_word,
           .seam_bend_colors = c.seam_bend_colors,
-          .seam_span_colors = c.seam_span_colors};
+          .seam_span_colors = c.seam_span_colors,
+          .seam_tie_colors = c.seam_tie_colors};
 }
 
 }  // namespace geocloth

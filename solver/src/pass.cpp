@@ -91,7 +91,10 @@ std::vector<PassStep> finish_schedule(const ScheduleOptions& options) {
   if (!options.ties) return steps;
   steps.push_back({Pass::hold_way});
   for (uint32_t r = 0; r < kRounds; ++r) {
-    add_family(steps, Pass::ties, 0, 0);
+    for (uint32_t g = 0; g < kGroupsPerFamily; ++g)
+      steps.push_back({Pass::ties, g, r + 1 == kRounds && g % 2 == 1 ? 1U : 0U});
+    for (uint32_t color = 0; color < options.seam_tie_colors; ++color)
+      steps.push_back({Pass::seam_spans, options.seam_bend_colors + options.seam_span_colors + color});
     if (options.splits) steps.push_back({Pass::stitch});
   }
   steps.push_back({Pass::give_way});

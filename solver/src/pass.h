@@ -22,7 +22,7 @@ enum class Pass : uint8_t {
   seam_bends,       ///< per seam bend, one group for each colour
   curvature,        ///< per bend over three pixels in a row, groups 0..5 of lib/bend_groups.h
   seam_curvature,   ///< per seam bend, one group for each colour
-  seam_spans,       ///< per span over a seam, one group for each colour after those of the bends
+  seam_spans,       ///< per span over a seam or tie on one, one group for each colour after those of the bends
   spans,            ///< per span of lib/span.h, groups 0..3, only with max_stretch and colliders
   stitch,           ///< per split row: mass-weighted mean of the copies, written to every copy
   settle,           ///< per pixel: base and offset become the position, only with ClothParams::fine
@@ -37,7 +37,7 @@ enum class Pass : uint8_t {
   stitch_contacts,  ///< per split row, after it: as stitch, of the copies' velocities too
   collide,          ///< per pixel: largest speed, then colliders with friction; writes position and previous
   hold_way,         ///< per pixel, at a frame's end: its way is put aside, for lib/finish.h
-  ties,             ///< per structural spring, groups 0..3: pulled to its longest length
+  ties,             ///< per structural spring, groups 0..3: pulled to its longest length; relaxation 1: by kTieShare
   give_way,         ///< per pixel: out of colliders, and the way that was put aside
   check_copies,     ///< per split row: largest distance between copies
   check_colliders,  ///< per pixel: largest depth in a collider
@@ -128,7 +128,7 @@ struct ScheduleOptions {
   bool asleep = false;       ///< the frame has no passes
   bool motion = false;       ///< how far points go is measured after the last substep
   uint32_t motion_word = 0;  ///< 0 or 1, for even and odd frames
-  uint32_t seam_bend_colors = 0, seam_span_colors = 0;
+  uint32_t seam_bend_colors = 0, seam_span_colors = 0, seam_tie_colors = 0;
 
   bool operator==(const ScheduleOptions&) const = default;
 };
@@ -139,8 +139,8 @@ struct ScheduleOptions {
 ///   { collide_cells, stitch_contacts } x rounds, collide [check]
 [[nodiscard]] std::vector<PassStep> substep_schedule(const ScheduleOptions& options);
 
-/// The passes after those of a frame's last substep, which belong to it: hold_way { ties, [stitch] } x 3, give_way
-/// [check], or none.
+/// The passes after those of a frame's last substep, which belong to it: hold_way { ties, [ties on seams, stitch] } x
+/// 3, give_way [check], or none.
 [[nodiscard]] std::vector<PassStep> finish_schedule(const ScheduleOptions& options);
 
 /// The passes after all of a frame: normals [measure_motion].

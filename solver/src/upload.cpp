@@ -20,6 +20,7 @@
 #include "geocloth/asset/grid_mesh.h"
 #include "rest_shape.h"
 #include "seam_spans.h"
+#include "seam_ties.h"
 #include "self_points.h"
 #include "surface_graph.h"
 
@@ -138,7 +139,10 @@ ClothData make_cloth_data(const ClothDesc& cloth, const Vec3& origin) {
   data.split_pixel = asset.splits.pixel;
   data.attachments = largest_stretch(cloth.material, {}, 0) > 0;
   data.uneven = has_uneven_springs(asset);
-  if (data.attachments) add_seam_spans(asset, rest, data);
+  if (data.attachments) {
+    add_seam_spans(asset, rest, data);
+    add_seam_ties(asset, rest, data);
+  }
   if (cloth.self_collision) add_self_points(cloth, data);
   return data;
 }

@@ -99,7 +99,8 @@ TEST_P(SharedSet, HangsWithLittleStretch) {
 INSTANTIATE_TEST_SUITE_P(Garments, SharedSet,
                          testing::Values("diffcloth_sock.obj", "raylib_greenman_hat.glb", "mh_tights.obj",
                                          "newton_unisex_shirt.obj", "diffcloth_dress_5k.obj",
-                                         "codimipc_circle_skirt.obj", "mh_skirt_tube.obj", "sf_boxer_briefs.glb"),
+                                         "codimipc_circle_skirt.obj", "mh_skirt_tube.obj", "sf_boxer_briefs.glb",
+                                         "codimipc_dress_draped.obj", "kaykit_mage_hat.gltf"),
                          [](const auto& tested) { return name_of(tested.param); });
 
 }  // namespace

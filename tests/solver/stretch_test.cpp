@@ -85,6 +85,32 @@ TEST(Spans, GoOnOverASeam) {
   }
 }
 
+// A spring along a seam that only one side has pulls only that side's copies: the other ones are tied too.
+TEST(Ties, JoinTheCopiesThatNoSpringJoins) {
+  constexpr uint32_t kSide = 17;
+  ClothAsset asset = test::make_sheet({.nx = kSide, .ny = kSide, .charts_x = 2});
+  const auto ties_of = [](const ClothAsset& sheet) {
+    const ClothData data = make_cloth_data({std::make_shared<const ClothAsset>(sheet), {}, {}}, {});
+    const uint32_t first = data.seam_color_offset[data.seam_bend_colors + data.seam_span_colors];
+    return std::vector(data.seam_springs.begin() + first, data.seam_springs.end());
+  };
+  EXPECT_TRUE(ties_of(asset).empty());
+  uint32_t taken = 0;
+  for (uint32_t r = 0; r < asset.splits.rows(); ++r) {
+    uint8_t& springs = asset.spring_mask[asset.splits.pixel[asset.splits.offset[r]]];
+    taken += (springs & kSpringDown) != 0 ? 1 : 0;
+    springs = static_cast<uint8_t>(springs & ~kSpringDown);
+  }
+  EXPECT_EQ(taken, kSide - 1);
+  const std::vector<shader::SeamSpring> ties = ties_of(asset);
+  EXPECT_EQ(ties.size(), taken);
+  for (const shader::SeamSpring& tie : ties) {
+    EXPECT_NEAR(tie.rest, 1.0 / (kSide - 1), 1e-6);
+    EXPECT_EQ(asset.chart[tie.a], asset.chart[tie.b]);
+    EXPECT_EQ(asset.spring_mask[std::min(tie.a, tie.b)] & kSpringDown, 0);
+  }
+}
+
 // A cloth that lies over a ball without a pin has no attachments.
 TEST(Spans, HoldClothWithoutPins) {
   const auto stretch_of = [](float max_stretch) {

@@ -15,9 +15,9 @@ namespace geocloth::cpu {
 namespace {
 
 template <class Mode>
-void pull(const PointLine& a, const PointLine& b, float longest, Mode mode) {
+void pull(const PointLine& a, const PointLine& b, float longest, Mode mode, float share = 1) {
   const float wa = *a.inverse_mass, wb = *b.inverse_mass;
-  const shader::SpanMove move = shader::span_move(way_between(a, b, 0, mode), wa, wb, longest);
+  const shader::SpanMove move = shader::span_move(way_between(a, b, 0, mode), wa, wb, longest, share);
   if (!move.pulls) return;
   a.move(0, move.step, wa);
   b.move(0, -move.step, wb);
@@ -57,7 +57,7 @@ void spans(const PassContext& context, ClothState& state, const PassStep& step) 
 }
 
 void ties(const PassContext& context, ClothState& state, const PassStep& step) {
-  const float limit = context.cloth.params.stretch_limit;
+  const float limit = context.cloth.params.stretch_limit, share = step.relaxation > 0 ? shader::kTieShare : 1;
   const uint32_t component = shader::group_component(step.group), width = state.data.width;
   const shader::uvec2 extent = shader::group_extent(step.group, width, state.data.height);
   context.threads.for_range(extent.y, std::max(1U, kPixelGrain / width), [&](uint32_t first, uint32_t last) {
@@ -70,7 +70,7 @@ void ties(const PassContext& context, ClothState& state, const PassStep& step) {
         const float rest = state.rest[component][a];
         if (rest == 0) continue;
         pull(PointLine(state, a, shader::kFineOff), PointLine(state, b, shader::kFineOff), rest * limit,
-             Fine<shader::kFineOff>());
+             Fine<shader::kFineOff>(), share);
       }
     }
   });

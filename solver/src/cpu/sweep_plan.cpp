@@ -51,6 +51,9 @@ uint32_t lane_of(RowKernel kernel, uint32_t column, uint32_t lanes) {
 /// Columns that a block of springs along a row may reach over its end.
 constexpr uint32_t kRowOverhang = 3;
 
+/// Added to a group of ties: those of its springs that take only a share.
+constexpr uint32_t kLastTies = 4;
+
 /// Rows between two bands that one thread makes up for while others wait: from here on it is cheaper to go through the
 /// rows once more.
 constexpr uint32_t kShortGap = 16;
@@ -205,7 +208,7 @@ class SweepPlanner {
       case Pass::hold_way:
         return over_runs(RowKernel::hold_way);
       case Pass::ties:
-        return kept(step, &SweepPlanner::ties);
+        return kept({step.pass, step.group + (step.relaxation > 0 ? kLastTies : 0)}, &SweepPlanner::ties);
       case Pass::give_way:
         return over_runs(RowKernel::give_way);
       case Pass::check_colliders:
@@ -304,7 +307,7 @@ class SweepPlanner {
 
   /// They lie where the structural springs do.
   SweepOp ties(uint32_t group) {
-    SweepOp op = lay_out_springs(group, true);
+    SweepOp op = lay_out_springs(group % kLastTies, true, group < kLastTies ? 1 : shader::kTieShare);
     op.kernel = op.kernel == RowKernel::springs_along ? RowKernel::ties_along : RowKernel::ties_across;
     op.share = 1;
     return op;
@@ -312,7 +315,7 @@ class SweepPlanner {
 
   SweepOp springs(uint32_t group) { return lay_out_springs(group, false); }
 
-  SweepOp lay_out_springs(uint32_t group, bool tie) {
+  SweepOp lay_out_springs(uint32_t group, bool tie, float tie_share = 1) {
     const uint32_t component = shader::group_component(group), odd = group % 2;
     const bool along = shader::group_by_column(group) == 1;
     const RowKernel kernel = !along           ? RowKernel::springs_across
@@ -333,7 +336,7 @@ class SweepPlanner {
       stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
       if (!in_row(y)) continue;
       const auto inverse_of = [&](uint32_t x) {
-        return in_column(x) ? spring_inverse(component, y * width_ + x, offset, !tie) : 0.F;
+        return in_column(x) ? tie_share * spring_inverse(component, y * width_ + x, offset, !tie) : 0.F;
       };
       cover_row(
           shape, y, [&](uint32_t x) { return inverse_of(x) > 0; },
