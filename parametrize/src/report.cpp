@@ -30,8 +30,11 @@ Json source_json(const ConvertReport& report) {
   return json;
 }
 
-double border_share(const ClothAsset& asset) {
-  uint32_t border = 0;
+/// Fills in how many pixels lie on outlines.
+void count_border(const ClothAsset& asset, ImageSummary& image) {
+  std::vector<uint8_t> is_split(asset.pixel_count(), 0);
+  for (const uint32_t i : asset.splits.pixel) is_split[i] = 1;
+  uint32_t border = 0, free = 0;
   for (uint32_t i = 0; i < asset.pixel_count(); ++i) {
     if (!asset.valid(i)) continue;
     const int64_t x = i % asset.width, y = i / asset.width;
@@ -43,17 +46,28 @@ double border_share(const ClothAsset& asset) {
     for (const int64_t dy : {-1, 0, 1}) {
       for (const int64_t dx : {-1, 0, 1}) complete = complete && !missing(x + dx, y + dy);
     }
-    if (!complete) ++border;
+    if (complete) continue;
+    ++border;
+    if (is_split[i] == 0) ++free;
   }
-  return border / static_cast<double>(std::max(count_valid_pixels(asset), 1U));
+  const double valid = std::max(image.valid_pixels, 1U);
+  image.border_share = border / valid;
+  image.free_border_share = free / valid;
 }
 
 Json image_json(const ClothAsset& asset) {
   const ImageSummary image = summarize_image(asset);
-  return {{"layout", to_string(asset.layout)},  {"width", asset.width},           {"height", asset.height},
-          {"valid_pixels", image.valid_pixels}, {"charts", asset.chart_count},    {"spacing", asset.spacing},
-          {"split_points", image.split_points}, {"copies_max", image.copies_max}, {"utilisation", image.utilisation},
-          {"border_share", image.border_share}};
+  return {{"layout", to_string(asset.layout)},
+          {"width", asset.width},
+          {"height", asset.height},
+          {"valid_pixels", image.valid_pixels},
+          {"charts", asset.chart_count},
+          {"spacing", asset.spacing},
+          {"split_points", image.split_points},
+          {"copies_max", image.copies_max},
+          {"utilisation", image.utilisation},
+          {"border_share", image.border_share},
+          {"free_border_share", image.free_border_share}};
 }
 
 Json quality_json(const Quality& q) {
@@ -89,7 +103,7 @@ ImageSummary summarize_image(const ClothAsset& asset) {
   image.valid_pixels = count_valid_pixels(asset);
   image.split_points = asset.splits.rows();
   image.utilisation = image.valid_pixels / static_cast<double>(std::max(asset.pixel_count(), 1U));
-  image.border_share = border_share(asset);
+  count_border(asset, image);
   return image;
 }
 

@@ -195,7 +195,7 @@ TEST(ConvertReport, HasEveryKey) {
        {"vertices", "faces", "components", "boundary_loops", "euler_characteristic", "orientable", "bbox_diagonal"}},
       {"image",
        {"layout", "width", "height", "valid_pixels", "charts", "spacing", "split_points", "copies_max", "utilisation",
-        "border_share"}},
+        "border_share", "free_border_share"}},
       {"welded", {"components", "boundary_loops", "euler_characteristic", "orientable"}},
       {"quality",
        {"flipped",
@@ -228,6 +228,9 @@ TEST(ConvertReport, HasEveryKey) {
   EXPECT_GT(json["peak_memory_bytes"].get<uint64_t>(), 1U << 20U);
   EXPECT_EQ(json["image"]["layout"], "square");
   EXPECT_EQ(json["welded"]["boundary_loops"], 2);
+  // A tube in a square: two sides of the outline are hems, two the seam.
+  EXPECT_GT(json["image"]["free_border_share"], 0.3 * json["image"]["border_share"].get<double>());
+  EXPECT_LT(json["image"]["free_border_share"], 0.7 * json["image"]["border_share"].get<double>());
   EXPECT_EQ(json["source"]["faces"], 480);
 }
 

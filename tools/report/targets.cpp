@@ -127,6 +127,8 @@ std::vector<MeasureGroup> judge(const ConvertResult& result) {
                  "{:.3f}"},
                 {"border_share", "Border pixels", "Share of the pixels that lie on an outline.",
                  100 * image.border_share, "{:.1f} %", at_most, 7, 12},
+                {"free_border_share", "Free border", "Of them those on hems and other edges of the garment itself.",
+                 100 * image.free_border_share, "{:.1f} %"},
                 {"utilisation", "Utilisation", "Share of the image that is cloth.", 100 * image.utilisation, "{:.1f} %",
                  at_least, 75, 60}}),
   };

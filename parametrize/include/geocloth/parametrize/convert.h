@@ -43,10 +43,11 @@ struct PartShape {
 /// The geometry image in numbers.
 struct ImageSummary {
   uint32_t valid_pixels = 0;
-  uint32_t split_points = 0;  ///< rows of the split-vertex table
-  uint32_t copies_max = 0;    ///< most pixels of one point
-  double utilisation = 0;     ///< valid pixels / pixels
-  double border_share = 0;    ///< share of the valid pixels that lack one of their eight neighbours in the chart
+  uint32_t split_points = 0;     ///< rows of the split-vertex table
+  uint32_t copies_max = 0;       ///< most pixels of one point
+  double utilisation = 0;        ///< valid pixels / pixels
+  double border_share = 0;       ///< share of the valid pixels that lack one of their eight neighbours in the chart
+  double free_border_share = 0;  ///< and is on no seam: the garment's own edges, which no layout can avoid
 };
 [[nodiscard]] ImageSummary summarize_image(const ClothAsset& asset);
 
