@@ -21,6 +21,7 @@
 #include "geocloth/asset/grid_mesh.h"
 #include "grid_holds.h"
 #include "limit_springs.h"
+#include "mend_far.h"
 #include "pixel_areas.h"
 #include "point_math.h"
 
@@ -50,7 +51,7 @@ struct CellFit {
   CellTriangles split;
   std::array<std::array<Point3, 3>, 2> pull{};  ///< per triangle and corner: integral of what is missing [m pixels^2]
   std::array<double, 2> weight{1, 1};           ///< per triangle: mean of its targets' weights
-  std::array<double, 2> farthest{};             ///< per triangle: most that is missing, squared [m^2]
+  std::array<FarPlace, 2> farthest{};           ///< per triangle: where most is missing
   double error = 0;                             ///< integral of what is missing, squared [m^2 pixels^2]
 };
 
@@ -77,7 +78,7 @@ class ImageFitter {
         is_hem_(points_on_border(asset, first_)),
         shift_(asset.pixel_count()),
         pull_(asset.pixel_count()),
-        farthest_(asset.pixel_count(), 0),
+        farthest_(asset.pixel_count()),
         weight_(2 * std::size_t{asset.pixel_count()}, 1) {
     is_split_.assign(asset.pixel_count(), 0);
     for (const uint32_t pixel : asset.splits.pixel) is_split_[pixel] = 1;
@@ -116,9 +117,12 @@ class ImageFitter {
     }
     for (std::size_t i = 0; i < shift_.size(); ++i) shift_[i] = shift_[i] + move[i];
     pull_.assign(pull_.size(), Point3{});
-    farthest_.assign(farthest_.size(), 0);
+    farthest_.assign(farthest_.size(), {});
     may_slide_ = true;
   }
+
+  /// What the last comparison found: per first copy, where most is missing around it.
+  [[nodiscard]] const std::vector<FarPlace>& farthest() const { return farthest_; }
 
   void finish() {
     limit_shifts();
@@ -210,15 +214,17 @@ class ImageFitter {
         k = 1;
         w = weights(split.triangle[1], target.place);
       }
-      Point3 missing = target.position;
-      for (std::size_t i = 0; i < 3; ++i) missing = missing - fitted_position(split.triangle[k][i]) * w[i];
+      Point3 image{};
+      for (std::size_t i = 0; i < 3; ++i) image = image + fitted_position(split.triangle[k][i]) * w[i];
+      Point3 missing = target.position - image;
       if (slides(split.triangle[k])) {
         const Point3& n = is_square_ ? target.normal : normal[k];
         missing = n * dot(missing, n);
       }
-      fit.error += target.area * dot(missing, missing);
+      const double squared = dot(missing, missing);
+      fit.error += target.area * squared;
       const double counts = target.area * weight_of(missing);
-      fit.farthest[k] = std::max(fit.farthest[k], dot(missing, missing));
+      if (squared > fit.farthest[k].squared) fit.farthest[k] = {squared, target.position, image};
       area[k] += target.area;
       weighted[k] += counts;
       for (std::size_t i = 0; i < 3; ++i) fit.pull[k][i] = fit.pull[k][i] + missing * (counts * w[i]);
@@ -274,8 +280,8 @@ class ImageFitter {
       for (std::size_t i = 0; i < 3; ++i) {
         Point3& pull = pull_[first_[fit.split.triangle[k][i]]];
         pull = pull + fit.pull[k][i];
-        double& farthest = farthest_[first_[fit.split.triangle[k][i]]];
-        farthest = std::max(farthest, fit.farthest[k]);
+        FarPlace& farthest = farthest_[first_[fit.split.triangle[k][i]]];
+        if (fit.farthest[k].squared > farthest.squared) farthest = fit.farthest[k];
       }
       weight_[2 * std::size_t{cell} + k] = fit.weight[k];
     }
@@ -308,7 +314,10 @@ class ImageFitter {
     std::vector<Point3> place(pull_.size());
     for (uint32_t i = 0; i < place.size(); ++i) place[i] = fitted_position(i);
     FitSystem system(pull_.size(), fit_triangles());
-    holds_->release(farthest_);
+    std::vector<double> farthest;
+    farthest.reserve(farthest_.size());
+    for (const FarPlace& f : farthest_) farthest.push_back(f.squared);
+    holds_->release(farthest);
     std::vector<MoveWish> wishes = holds_->gentle_wishes(place);
     std::size_t begin = 0;
     for (int pass = 0; pass < kPasses; ++pass) {
@@ -366,11 +375,11 @@ class ImageFitter {
   std::vector<uint8_t> is_hem_;  ///< per first copy
   std::vector<Point3> shift_;    ///< per first copy: how far the pixel has moved [m]
   std::vector<Point3> pull_;     ///< per first copy: right side of the fit [m pixels^2]
-  std::vector<double> farthest_;   ///< per first copy: most that is missing around it, squared [m^2]
-  std::vector<double> weight_;     ///< per cell and triangle: how much it counts
-  std::vector<uint8_t> is_split_;  ///< per pixel
-  bool may_slide_ = false;         ///< along the surface
-  int places_per_edge_ = 0;        ///< of a grid triangle, at which the surface is asked
+  std::vector<FarPlace> farthest_;  ///< per first copy: where most is missing around it
+  std::vector<double> weight_;      ///< per cell and triangle: how much it counts
+  std::vector<uint8_t> is_split_;   ///< per pixel
+  bool may_slide_ = false;          ///< along the surface
+  int places_per_edge_ = 0;         ///< of a grid triangle, at which the surface is asked
   std::optional<GridHolds> holds_;
 };
 
@@ -384,7 +393,11 @@ void fit_image(const FlatSurface& flat, const Raster& raster, ClothAsset& asset)
     fitter.move_pixels();
   }
   fitter.finish();
-  if (asset.layout != Layout::square) limit_springs(asset);  // a square stretches by more than a spring may be long
+  if (asset.layout != Layout::square) {  // a square stretches by more than a spring may be long
+    limit_springs(asset);
+    fitter.compare_cells();
+    mend_far_places(flat, raster, fitter.farthest(), asset);
+  }
   share_area(asset);
   for (SeamBend& bend : asset.seam_bends) {
     bend.rest_length = length(asset.rest_position[bend.b] - asset.rest_position[bend.a]);

@@ -7,6 +7,7 @@
 #include "flat_builder.h"
 #include "geocloth/asset/grid_mesh.h"
 #include "geocloth/parametrize/quality.h"
+#include "mend_far.h"
 #include "point_math.h"
 
 namespace geocloth {
@@ -169,6 +170,45 @@ TEST(FitImage, UnevenAndAskewSpringsOfPanelsAreMended) {
   EXPECT_GT(before.shear_deg_p95, 6.2);
   EXPECT_LE(after.spring_p99_over_p1, 1.5);
   EXPECT_LE(after.shear_deg_p95, 6);
+}
+
+/// A flat sheet with a cone whose tip lies in the middle of a cell.
+FlatBuilder cone() {
+  return fine_square(33, 4, [](double u, double v) {
+    return Point3{u, -v, std::max(0.0, 0.8 - 0.5 * std::hypot(u - 16.5, v - 16.5))};
+  });
+}
+
+TEST(MendFar, ATipBetweenPixelsIsReachedWithinTheLimitsOfSprings) {
+  const FlatBuilder b = cone();
+  const ClothAsset sampled = images_of(b, Layout::panels).sampled;
+  const Raster raster = rasterize(b.flat);
+  ClothAsset mended = sampled;
+  mend_far_places(b.flat, raster, {}, mended);
+  const Quality before = measure_quality(b.clean, b.flat, raster, sampled);
+  const Quality after = measure_quality(b.clean, b.flat, raster, mended);
+  EXPECT_GT(before.max_error, 5e-3);
+  EXPECT_LE(after.max_error, 2e-3);
+  EXPECT_GE(after.spring_min, 0.3);
+  EXPECT_LE(after.spring_max, 2);
+}
+
+TEST(MendFar, OnlyPixelsBesideThePlaceMove) {
+  const FlatBuilder b = cone();
+  const ClothAsset sampled = images_of(b, Layout::panels).sampled;
+  ClothAsset mended = sampled;
+  mend_far_places(b.flat, rasterize(b.flat), {}, mended);
+  bool moved = false;
+  for (uint32_t y = 0; y < 33; ++y) {
+    for (uint32_t x = 0; x < 33; ++x) {
+      const Vec3 &before = sampled.rest_position[y * 33 + x], &after = mended.rest_position[y * 33 + x];
+      const bool same = before.x == after.x && before.y == after.y && before.z == after.z;
+      moved = moved || !same;
+      const bool is_beside = std::hypot(x - 16.5, y - 16.5) < 6;
+      EXPECT_TRUE(same || is_beside) << x << ' ' << y;
+    }
+  }
+  EXPECT_TRUE(moved);
 }
 
 }  // namespace
