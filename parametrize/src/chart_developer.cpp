@@ -30,7 +30,7 @@ constexpr size_t kTrialWork = 40'000;  // triangles that trials of a cut may hav
 constexpr size_t kLeastTrials = 1;
 constexpr size_t kSmall = 1'500;  // triangles of a chart in which all places are tried every time
 constexpr uint32_t kStartSteps = 80, kTrialSteps = 6;
-constexpr double kStartTolerance = 1e-4;
+constexpr double kStartTolerance = 1e-4, kCutTolerance = 5e-5;
 constexpr double kApart = 0.15;  // between the places tried, by the root of the area
 
 /// Places worth a cut, worst first: interior vertices by the excess energy of the triangles within two rings, apart
@@ -67,8 +67,8 @@ std::vector<uint32_t> worst_vertices(const Chart& c, const std::vector<double>& 
 class Developer {
  public:
   /// @param discount  as of wished_discounts(), for the mirror plane
-  Developer(const DevelopOptions& options, const Taste& taste, std::span<const double> discount)
-      : options_(options), taste_(taste), discount_(discount) {}
+  Developer(const DevelopOptions& options, const Taste& taste, std::span<const double> discount, TrialMemory* memory)
+      : options_(options), taste_(taste), discount_(discount), memory_(memory) {}
 
   /// A component in the plane without cuts of its own: where all tastes start.
   static Chart laid_out(const CutSurface& cut, std::vector<uint32_t> triangles) {
@@ -81,39 +81,62 @@ class Developer {
   /// Cuts a component that is laid out until it lies well; returns its charts.
   std::vector<Chart> develop_component(const Chart& component) {
     cuts_left_ = options_.max_cuts_per_chart;
-    std::vector<Chart> done, open;
-    open.push_back(component);
-    bool is_piece = false;
+    std::vector<Chart> done;
+    std::vector<Open> open{{component}};
     while (!open.empty()) {
-      Chart chart = std::move(open.back());
+      Open whole = std::move(open.back());
       open.pop_back();
-      if (is_piece) minimise(chart, kStartSteps, kStartTolerance);
-      is_piece = true;
-      relax(chart);
-      std::vector<Chart> pieces = without_overlap(chart);
-      if (pieces.empty()) {
-        done.push_back(std::move(chart));
-      } else {
-        for (Chart& piece : pieces) open.push_back(std::move(piece));
+      relax(whole);
+      std::vector<Chart> pieces = without_overlap(whole.chart);
+      for (uint32_t i = 0; i < pieces.size(); ++i) {
+        Open& piece = open.emplace_back(Open{std::move(pieces[i]), whole.state});
+        settle(piece, {{i}}, [](Chart& chart) { return minimise(chart, kStartSteps, kStartTolerance); });
       }
+      if (pieces.empty()) done.push_back(std::move(whole.chart));
     }
     return done;
   }
 
  private:
+  using Paths = TrialMemory::Paths;
+
+  /// A chart that is not done.
+  struct Open {
+    Chart chart;
+    TrialMemory::State state = TrialMemory::kStart;
+  };
+
   /// Opens cuts while they pay.
-  void relax(Chart& chart) {
-    double energy = SymmetricDirichlet(chart.position, chart.triangle, {}).energy(chart.uv);
+  void relax(Open& open) {
+    double energy = SymmetricDirichlet(open.chart.position, open.chart.triangle, {}).energy(open.chart.uv);
     Falls falls;
     while (cuts_left_ > 0 &&
-           (energy > options_.target_energy || strained_area(chart) > kMostStrained * total_area(chart))) {
-      std::optional<Trial> best = best_cut(chart, energy, falls);
+           (energy > options_.target_energy || strained_area(open.chart) > kMostStrained * total_area(open.chart))) {
+      std::optional<Trial> best = best_cut(open, energy, falls);
       if (!best) break;
-      chart = std::move(best->chart);
-      energy = minimise(chart, 20, 5e-5);
+      const bool is_laid = !best->chart.triangle.empty();
+      open.chart = is_laid ? std::move(best->chart) : opened(open.chart, best->paths);
+      energy = settle(open, best->paths, [&](Chart& chart) {
+        if (!is_laid) minimise(chart, kTrialSteps, kCutTolerance);
+        return minimise(chart, 20, kCutTolerance);
+      });
       --cuts_left_;
     }
-    minimise(chart, 30, 1e-6);
+    settle(open, {}, [](Chart& chart) { return minimise(chart, 30, 1e-6); });
+  }
+
+  /// Lays a chart out after a change that has a name, unless that was done before. @returns its energy
+  template <class Lay>
+  double settle(Open& open, const Paths& change, const Lay& lay) {
+    if (memory_ == nullptr) return lay(open.chart);
+    if (std::optional<TrialMemory::Made> known = memory_->made(open.state, change)) {
+      open.chart.uv = std::move(known->uv);
+      open.state = known->state;
+      return known->energy;
+    }
+    const double energy = lay(open.chart);
+    open.state = memory_->keep_made(open.state, change, open.chart.uv, energy);
+    return energy;
   }
 
   /// By how much the energy fell in trials of cuts that were not made, by the cut vertex where they end. Other cuts
@@ -123,21 +146,20 @@ class Developer {
   };
   using Falls = std::map<uint32_t, Fall>;
 
-  using Paths = std::vector<std::vector<uint32_t>>;
-
   struct Trial {
     Paths paths;
     double length = 0;
-    double fall = 0;        // of the energy
-    bool is_known = false;  // from a round before
-    Chart chart;            // empty until the cut is tried
-    double gain = 0;        // beyond the price
-    double worth = 0;       // as the taste has it
+    double fall = 0;  // of the energy
+    enum class Fall : uint8_t { unknown, believed, tried } known = Fall::unknown;
+    Chart chart;       // as the cut leaves it; empty where another taste knows that
+    double gain = 0;   // beyond the price
+    double worth = 0;  // as the taste has it
   };
 
   /// Of several places, the cut that brings most for its length; nothing when none pays. What a cut brought in a round
   /// before is believed, in charts where trials are dear, until that makes it the best one.
-  [[nodiscard]] std::optional<Trial> best_cut(const Chart& chart, double energy, Falls& falls) const {
+  [[nodiscard]] std::optional<Trial> best_cut(const Open& open, double energy, Falls& falls) const {
+    const Chart& chart = open.chart;
     const size_t count = std::clamp<size_t>(kTrialWork / chart.triangle.size(), kLeastTrials, taste_.places);
     const Distances way_out =
         distances(chart, outline_loop(chart), on_outline(chart),
@@ -150,8 +172,15 @@ class Developer {
       trial.worth = worth(energy, energy - trial.fall, trial.length, trial.gain);
     };
     const auto try_out = [&](Trial& trial) {
-      trial.chart = opened(chart, trial.paths);
-      trial.fall = energy - minimise(trial.chart, kTrialSteps, 5e-5);
+      const std::optional<double> found = memory_ ? memory_->fall(open.state, trial.paths) : std::nullopt;
+      if (found) {
+        trial.fall = *found;
+      } else {
+        trial.chart = opened(chart, trial.paths);
+        trial.fall = energy - minimise(trial.chart, kTrialSteps, kCutTolerance);
+        if (memory_ != nullptr) memory_->keep_fall(open.state, trial.paths, trial.fall);
+      }
+      trial.known = Trial::Fall::tried;
       judge(trial);
     };
     std::vector<Trial> trials;
@@ -164,18 +193,18 @@ class Developer {
       const auto known = falls.find(chart.cut_vertex[trial.paths.front().front()]);
       if (known == falls.end() || known->second.length != trial.length) continue;
       trial.fall = known->second.energy;
-      trial.is_known = true;
+      trial.known = Trial::Fall::believed;
       judge(trial);
     }
     const auto try_where = [&](const auto& wanted) {
       std::vector<size_t> untried;
       for (size_t i = 0; i < trials.size(); ++i) {
-        if (trials[i].chart.triangle.empty() && wanted(trials[i])) untried.push_back(i);
+        if (trials[i].known != Trial::Fall::tried && wanted(trials[i])) untried.push_back(i);
       }
       tbb::parallel_for(size_t{0}, untried.size(), [&](size_t i) { try_out(trials[untried[i]]); });
       return !untried.empty();
     };
-    try_where([](const Trial& t) { return !t.is_known; });
+    try_where([](const Trial& t) { return t.known == Trial::Fall::unknown; });
     const auto better = [](const Trial& a, const Trial& b) {
       return (a.gain > 0) != (b.gain > 0) ? b.gain > 0 : a.worth < b.worth;
     };
@@ -184,7 +213,7 @@ class Developer {
       Trial& leading = *std::max_element(trials.begin(), trials.end(), better);
       if (!(leading.gain > 0)) {  // what was believed must not end the search
         if (!try_where([](const Trial&) { return true; })) break;
-      } else if (leading.chart.triangle.empty()) {
+      } else if (leading.known != Trial::Fall::tried) {
         try_out(leading);
       } else {
         best = std::move(leading);
@@ -267,6 +296,7 @@ class Developer {
   DevelopOptions options_;
   Taste taste_;
   std::span<const double> discount_;
+  TrialMemory* memory_;
   uint32_t cuts_left_ = 0;
 };
 
@@ -277,8 +307,8 @@ Chart laid_out(const CutSurface& cut, std::vector<uint32_t> triangles) {
 }
 
 std::vector<Chart> develop_component(const Chart& component, const DevelopOptions& options, const Taste& taste,
-                                     std::span<const double> discount) {
-  return Developer(options, taste, discount).develop_component(component);
+                                     std::span<const double> discount, TrialMemory* memory) {
+  return Developer(options, taste, discount, memory).develop_component(component);
 }
 
 }  // namespace geocloth

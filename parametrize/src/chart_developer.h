@@ -6,6 +6,7 @@
 
 #include "chart.h"
 #include "develop.h"
+#include "trial_memory.h"
 
 namespace geocloth {
 
@@ -27,8 +28,10 @@ struct Taste {
 
 /// Cuts a component that is laid out until it lies well.
 /// @param discount  as of wished_discounts(), for the mirror plane; may be empty
+/// @param memory  of what was tried on this component; null where nothing else starts from it
 /// @returns its charts
 [[nodiscard]] std::vector<Chart> develop_component(const Chart& component, const DevelopOptions& options,
-                                                   const Taste& taste, std::span<const double> discount);
+                                                   const Taste& taste, std::span<const double> discount,
+                                                   TrialMemory* memory = nullptr);
 
 }  // namespace geocloth

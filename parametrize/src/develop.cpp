@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <deque>
 #include <exception>
 #include <limits>
 #include <numeric>
@@ -188,6 +189,13 @@ SheetLayout develop_sheet(const std::vector<CutWay>& cuts, size_t sheet, const D
   const std::vector<Way> ways = ways_for(triangles, cuts_worth_trying(cuts, sheet, options));
   std::vector<std::vector<Chart>> start(ways.back().cut + 1);
   tbb::parallel_for(size_t{0}, start.size(), [&](size_t c) { start[c] = laid_out(cuts[c], sheet); });
+  // What cuts come to is remembered where several tastes start alike.
+  std::vector<std::deque<TrialMemory>> memory(start.size());
+  for (size_t c = 0; c < start.size(); ++c) {
+    if (std::count_if(ways.begin(), ways.end(), [&](const Way& w) { return w.cut == c; }) > 1) {
+      memory[c].resize(start[c].size());
+    }
+  }
   std::vector<SheetLayout> layouts(ways.size());
   std::vector<double> cost(ways.size(), std::numeric_limits<double>::infinity());
   std::vector<std::exception_ptr> failed(ways.size());
@@ -195,9 +203,11 @@ SheetLayout develop_sheet(const std::vector<CutWay>& cuts, size_t sheet, const D
     try {
       const CutWay& way = cuts[ways[i].cut];
       const std::vector<Chart>& from = start[ways[i].cut];
+      std::deque<TrialMemory>& of_start = memory[ways[i].cut];
       std::vector<std::vector<Chart>> charts(from.size());
       tbb::parallel_for(size_t{0}, from.size(), [&](size_t c) {
-        charts[c] = develop_component(from[c], options, ways[i].taste, way.discount);
+        charts[c] =
+            develop_component(from[c], options, ways[i].taste, way.discount, of_start.empty() ? nullptr : &of_start[c]);
       });
       layouts[i].cut = ways[i].cut;
       for (std::vector<Chart>& of_component : charts) {
