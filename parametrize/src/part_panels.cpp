@@ -35,6 +35,7 @@ constexpr double kBalance = 0.5;         // what parting off a large piece is wo
 constexpr size_t kMostChords = 60, kBeam = 8, kMostPartings = 4;
 constexpr double kMostDetour = 1.25;  // of the path of edges beside its chord
 constexpr size_t kMostCharts = 24;    // more are small beside the image, and lie in each other's hollows anyway
+constexpr double kSparse = 0.25;      // utilisation below which pixels on borders cost less than empty ones
 constexpr double kSame = 1e-6;        // mirrored partings are worth the same but for rounding: the first is taken
 
 struct Chord {
@@ -213,11 +214,12 @@ class PanelParter {
   }
 
   /// The chords to part along, in the order in which they were chosen.
-  [[nodiscard]] std::vector<Chord> choose() const {
+  [[nodiscard]] std::vector<Chord> choose() {
     Parting best;
     for (uint32_t c = 0; c < plan_.size(); ++c) best.piece.push_back(make_piece(c, whole_loop(c)));
     measure(best);
     if (best.utilisation >= options_.wanted) return {};
+    if (best.utilisation < kSparse) options_.most_border = 1;  // a ribbon is mostly border as it is
     const std::vector<Chord> chord = ChordFinder(plan_, area_).find(forbidden_);
     std::vector<Parting> beam{best};
     for (size_t depth = 0; depth < kMostPartings && !beam.empty(); ++depth) {

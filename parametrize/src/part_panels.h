@@ -10,7 +10,7 @@ namespace geocloth {
 struct PartingOptions {
   double pixel = 0;           ///< [m] side of a pixel of the image; 0: nothing is parted
   double wanted = 0.77;       ///< utilisation above which nothing is parted, as estimated on outlines
-  double most_border = 0.07;  ///< share of the pixels that may lie on outlines
+  double most_border = 0.07;  ///< share of the pixels that may lie on outlines, unless the image is mostly empty
   double most_seam = 1.79;    ///< seams in all, by the root of the area
   double least_gain = 0.04;   ///< of the utilisation, by length of new seam / root of the area
 };

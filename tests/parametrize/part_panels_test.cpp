@@ -18,10 +18,10 @@ namespace {
 constexpr double kPi = 3.14159265358979;
 
 /// A wide skirt laid flat: a ring's sector that hangs in the plane z = 0.
-CleanSurface fan(double angle) {
+CleanSurface fan(double angle, double width = 1) {
   CleanSurface sheet = test::disk(61, 13);
   for (Point3& p : sheet.position) {
-    const double a = angle * (p[0] - 0.5), r = 1.5 - p[1];
+    const double a = angle * (p[0] - 0.5), r = 1.5 - width * p[1];
     p = {r * std::sin(a), -r * std::cos(a), 0};
   }
   return sheet;
@@ -61,6 +61,15 @@ TEST(PartPanels, NoClothOfAWideSkirtIsLost) {
     turn_upright(c);
     EXPECT_FALSE(crossing_edges(c, outline_loop(c)));
   }
+}
+
+TEST(PartPanels, ARibbonThatRunsAroundAnEmptyImageIsPartedThoughItIsMostlyBorder) {
+  Laid laid = laid_flat(fan(1.8 * kPi, 0.1));
+  const double pixel = std::sqrt(area_of(laid.charts)) / 128;
+  const double before = estimated_utilisation(laid.charts, pixel);
+  ASSERT_TRUE(part_panels(laid.charts, laid.sheet, {.pixel = pixel}));
+  for (Chart& c : laid.charts) turn_upright(c);
+  EXPECT_GT(estimated_utilisation(laid.charts, pixel), 2 * before);
 }
 
 TEST(PartPanels, ARectangleStaysWhole) {
