@@ -26,6 +26,7 @@ inline PointState way_held(PointState point) {
 // Where colliders, as they are at the end of the substep, let a point go from `start`.
 inline vec3 kept_out(ColliderSet set, ClothParams params, uint substep, vec3 start, vec3 moved) {
   vec3 position = moved;
+  vec3 last = vec3(0.0f, 0.0f, 0.0f);
   bool again = params.collider_count > 0u;
   for (uint round = 0u; round < kContactRounds && again; ++round) {
     again = false;
@@ -36,8 +37,11 @@ inline vec3 kept_out(ColliderSet set, ClothParams params, uint substep, vec3 sta
       Nearest near = nearest_of_shape(set, shape, local);
       Contact contact = find_contact(set, shape, to_local(pose, start), local, near, params.thickness, round == 0u);
       if (!contact.touches || contact.depth <= kContactSlack) continue;
-      precise vec3 out_of_it = position + rotate_to_world(pose, contact.normal) * contact.depth;
+      vec3 n = rotate_to_world(pose, contact.normal);
+      precise vec3 out_of_it =
+          position + way_out(n, contact.depth, params.thickness, slides_out(round) ? last : vec3(0.0f, 0.0f, 0.0f));
       position = out_of_it;
+      last = n;
       again = params.collider_count > 1u || shape.kind == kShapeMesh;  // its field is not quite a distance
     }
   }

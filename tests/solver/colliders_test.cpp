@@ -11,6 +11,7 @@
 
 #include "geocloth/asset/error.h"
 #include "solver_fixture.h"
+#include "support/pressing_arms.h"
 
 namespace geocloth {
 namespace {
@@ -135,6 +136,18 @@ TEST(Collider, ClothBetweenBallAndFloorIsInNeither) {
   EXPECT_LE(solver.statistics().penetration, 0.002);  // the thickness
   EXPECT_TRUE(test::all_finite(test::positions_of(solver)));
   for (const Vec3& v : test::velocities_of(solver)) EXPECT_LT(length(v), 10);
+}
+
+TEST(Collider, ClothCaughtBetweenATrunkAndArmsThatPressIntoItIsInNone) {
+  SolverSettings settings = test::cpu_settings();
+  settings.substeps = 8;
+  Solver solver(std::vector{test::tube_about_a_trunk()}, settings);
+  for (int f = 0; f < 90; ++f) {
+    solver.set_colliders(test::pressing_arms(static_cast<float>(f) / 60));
+    solver.step();
+  }
+  EXPECT_LE(solver.statistics().penetration, 0.0005);  // 1.1 mm when points are only pushed straight out of each
+  EXPECT_TRUE(test::all_finite(test::positions_of(solver)));
 }
 
 TEST(Collider, PointsThatStartDeepInsideComeOutWithoutAnExplosion) {

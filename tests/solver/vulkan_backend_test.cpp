@@ -5,6 +5,7 @@
 #include <cmath>
 #include <ostream>
 
+#include "support/pressing_arms.h"
 #include "support/vulkan_play.h"
 
 namespace geocloth {
@@ -175,6 +176,15 @@ TEST_F(VulkanBackendTest, ManyCollidersOfChangingNumberAgree) {
                            .shape = Sphere{{-0.5F + 0.04F * static_cast<float>(i), 0.2F, 0}, 0.03F},
                            .pose = {}});
     solver.set_colliders(colliders, frame % 4 == 2);
+  };
+  expect_same_as_cpu(scene);
+}
+
+TEST_F(VulkanBackendTest, ClothBetweenOverlappingCollidersAgrees) {
+  Play scene{.cloths = {test::tube_about_a_trunk()}, .settings = settings_of(8), .frames = 60};
+  scene.settings.check_copies = true;
+  scene.before_frame = [](Solver& solver, uint32_t frame) {
+    solver.set_colliders(test::pressing_arms(static_cast<float>(frame) / 60));
   };
   expect_same_as_cpu(scene);
 }

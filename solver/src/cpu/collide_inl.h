@@ -29,6 +29,14 @@ HWY_INLINE PointStates<D> choose(Mask<D> mask, const PointStates<D>& yes, const 
           choose<D>(mask, yes.carry, no.carry)};
 }
 
+/// A contact for each lane; see find_contact().
+template <class D>
+struct Contacts {
+  Mask<D> touches;
+  Points<D> normal;
+  Vec<D> depth;
+};
+
 /// lib/collide.h: between the world and a collider's frame.
 template <class D>
 HWY_INLINE Points<D> to_local(D d, const shader::ColliderPose& pose, const Points<D>& p) {
@@ -48,24 +56,34 @@ HWY_INLINE Points<D> to_world(D d, const shader::ColliderPose& pose, const Point
   return add(rotate_to_world(d, pose, p), set(d, pose.row0.w, pose.row1.w, pose.row2.w));
 }
 
+/// way_out() of lib/collide.h.
+template <class D>
+HWY_INLINE Points<D> way_out(D d, const Points<D>& normal, Vec<D> depth, Vec<D> thickness, const Points<D>& last) {
+  const auto one = hn::Set(d, 1.F);
+  const auto c = hn::Min(dot(d, normal, last), hn::Zero(d));
+  const auto open = hn::Sub(one, hn::Mul(c, c));
+  const Points<D> slid = scale(d, sub(normal, scale(d, last, c)), hn::Mul(depth, hn::Div(one, open)));
+  return choose<D>(hn::Or(hn::Lt(open, hn::Set(d, shader::kNarrowest)), hn::Lt(depth, thickness)),
+                   scale(d, normal, depth), slid);
+}
+
 /// respond() of lib/collide.h.
 template <class D>
 HWY_INLINE PointStates<D> respond(D d, const PointStates<D>& point, const shader::ColliderPose& before,
-                                  const shader::ColliderPose& after, const Points<D>& local, const Points<D>& normal,
-                                  Vec<D> depth, Vec<D> friction) {
+                                  const shader::ColliderPose& after, const Points<D>& local, const Contacts<D>& contact,
+                                  const Points<D>& n, const Points<D>& out_of_it, Vec<D> friction) {
   const auto one = hn::Set(d, 1.F), zero = hn::Zero(d);
-  const Points<D> n = rotate_to_world(d, after, normal);
-  const Points<D> on_surface = add(local, scale(d, normal, depth));
+  const Points<D> on_surface = add(local, scale(d, contact.normal, contact.depth));
   const Points<D> carried = sub(to_world(d, after, on_surface), to_world(d, before, on_surface));
   const Points<D> displacement = add(sub(point.position, point.previous), point.carry);
   const Points<D> relative = sub(displacement, carried);
   const auto along = dot(d, relative, n);
   const Points<D> sliding = sub(relative, scale(d, n, along));
   const auto slid = length(d, sliding);
-  const auto brake = hn::Mul(friction, depth);
+  const auto brake = hn::Mul(friction, contact.depth);
   const auto held = hn::IfThenElse(hn::Gt(slid, brake), hn::Mul(brake, hn::Div(one, slid)), one);
 
-  const Points<D> position = sub(add(point.position, scale(d, n, depth)), scale(d, sliding, held));
+  const Points<D> position = sub(add(point.position, out_of_it), scale(d, sliding, held));
   const Points<D> kept = add(add(carried, scale(d, sliding, hn::Sub(one, held))),
                              scale(d, n, hn::IfThenElse(hn::Lt(along, zero), zero, along)));
   const Points<D> previous = sub(position, kept);
@@ -102,14 +120,6 @@ struct Guards {
     for (size_t c = 0; c < count; ++c) any = hn::Or(any, near(d, guards[c], position, twice));
     return any;
   }
-};
-
-/// A contact for each lane; see find_contact().
-template <class D>
-struct Contacts {
-  Mask<D> touches;
-  Points<D> normal;
-  Vec<D> depth;
 };
 
 /// sweep() of lib/collide.h.
@@ -175,6 +185,8 @@ HWY_INLINE void push_out(D d, const Meeting& meeting, Mask<D> lanes, PointStates
   const size_t count = meeting.frame.shapes.size();
   const auto thickness = hn::Set(d, meeting.params.thickness);
   const Points<D> start = points.previous;
+  const Points<D> none = set(d, 0, 0, 0);
+  Points<D> last = none;
   PointStates<D> state = points;
   Mask<D> again = lanes;
   for (uint32_t round = 0; round < shader::kContactRounds && !hn::AllFalse(d, again); ++round) {
@@ -197,9 +209,11 @@ HWY_INLINE void push_out(D d, const Meeting& meeting, Mask<D> lanes, PointStates
       if (round > 0) touches = hn::And(touches, hn::Gt(contact.depth, hn::Set(d, shader::kContactSlack)));
       if (hn::AllFalse(d, touches)) continue;
       const float friction = round == 0 ? std::sqrt(meeting.params.friction * shape.friction) : 0.F;
-      const PointStates<D> moved =
-          respond(d, state, before, after, local, contact.normal, contact.depth, hn::Set(d, friction));
+      const Points<D> n = rotate_to_world(d, after, contact.normal);
+      const Points<D> out_of_it = way_out(d, n, contact.depth, thickness, shader::slides_out(round) ? last : none);
+      const PointStates<D> moved = respond(d, state, before, after, local, contact, n, out_of_it, hn::Set(d, friction));
       state = choose<D>(touches, moved, state);
+      last = choose<D>(touches, n, last);
       way = length(d, sub(state.position, start));
       if (count > 1 || shape.kind == shader::kShapeMesh) touched = hn::Or(touched, touches);
     }

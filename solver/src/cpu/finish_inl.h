@@ -33,7 +33,8 @@ HWY_INLINE void keep_out(D d, const Meeting& meeting, Mask<D> lanes, const Point
   const size_t count = meeting.frame.shapes.size();
   const shader::ColliderPose* const poses = meeting.poses + count;
   const auto thickness = hn::Set(d, meeting.params.thickness), slack = hn::Set(d, shader::kContactSlack);
-  Points<D> position = moved;
+  const Points<D> none = set(d, 0, 0, 0);
+  Points<D> position = moved, last = none;
   Mask<D> again = lanes;
   for (uint32_t round = 0; round < shader::kContactRounds && !hn::AllFalse(d, again); ++round) {
     Mask<D> touched = hn::Gt(hn::Zero(d), hn::Zero(d));
@@ -49,8 +50,11 @@ HWY_INLINE void keep_out(D d, const Meeting& meeting, Mask<D> lanes, const Point
           find_contacts(d, meeting, shape, again, to_local(d, poses[i], start), local, near, gap, round == 0);
       const auto touches = hn::And(contact.touches, hn::Gt(contact.depth, slack));
       if (hn::AllFalse(d, touches)) continue;
-      const Points<D> out = add(position, scale(d, rotate_to_world(d, poses[i], contact.normal), contact.depth));
-      position = choose<D>(touches, out, position);
+      const Points<D> n = rotate_to_world(d, poses[i], contact.normal);
+      position = choose<D>(
+          touches, add(position, way_out(d, n, contact.depth, thickness, shader::slides_out(round) ? last : none)),
+          position);
+      last = choose<D>(touches, n, last);
       if (count > 1 || shape.kind == shader::kShapeMesh) touched = hn::Or(touched, touches);
     }
     again = touched;
