@@ -97,6 +97,70 @@ double wave(double x, double z, double turn) {
   return kHeight * out * sum;
 }
 
+/// On the support the specimen is held as under Cusick's upper disc. The last pinned pixel is on average half a spacing
+/// inside the radius below which pixels are pinned, and the bend at it stands for half a spacing more: the cloth is
+/// held within one spacing less than that radius.
+Draped hang(const std::shared_ptr<const ClothAsset>& specimen, std::vector<Vec3> start, Material material,
+            const DrapeEffort& effort, const MakeSolver& make) {
+  material.damping = effort.damping;
+  SolverSettings settings;
+  settings.substeps = effort.substeps;
+  settings.relaxation_steps = effort.relaxation_steps;
+  const ClothDesc cloth{specimen, material, {}};
+  Solver solver = make({&cloth, 1}, settings);
+
+  const double held = kSupport + static_cast<double>(specimen->spacing);
+  std::vector<Pin> pins;
+  for (uint32_t p = 0; p < specimen->pixel_count(); ++p) {
+    const Vec3 rest = specimen->rest_position[p];
+    if (!specimen->valid(p) || std::hypot(static_cast<double>(rest.x), static_cast<double>(rest.z)) > held) continue;
+    pins.push_back({p, rest});
+    start[p] = rest;
+  }
+  solver.write_state(0, start, std::vector<Vec3>(start.size()));
+  solver.set_pins(0, pins);
+  for (uint32_t frame = 0; frame < effort.frames; ++frame) solver.step();
+  Draped result{specimen, {}};
+  solver.read_positions(0, result.position);
+  return result;
+}
+
+/// Weights of the corners of a triangle at a point, seen from above.
+std::array<double, 3> weights_at(const std::array<Vec3, 3>& corner, Vec3 p) {
+  const auto area = [](Vec3 a, Vec3 b, Vec3 c) {
+    return static_cast<double>((b.x - a.x) * (c.z - a.z) - (c.x - a.x) * (b.z - a.z));
+  };
+  const double whole = area(corner[0], corner[1], corner[2]);
+  return {area(p, corner[1], corner[2]) / whole, area(corner[0], p, corner[2]) / whole,
+          area(corner[0], corner[1], p) / whole};
+}
+
+/// Where the pixels of a finer grid are on the triangles of a coarser one at rest, as those hang. A pixel beyond the
+/// coarser outline is on the plane of the triangle that it is least far out of.
+std::vector<Vec3> on_grid(const Draped& coarse, const ClothAsset& fine) {
+  const std::vector<Vec3>& rest = coarse.specimen->rest_position;
+  const std::vector<Triangle> triangles = pixel_triangles(*coarse.specimen);
+  std::vector<Vec3> result = fine.rest_position;
+  size_t last = 0;  // pixels in a row are on triangles that are near in order
+  for (uint32_t p = 0; p < fine.pixel_count(); ++p) {
+    if (!fine.valid(p)) continue;
+    double innermost = -1e30;
+    const size_t first = last;
+    for (size_t k = 0; k < triangles.size() && innermost < 0; ++k) {
+      const size_t at = (first + k) % triangles.size();
+      const Triangle& t = triangles[at];
+      const auto w = weights_at({rest[t[0]], rest[t[1]], rest[t[2]]}, fine.rest_position[p]);
+      const double inside = std::min({w[0], w[1], w[2]});
+      if (!(inside > innermost)) continue;
+      innermost = inside;
+      last = at;
+      result[p] = coarse.position[t[0]] * static_cast<float>(w[0]) + coarse.position[t[1]] * static_cast<float>(w[1]) +
+                  coarse.position[t[2]] * static_cast<float>(w[2]);
+    }
+  }
+  return result;
+}
+
 }  // namespace
 
 std::shared_ptr<const ClothAsset> make_specimen(uint32_t resolution, Layout layout) {
@@ -113,7 +177,6 @@ Material soft_sheet(double bend_warp, double bend_weft, double bend_bias) {
   material.bend_warp = static_cast<float>(bend_warp);
   material.bend_weft = static_cast<float>(bend_weft);
   material.bend_bias = static_cast<float>(bend_bias);
-  material.damping = 4;
   material.max_stretch = 0;
   return material;
 }
@@ -122,34 +185,28 @@ Material even_sheet(double rigidity) {
   return soft_sheet(rigidity, rigidity, rigidity);
 }
 
+Draped hang_level(const std::shared_ptr<const ClothAsset>& specimen, const Material& material,
+                  const DrapeEffort& effort, double turn, const MakeSolver& make) {
+  std::vector<Vec3> start = specimen->rest_position;
+  for (uint32_t p = 0; p < specimen->pixel_count(); ++p) {
+    const auto x = static_cast<double>(start[p].x), z = static_cast<double>(start[p].z);
+    if (specimen->valid(p)) start[p].y += static_cast<float>(wave(x, z, turn));
+  }
+  return hang(specimen, start, material, effort, make);
+}
+
+Draped hang_on(const Draped& coarse, const std::shared_ptr<const ClothAsset>& specimen, const Material& material,
+               const DrapeEffort& effort, const MakeSolver& make) {
+  return hang(specimen, on_grid(coarse, *specimen), material, effort, make);
+}
+
+Drape shadow_of(const Draped& draped) {
+  return measure(*draped.specimen, draped.position);
+}
+
 Drape drape(const std::shared_ptr<const ClothAsset>& specimen, const Material& material, const DrapeEffort& effort,
             double turn, const MakeSolver& make) {
-  SolverSettings settings;
-  settings.substeps = effort.substeps;
-  settings.relaxation_steps = effort.relaxation_steps;
-  const ClothDesc cloth{specimen, material, {}};
-  Solver solver = make({&cloth, 1}, settings);
-
-  // The last pinned pixel is on average half a spacing inside the radius below which pixels are pinned, and the bend at
-  // it stands for half a spacing more: the cloth is held within one spacing less than that radius.
-  const double held = kSupport + static_cast<double>(specimen->spacing);
-  std::vector<Vec3> start = specimen->rest_position;
-  std::vector<Pin> pins;
-  for (uint32_t p = 0; p < specimen->pixel_count(); ++p) {
-    if (!specimen->valid(p)) continue;
-    const auto x = static_cast<double>(start[p].x), z = static_cast<double>(start[p].z);
-    if (std::hypot(x, z) <= held) {
-      pins.push_back({p, start[p]});
-    } else {
-      start[p].y += static_cast<float>(wave(x, z, turn));
-    }
-  }
-  solver.write_state(0, start, std::vector<Vec3>(start.size()));
-  solver.set_pins(0, pins);
-  for (uint32_t frame = 0; frame < effort.frames; ++frame) solver.step();
-  std::vector<Vec3> x;
-  solver.read_positions(0, x);
-  return measure(*specimen, x);
+  return shadow_of(hang_level(specimen, material, effort, turn, make));
 }
 
 }  // namespace geocloth::test

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "support/make_solver.h"
 
@@ -23,6 +24,7 @@ namespace geocloth::test {
 struct DrapeEffort {
   uint32_t substeps = 32, relaxation_steps = 4;
   uint32_t frames = 120;
+  float damping = 4;  ///< [1/s] of the air about the cloth: no equilibrium depends on it
 };
 
 struct Drape {
@@ -30,6 +32,21 @@ struct Drape {
   std::array<double, 2> center{};  ///< [m] x, z of the shadow
   std::array<double, 2> extent{};  ///< [m^2] its mean squares along x and z
 };
+
+/// A specimen and how it hangs.
+struct Draped {
+  std::shared_ptr<const ClothAsset> specimen;
+  std::vector<Vec3> position;  ///< [m] one per pixel
+};
+
+/// From level, with the waves of drape().
+[[nodiscard]] Draped hang_level(const std::shared_ptr<const ClothAsset>& specimen, const Material& material,
+                                const DrapeEffort& effort, double turn = 0, const MakeSolver& make = make_cpu_solver);
+/// From how a coarser specimen hangs: a finer one then has little way to go, and the folds that the coarser one chose.
+[[nodiscard]] Draped hang_on(const Draped& coarse, const std::shared_ptr<const ClothAsset>& specimen,
+                             const Material& material, const DrapeEffort& effort,
+                             const MakeSolver& make = make_cpu_solver);
+[[nodiscard]] Drape shadow_of(const Draped& draped);
 
 /// Lets the specimen hang from level. Small waves, the same however it is laid out, choose among the folds that it may
 /// come to rest in. On the support it is held as under Cusick's upper disc.
