@@ -241,14 +241,16 @@ HWY_INLINE void for_thirds(D d, const ClothState& state, const Run& run, const B
   for (uint32_t n = run.first; n < run.last; n += lanes) body(std::min(n, latest));
 }
 
-/// Groups 0, 1 and 2 of bend_groups.h in some rows, group by group: what waits for a row before goes on meanwhile.
+/// Groups 0, 1 and 2 of bend_groups.h in some rows, group by group: what waits for roots in one row goes on in the
+/// next.
 template <bool kSeveral, class D>
-HWY_NOINLINE void bends_along(D d, const SweepOp& op, ClothState& state, float* scratch, const RowRange& rows) {
+HWY_NOINLINE void bends_along(D d, const SweepOp& op, ClothState& state, const SweepFrame& frame,
+                              const RowRange& rows) {
   const RowStream& stream = *op.stream;
   const Thirds<D> thirds(d);
   const size_t width = state.data.width;
   const auto apart = [&](uint32_t y) GEOCLOTH_LANES {
-    return ThirdRow(scratch + (y - rows.first) * kThirdLines * size_t{op.offset}, op.offset);
+    return ThirdRow(frame.scratch + third_row(y, frame.sweep->strip, op.offset), op.offset);
   };
   for (uint32_t y = rows.first; y < rows.last; ++y) {
     const ThirdRow row = apart(y);
@@ -266,12 +268,11 @@ HWY_NOINLINE void bends_along(D d, const SweepOp& op, ClothState& state, float* 
       take_apart(points.inverse_mass, 3);
     });
   }
+  const ThirdRow all(frame.scratch, op.offset);
   for (uint32_t group = 0; group < 3; ++group) {
-    for (uint32_t y = rows.first; y < rows.last; ++y) {
-      const ThirdRow row = apart(y);
-      const uint32_t* const blocks = &stream.group_first[3 * size_t{y} + group];
-      project_bends<kSeveral>(d, op, {row.from(group), row.from(group + 1), row.from(group + 2)}, blocks[0], blocks[1]);
-    }
+    const uint32_t* const first = &stream.group_first[group * (size_t{state.data.height} + 1)];
+    project_bends<kSeveral>(d, op, {all.from(group), all.from(group + 1), all.from(group + 2)}, first[rows.first],
+                            first[rows.last]);
   }
   for (uint32_t y = rows.first; y < rows.last; ++y) {
     const ThirdRow row = apart(y);

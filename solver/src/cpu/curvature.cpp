@@ -93,19 +93,20 @@ void curvature(const PassContext& context, ClothState& state, const PassStep& st
 
 void seam_curvature(const PassContext& context, ClothState& state, const PassStep& step) {
   const float inverse_dt2 = context.cloth.params.inverse_dt2;
-  const uint32_t fine = context.cloth.params.fine;
-  for_seam_list(context, state, step, [&](const shader::SeamSpring& s, float multiplier, auto mode) {
-    const PointLine a(state, s.a, fine), m(state, s.middle, fine), b(state, s.b, fine), c(state, s.beside, fine);
-    const float wa = a.inverse_mass[0], wm = m.inverse_mass[0], wb = b.inverse_mass[0], wc = c.inverse_mass[0];
-    const shader::BendMove move = shader::turned_bend_move(
-        way_between(m, a, 0, mode), wa, wm, way_between(m, b, 0, mode), wb, way_between(m, c, 0, mode), wc,
-        s.middle_share, s.chord, s.turn, s.rest, s.compliance * inverse_dt2, multiplier);
-    a.move(0, -move.step, wa * (1.F - s.chord));
-    m.move(0, move.step, wm * (1.F - s.turn));
-    b.move(0, -move.step, wb * s.chord);
-    if (s.turn != 0) c.move(0, move.step, wc * s.turn);
-    return move.multiplier;
-  });
+  for_seam_list(
+      context, state, step, [=](const PointLine& pixels, const shader::SeamSpring& s, float multiplier, auto mode) {
+        const PointLine a = pixels.from(s.a), m = pixels.from(s.middle), b = pixels.from(s.b),
+                        c = pixels.from(s.beside);
+        const float wa = a.inverse_mass[0], wm = m.inverse_mass[0], wb = b.inverse_mass[0], wc = c.inverse_mass[0];
+        const shader::BendMove move = shader::turned_bend_move(
+            way_between(m, a, 0, mode), wa, wm, way_between(m, b, 0, mode), wb, way_between(m, c, 0, mode), wc,
+            s.middle_share, s.chord, s.turn, s.rest, s.compliance * inverse_dt2, multiplier);
+        a.move(0, -move.step, wa * (1.F - s.chord));
+        m.move(0, move.step, wm * (1.F - s.turn));
+        b.move(0, -move.step, wb * s.chord);
+        if (s.turn != 0) c.move(0, move.step, wc * s.turn);
+        return move.multiplier;
+      });
 }
 
 }  // namespace geocloth::cpu

@@ -33,8 +33,10 @@ void with_fine(uint32_t fine, const Body& body) {
 struct PointLine {
   struct Coordinates {
     float *x, *y, *z;
+    Coordinates(float* px, float* py, float* pz) : x(px), y(py), z(pz) {}
     Coordinates(Vec3Array& a, size_t first) : x(a.x.data() + first), y(a.y.data() + first), z(a.z.data() + first) {}
     [[nodiscard]] shader::vec3 at(size_t i) const { return {x[i], y[i], z[i]}; }
+    [[nodiscard]] Coordinates from(size_t i) const { return {x + i, y + i, z + i}; }
   };
   Coordinates moving, base, low;
   const float* inverse_mass;
@@ -44,6 +46,10 @@ struct PointLine {
         base(state.previous, first),
         low(state.carry, first),
         inverse_mass(state.inverse_mass.data() + first) {}
+  PointLine(const Coordinates& m, const Coordinates& b, const Coordinates& l, const float* weights)
+      : moving(m), base(b), low(l), inverse_mass(weights) {}
+  /// The line that begins at point i.
+  [[nodiscard]] PointLine from(size_t i) const { return {moving.from(i), base.from(i), low.from(i), inverse_mass + i}; }
   /// Moves point i by step * weight.
   void move(size_t i, const shader::vec3& step, float weight) const {
     const shader::vec3 p = shader::shifted(moving.at(i), step, weight);

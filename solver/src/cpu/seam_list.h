@@ -10,20 +10,24 @@
 namespace geocloth::cpu {
 
 /// Projects every entry of the step's colour; entries of one colour share no pixel.
-/// @param project  gives the new multiplier: float(const SeamSpring&, float multiplier, Fine<...>)
+/// @param project  gives the new multiplier: float(const PointLine& pixels, const SeamSpring&, float multiplier,
+///                 Fine<...>), the line being that of all pixels
 template <class Project>
 void for_seam_list(const PassContext& context, ClothState& state, const PassStep& step, const Project& project) {
   const bool accumulate = context.relaxation_steps > 1;
-  const uint32_t begin = state.data.seam_color_offset[step.group];
+  const uint32_t begin = state.data.seam_color_offset[step.group], fine = context.cloth.params.fine;
   const uint32_t count = state.data.seam_color_offset[step.group + 1] - begin;
+  const shader::SeamSpring* const springs = state.data.seam_springs.data() + begin;
+  float* const multipliers = accumulate ? state.seam_multiplier.data() + begin : nullptr;
   context.threads.for_range(count, kRowGrain, [&](uint32_t first, uint32_t last) {
-    for (uint32_t k = begin + first; k < begin + last; ++k) {
-      const float multiplier = accumulate && step.relaxation > 0 ? state.seam_multiplier[k] : 0.F;
-      with_fine(context.cloth.params.fine, [&](auto mode) {
-        const float next = project(state.data.seam_springs[k], multiplier, mode);
-        if (accumulate) state.seam_multiplier[k] = next;
-      });
-    }
+    const PointLine pixels(state, 0, fine);
+    with_fine(fine, [&](auto mode) {
+      for (uint32_t k = first; k < last; ++k) {
+        const float multiplier = accumulate && step.relaxation > 0 ? multipliers[k] : 0.F;
+        const float next = project(pixels, springs[k], multiplier, mode);
+        if (accumulate) multipliers[k] = next;
+      }
+    });
   });
 }
 

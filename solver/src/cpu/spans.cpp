@@ -15,7 +15,7 @@ namespace geocloth::cpu {
 namespace {
 
 template <class Mode>
-void pull(const PointLine& a, const PointLine& b, float longest, Mode mode, float share = 1) {
+inline void pull(const PointLine& a, const PointLine& b, float longest, Mode mode, float share = 1) {
   const float wa = *a.inverse_mass, wb = *b.inverse_mass;
   const shader::SpanMove move = shader::span_move(way_between(a, b, 0, mode), wa, wb, longest, share);
   if (!move.pulls) return;
@@ -77,11 +77,12 @@ void ties(const PassContext& context, ClothState& state, const PassStep& step) {
 }
 
 void seam_spans(const PassContext& context, ClothState& state, const PassStep& step) {
-  const shader::ClothParams& params = context.cloth.params;
-  for_seam_list(context, state, step, [&](const shader::SeamSpring& s, float multiplier, auto mode) {
-    pull(PointLine(state, s.a, params.fine), PointLine(state, s.b, params.fine), s.rest * params.stretch_limit, mode);
-    return multiplier;
-  });
+  const float limit = context.cloth.params.stretch_limit;
+  for_seam_list(context, state, step,
+                [=](const PointLine& pixels, const shader::SeamSpring& s, float multiplier, auto mode) {
+                  pull(pixels.from(s.a), pixels.from(s.b), s.rest * limit, mode);
+                  return multiplier;
+                });
 }
 
 }  // namespace geocloth::cpu

@@ -125,10 +125,12 @@ void springs(const PassContext& context, ClothState& state, const PassStep& step
 
 void seam_bends(const PassContext& context, ClothState& state, const PassStep& step) {
   const shader::ClothParams& params = context.cloth.params;
-  for_seam_list(context, state, step, [&](const shader::SeamSpring& s, float multiplier, auto mode) {
-    return project_spring(PointLine(state, s.a, params.fine), PointLine(state, s.b, params.fine), 0, s.rest,
-                          s.compliance * params.inverse_dt2, params.share_bending, multiplier, mode);
-  });
+  const float inverse_dt2 = params.inverse_dt2, share = params.share_bending;
+  for_seam_list(context, state, step,
+                [=](const PointLine& pixels, const shader::SeamSpring& s, float multiplier, auto mode) {
+                  return project_spring(pixels.from(s.a), pixels.from(s.b), 0, s.rest, s.compliance * inverse_dt2,
+                                        share, multiplier, mode);
+                });
 }
 
 float share_of(const shader::ClothParams& params, uint32_t component) {

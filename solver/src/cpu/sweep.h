@@ -26,8 +26,8 @@ enum class RowKernel : uint8_t {
   ties_along,         ///< as springs_along, pulling only: longest, inverse
   springs_along_two,  ///< blocks over two of four columns and the next two: rest, inverse, compliance
   bends_across,       ///< blocks: rest, inverse, chord, compliance
-  bends_along,        ///< all three groups; blocks over every third column, in columns / 3: rest, inverse, chord,
-                      ///< compliance. group_first the blocks of each group, thirds the ones of each row that they reach
+  bends_along,        ///< all three groups; blocks over every third column, from places in the scratch on: rest,
+                      ///< inverse, chord, compliance
   spans_along,        ///< as ties_across, blocks of kSpanLanes at most
   limit,              ///< blocks: longest; anchors
   collide,            ///< runs
@@ -39,9 +39,12 @@ enum class RowKernel : uint8_t {
 /// Springs over so many pixels share none when no more of them than that lie next to each other.
 inline constexpr uint32_t kSpanLanes = shader::kSpanPixels;
 
-/// Lines of the scratch that bends_along takes a row apart into: of each residue modulo 3 three coordinates and the
-/// inverse mass.
+/// Where bends_along takes a row apart to, of lines so many floats long: of each residue modulo 3 three coordinates and
+/// the inverse mass. Rows of a strip follow each other, and the next strip's take their place.
 inline constexpr uint32_t kThirdLines = 12;
+[[nodiscard]] inline uint32_t third_row(uint32_t y, uint32_t strip, uint32_t line) {
+  return y % strip * kThirdLines * line;
+}
 
 /// Neighbouring pixels, first <= i < last.
 struct Run {
@@ -52,16 +55,17 @@ struct Run {
 /// constants lie in the order of the lanes, so that nothing is gathered. Lanes without a constraint have the inverse 0.
 /// Compliances are only there with several relaxation steps.
 struct RowStream {
-  std::vector<uint32_t> row_first;    ///< height + 1 entries: the row's blocks, runs or pins
-  std::vector<uint32_t> group_first;  ///< bends_along: three entries for each row, as row_first
-  std::vector<uint32_t> pixel;        ///< first pixel of a block
-  std::vector<uint8_t> beside;        ///< limit: for each row whether each lane's anchor lies beside the lane's before
+  std::vector<uint32_t> row_first;  ///< height + 1 entries: the row's blocks, runs or pins
+  std::vector<uint32_t>
+      group_first;              ///< bends_along: for each group as row_first, which counts the blocks of all three
+  std::vector<uint32_t> pixel;  ///< first pixel of a block
+  std::vector<uint8_t> beside;  ///< limit: for each row whether each lane's anchor lies beside the lane's before
   Floats constants;
   std::vector<float> multipliers;      ///< of constraints with several relaxation steps, for each lane
   std::vector<uint32_t> first_anchor;  ///< limit: of as many as a block has lanes
   std::vector<int32_t> anchors;        ///< limit: for each lane the one of those that holds it
   std::vector<Run> runs;
-  std::vector<Run> thirds;
+  std::vector<Run> thirds;  ///< bends_along: of each row, that its blocks reach
 };
 
 /// One pass in a sweep: from the time t to t + n of the sweep it works on the rows t - lag .. t + n - 1 - lag.

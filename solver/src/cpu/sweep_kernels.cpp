@@ -97,8 +97,7 @@ HWY_INLINE void run_rows(D d, const SweepFrame& frame, const SweepOp& op, uint32
       several ? bends_across<true>(d, op, state, first, last) : bends_across<false>(d, op, state, first, last);
       break;
     case RowKernel::bends_along:
-      several ? bends_along<true>(d, op, state, frame.scratch, rows)
-              : bends_along<false>(d, op, state, frame.scratch, rows);
+      several ? bends_along<true>(d, op, state, frame, rows) : bends_along<false>(d, op, state, frame, rows);
       break;
     case RowKernel::limit: {
       const float* const anchors = frame.anchors + size_t{3} * frame.anchor_count * substep;

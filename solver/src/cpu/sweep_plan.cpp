@@ -388,36 +388,40 @@ class SweepPlanner {
     return {.kernel = RowKernel::bends_across, .offset = width_, .stream = &stream};
   }
 
-  /// Blocks count the columns of their group: 0 for the group's first column, 1 for the third one after it, ...
+  /// Columns of a group are 0 for its first one, 1 for the third one after it, ...
   SweepOp bends_along() {
     RowStream& stream = new_stream();
     const uint32_t thirds = width_ / 3;  // complete ones; WideRows keeps cloth out of the columns behind
     const BlockShape shape{RowKernel::bends_along, lanes_, 1, 0, 0, thirds, thirds};
-    for (uint32_t y = 0; y < height_; ++y) {
-      const size_t before = stream.pixel.size();
-      stream.row_first.push_back(static_cast<uint32_t>(before));
-      for (uint32_t group = 0; group < 3; ++group) {
-        stream.group_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
+    // A line of the scratch holds the thirds, and where the last block begins at the next one, one more vector.
+    const uint32_t line = (thirds / lanes_ + 2) * lanes_;
+    stream.thirds.assign(height_, {thirds, 0});
+    stream.row_first.assign(height_ + 1, 0);
+    for (uint32_t group = 0; group < 3; ++group) {
+      for (uint32_t y = 0; y < height_; ++y) {
+        const size_t before = stream.pixel.size();
+        stream.group_first.push_back(static_cast<uint32_t>(before));
         cover_bends(stream, shape, 0, [&](uint32_t n) {
           const uint32_t x = 3 * n + group;
           return x + 2 < 3 * thirds ? bend_constants(4, y * width_ + x, 1) : BendConstants{};
         });
+        const auto blocks = std::span(stream.pixel).subspan(before);
+        reach_thirds(blocks, thirds, stream.thirds[y]);
+        stream.row_first[y + 1] += static_cast<uint32_t>(blocks.size());
+        for (uint32_t& block : blocks) block += third_row(y, strip_, line);
       }
-      stream.thirds.push_back(thirds_of_blocks(stream, before, thirds));
+      stream.group_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
     }
-    stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
-    stream.group_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
-    // A line of the scratch holds the thirds, and where the last block begins at the next one, one more vector.
-    const uint32_t line = (thirds / lanes_ + 2) * lanes_;
+    std::partial_sum(stream.row_first.begin(), stream.row_first.end(), stream.row_first.begin());
     return {.kernel = RowKernel::bends_along, .offset = line, .stream = &stream};
   }
 
-  /// Thirds that the blocks from `before` on reach, from a whole number of vectors on.
-  [[nodiscard]] Run thirds_of_blocks(const RowStream& stream, size_t before, uint32_t thirds) const {
-    if (before == stream.pixel.size()) return {0, 0};
-    const auto [low, high] =
-        std::minmax_element(stream.pixel.begin() + static_cast<std::ptrdiff_t>(before), stream.pixel.end());
-    return {*low - *low % lanes_, std::min(thirds, *high + lanes_ + 1)};
+  /// Lets thirds of a row, from a whole number of vectors on, hold those that blocks reach.
+  void reach_thirds(std::span<const uint32_t> blocks, uint32_t thirds, Run& run) const {
+    for (const uint32_t first : blocks) {
+      run.first = std::min(run.first, first - first % lanes_);
+      run.last = std::max(run.last, std::min(thirds, first + lanes_ + 1));
+    }
   }
 
   /// @param constants_of  of the bend that starts in a column, or with the inverse 0
