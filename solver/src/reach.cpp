@@ -17,18 +17,6 @@ using shader::vec4;
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-/// A box about a shape in its local frame.
-struct LocalBox {
-  Vec3 center, half;  ///< [m]
-};
-
-LocalBox box_of_grid(const shader::ColliderShape& shape) {
-  const float step = 0.5F * shape.a.w;
-  const Vec3 half{step * static_cast<float>(shape.data.y - 1), step * static_cast<float>(shape.data.z - 1),
-                  step * static_cast<float>(shape.data.w - 1)};
-  return {Vec3{shape.a.x, shape.a.y, shape.a.z} + half, half};
-}
-
 LocalBox box_of_shape(const shader::ColliderShape& shape) {
   const vec4& a = shape.a;
   switch (shape.kind) {
@@ -83,14 +71,17 @@ bool box_reaches(const LocalBox& local, const shader::ColliderPose& pose, const 
 
 }  // namespace
 
+LocalBox box_of_grid(const shader::ColliderShape& shape) {
+  const float step = 0.5F * shape.a.w;
+  const Vec3 half{step * static_cast<float>(shape.data.y - 1), step * static_cast<float>(shape.data.z - 1),
+                  step * static_cast<float>(shape.data.w - 1)};
+  return {Vec3{shape.a.x, shape.a.y, shape.a.z} + half, half};
+}
+
 ClothBox box_of(const ClothAsset& asset, std::span<const vec4> position) {
-  ClothBox box{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
-  for (uint32_t p = 0; p < position.size(); ++p) {
-    if (!asset.valid(p)) continue;
-    const vec4& x = position[p];
-    box.low = {std::min(box.low.x, x.x), std::min(box.low.y, x.y), std::min(box.low.z, x.z)};
-    box.high = {std::max(box.high.x, x.x), std::max(box.high.y, x.y), std::max(box.high.z, x.z)};
-  }
+  ClothBox box;
+  for (uint32_t p = 0; p < position.size(); ++p)
+    if (asset.valid(p)) box.add({position[p].x, position[p].y, position[p].z});
   return box;
 }
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <span>
 
 #include "geocloth/asset/cloth_asset.h"
@@ -9,11 +11,26 @@
 
 namespace geocloth {
 
-/// The least box about the points of a cloth.
+/// The least box about points; of none as long as none was added.
 struct ClothBox {
-  Vec3 low, high;  ///< [m] relative to the solver's origin
+  static constexpr float kFar = std::numeric_limits<float>::max();
+  Vec3 low{kFar, kFar, kFar}, high{-kFar, -kFar, -kFar};  ///< [m]
+
+  void add(const Vec3& p) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+  [[nodiscard]] bool empty() const { return low.x > high.x; }
 };
+/// About the valid pixels.
 [[nodiscard]] ClothBox box_of(const ClothAsset& asset, std::span<const shader::vec4> position);
+
+/// A box about a shape in its local frame.
+struct LocalBox {
+  Vec3 center, half;  ///< [m]
+};
+/// About the grid of a mesh's field.
+[[nodiscard]] LocalBox box_of_grid(const shader::ColliderShape& shape);
 
 /// Whether a collider may come within `margin` [m] of the box in a frame; never a wrong no.
 /// @param shapes  with their ways in a substep

@@ -18,6 +18,7 @@
 #include "bends.h"
 #include "frame_input.h"
 #include "geocloth/asset/grid_mesh.h"
+#include "reach.h"
 #include "rest_shape.h"
 #include "seam_spans.h"
 #include "seam_ties.h"
@@ -92,21 +93,10 @@ std::vector<shader::vec4> start_positions(const ClothDesc& cloth, const Vec3& or
   return position;
 }
 
-/// Of the valid pixels at rest.
-struct Bounds {
-  static constexpr float kFar = std::numeric_limits<float>::max();
-  Vec3 low{kFar, kFar, kFar}, high{-kFar, -kFar, -kFar};  ///< [m]
-
-  void add(const ClothAsset& asset, const Transform& transform) {
-    for (uint32_t p = 0; p < asset.pixel_count(); ++p) {
-      if (!asset.valid(p)) continue;
-      const Vec3 x = apply(transform, asset.rest_position[p]);
-      low = {std::min(low.x, x.x), std::min(low.y, x.y), std::min(low.z, x.z)};
-      high = {std::max(high.x, x.x), std::max(high.y, x.y), std::max(high.z, x.z)};
-    }
-  }
-  [[nodiscard]] bool empty() const { return low.x > high.x; }
-};
+void add_rest(ClothBox& box, const ClothAsset& asset, const Transform& transform) {
+  for (uint32_t p = 0; p < asset.pixel_count(); ++p)
+    if (asset.valid(p)) box.add(apply(transform, asset.rest_position[p]));
+}
 
 bool has_uneven_springs(const ClothAsset& asset) {
   constexpr float kUneven = 1.2F;  // longest / shortest
@@ -149,8 +139,8 @@ ClothData make_cloth_data(const ClothDesc& cloth, const Vec3& origin) {
 
 Vec3 choose_origin(std::span<const ClothDesc> cloths) {
   constexpr float kGrid = 4;  // [m]
-  Bounds bounds;
-  for (const ClothDesc& cloth : cloths) bounds.add(*cloth.asset, cloth.transform);
+  ClothBox bounds;
+  for (const ClothDesc& cloth : cloths) add_rest(bounds, *cloth.asset, cloth.transform);
   if (bounds.empty()) return {};
   const auto middle = [&](float a, float b) { return kGrid * std::round((0.5F * a + 0.5F * b) / kGrid) + 0.F; };
   const Vec3& low = bounds.low;
@@ -159,10 +149,10 @@ Vec3 choose_origin(std::span<const ClothDesc> cloths) {
 }
 
 float rest_size(const ClothAsset& asset, float scale) {
-  Bounds bounds;
+  ClothBox bounds;
   Transform scaled;
   scaled.scale = scale;
-  bounds.add(asset, scaled);
+  add_rest(bounds, asset, scaled);
   return bounds.empty() ? 0 : length(bounds.high - bounds.low);
 }
 

@@ -124,8 +124,8 @@ TriangleMesh t_shirt_mesh() {
 /// What the garment's cloth costs in one square: its material, pins and a ball that pokes through the plane.
 BenchScene make_drape(uint32_t size) {
   const ClothDesc cloth{make_sheet(size, false), attached(), {}};
-  const float side = kSpacing * static_cast<float>(size - 1), radius = 0.15F * side;
-  const Sphere ball{{0, -0.55F * side, -0.5F * radius}, radius};
+  const float side = kSpacing * static_cast<float>(size - 1), radius = 0.3F * side;
+  const Sphere ball{{0, -0.55F * side, -0.8F * radius}, radius};
   return {{cloth}, {hold_group(cloth, "top")}, {{"ball", ball, 0.3F, {}}}};
 }
 

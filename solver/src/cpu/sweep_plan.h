@@ -40,7 +40,4 @@ class SweepPlan {
 /// Runs of valid pixels, row by row: those that have a mass while nothing is pinned.
 [[nodiscard]] std::vector<Run> valid_runs(const ClothState& state);
 
-/// Guards of all colliders for every substep; see ColliderGuard.
-void guard_colliders(const FrameInput& frame, const shader::ClothParams& params, std::vector<ColliderGuard>& guards);
-
 }  // namespace geocloth::cpu

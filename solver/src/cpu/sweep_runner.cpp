@@ -10,6 +10,7 @@
 #include <chrono>
 #include <numeric>
 
+#include "cpu/collider_guards.h"
 #include "lib/cell_groups.h"
 
 namespace geocloth::cpu {
