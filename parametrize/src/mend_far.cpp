@@ -16,6 +16,10 @@
 #include <span>
 #include <utility>
 
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Min_sphere_of_points_d_traits_3.h>
+#include <CGAL/Min_sphere_of_spheres_d.h>
+
 #include "chart_sampling.h"
 #include "geocloth/asset/grid_mesh.h"
 #include "grid_holds.h"
@@ -25,8 +29,9 @@
 namespace geocloth {
 namespace {
 
-constexpr double kGoal = 1.8e-3;     // of the bounding diagonal: what is nearer is near enough
+constexpr double kGoal = 1.9e-3;     // of the size: what is nearer is near enough
 constexpr double kNearGoal = 0.97;   // of the goal, where samples are pulled to
+constexpr double kSameFar = 1e-3;    // of the goal: on a garment's two sides only rounding differs
 constexpr double kFewPoints = 3e-3;  // share of the points around which is mended
 constexpr std::size_t kFewPlaces = 50;
 constexpr int kFewRings = 2, kMoreRings = 3;  // around a point that move
@@ -60,6 +65,18 @@ class Users {
  private:
   std::vector<uint32_t> first_, user_;  // rows and entries
 };
+
+/// The diameter of the smallest sphere around points: never above the diagonal of the box that deviations are relative
+/// to, and, unlike it, the same however a garment is turned.
+double size_of(const std::vector<Point3>& points) {
+  using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+  std::vector<Kernel::Point_3> around;
+  around.reserve(points.size());
+  for (const Point3& p : points) around.emplace_back(p[0], p[1], p[2]);
+  return 2 * CGAL::Min_sphere_of_spheres_d<CGAL::Min_sphere_of_points_d_traits_3<Kernel, double>>(around.begin(),
+                                                                                                  around.end())
+                 .radius();
+}
 
 bool holds(const std::vector<uint32_t>& list, uint32_t x) {
   return std::find(list.begin(), list.end(), x) != list.end();
@@ -119,7 +136,7 @@ class FarMender {
     for (const Triangle& t : pixels_) points_.push_back({first_[t[0]], first_[t[1]], first_[t[2]]});
     place_.reserve(asset.pixel_count());
     for (const Vec3& p : asset.rest_position) place_.push_back({p.x, p.y, p.z});
-    goal_ = kGoal * bounding_diagonal(flat.position);
+    goal_ = kGoal * size_of(flat.position);
     find_vertices();
   }
 
@@ -217,8 +234,8 @@ class FarMender {
     for (uint32_t p = 0; p < farthest.size(); ++p) {
       if (farthest[p] > goal_) points.push_back(p);
     }
-    std::sort(points.begin(), points.end(),
-              [&](uint32_t a, uint32_t b) { return farthest[a] != farthest[b] ? farthest[a] > farthest[b] : a < b; });
+    const auto level = [&](uint32_t p) { return std::round(farthest[p] / (kSameFar * goal_)); };
+    std::stable_sort(points.begin(), points.end(), [&](uint32_t a, uint32_t b) { return level(a) > level(b); });
     const auto few = static_cast<std::size_t>(std::ceil(kFewPoints * count_valid_pixels(asset_)));
     points.resize(std::min({points.size(), few, kFewPlaces}));
     return points;

@@ -86,8 +86,7 @@ void expect_same_image(const ConvertResult& a, const ConvertResult& b, double sc
   EXPECT_NEAR(a.report.quality.seam_length, b.report.quality.seam_length, 1e-6);
   EXPECT_NEAR(a.report.quality.symmetric_dirichlet, b.report.quality.symmetric_dirichlet, 1e-6);
   EXPECT_NEAR(a.report.quality.anisotropy_p95, b.report.quality.anisotropy_p95, 1e-4);
-  // Of a garment's two sides, equal but for rounding, the image's few mended places may be on either.
-  EXPECT_NEAR(a.report.quality.shear_deg_p95, b.report.quality.shear_deg_p95, 5e-2);
+  EXPECT_NEAR(a.report.quality.shear_deg_p95, b.report.quality.shear_deg_p95, 1e-2);
 }
 
 TEST(Invariance, OrderOfVerticesAndFaces) {
