@@ -14,19 +14,19 @@
 
 #include <sys/resource.h>
 
-#include "canonical_order.h"
-#include "develop.h"
-#include "fit_image.h"
+#include "develop/develop.h"
+#include "fit/fit_image.h"
+#include "fit/relax_samples.h"
+#include "flatten/uv_layout.h"
 #include "geocloth/asset/error.h"
 #include "geocloth/asset/grid_mesh.h"
 #include "geocloth/parametrize/parts.h"
-#include "point_math.h"
-#include "relax_samples.h"
-#include "small_pieces.h"
-#include "stage_files.h"
-#include "uv_layout.h"
-#include "verify.h"
-#include "warnings.h"
+#include "mesh/point_math.h"
+#include "repair/canonical_order.h"
+#include "repair/small_pieces.h"
+#include "report/stage_files.h"
+#include "report/verify.h"
+#include "report/warnings.h"
 
 namespace geocloth {
 namespace {

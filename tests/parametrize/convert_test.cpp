@@ -14,8 +14,8 @@
 #include "geocloth/asset/asset_file.h"
 #include "geocloth/asset/error.h"
 #include "geocloth/asset/grid_mesh.h"
+#include "report/verify.h"
 #include "support/temporary_folder.h"
-#include "verify.h"
 
 namespace geocloth {
 namespace {

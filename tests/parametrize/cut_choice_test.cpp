@@ -7,16 +7,16 @@
 
 #include <gtest/gtest.h>
 
-#include "chart.h"
-#include "close_slits.h"
-#include "develop.h"
-#include "embed_chart.h"
-#include "half_edges.h"
-#include "mixed_cut.h"
+#include "cut/straight_cuts.h"
+#include "develop/chart.h"
+#include "develop/close_slits.h"
+#include "develop/develop.h"
+#include "develop/embed_chart.h"
+#include "develop/mixed_cut.h"
+#include "develop/symmetric_dirichlet.h"
+#include "mesh/half_edges.h"
+#include "mesh/point_math.h"
 #include "parametrize/clean_surfaces.h"
-#include "point_math.h"
-#include "straight_cuts.h"
-#include "symmetric_dirichlet.h"
 
 namespace geocloth {
 namespace {

@@ -9,8 +9,8 @@
 #include <gtest/gtest.h>
 
 #include "geocloth/parametrize/repair.h"
+#include "mesh/point_math.h"
 #include "parametrize/clean_surfaces.h"
-#include "point_math.h"
 
 namespace geocloth {
 namespace {

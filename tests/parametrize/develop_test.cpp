@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "develop.h"
+#include "develop/develop.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,16 +8,16 @@
 
 #include <gtest/gtest.h>
 
-#include "canonical_order.h"
-#include "chart.h"
-#include "chart_overlap.h"
-#include "edge_wishes.h"
-#include "embed_chart.h"
+#include "cut/edge_wishes.h"
+#include "develop/chart.h"
+#include "develop/chart_overlap.h"
+#include "develop/embed_chart.h"
+#include "develop/grain.h"
+#include "develop/symmetric_dirichlet.h"
 #include "geocloth/parametrize/import.h"
 #include "geocloth/parametrize/repair.h"
-#include "grain.h"
 #include "parametrize/clean_surfaces.h"
-#include "symmetric_dirichlet.h"
+#include "repair/canonical_order.h"
 
 namespace geocloth {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The linear systems of the flattening: solved as a dense solver solves them, alike on any number of threads, and with
 // little fill, on which the time for large meshes depends.
-#include "element_cholesky.h"
+#include "develop/element_cholesky.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@
 #include <hwy/targets.h>
 #include <tbb/global_control.h>
 
-#include "dissection.h"
+#include "develop/dissection.h"
 
 namespace geocloth {
 namespace {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a fitted image promises: nearer to the surface by what theory says, diagonals along folds, flat cloth as it was.
-#include "fit_image.h"
+#include "fit/fit_image.h"
 
 #include <gtest/gtest.h>
 
+#include "fit/mend_far.h"
 #include "flat_builder.h"
 #include "geocloth/asset/grid_mesh.h"
 #include "geocloth/parametrize/quality.h"
-#include "mend_far.h"
-#include "point_math.h"
+#include "mesh/point_math.h"
 
 namespace geocloth {
 namespace {

@@ -17,7 +17,7 @@
 
 #include "geocloth/asset/error.h"
 #include "geocloth/asset/output_file.h"
-#include "import_detail.h"
+#include "import/import_detail.h"
 #include "import_fixture.h"
 
 namespace geocloth {

@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "geocloth/parametrize/cut.h"
+#include "mesh/point_math.h"
 #include "parametrize/clean_surfaces.h"
-#include "point_math.h"
 
 namespace geocloth {
 namespace {

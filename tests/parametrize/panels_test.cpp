@@ -9,18 +9,18 @@
 
 #include <gtest/gtest.h>
 
-#include "chain_conflicts.h"
-#include "develop.h"
+#include "develop/develop.h"
+#include "develop/symmetric_dirichlet.h"
 #include "geocloth/asset/grid_mesh.h"
 #include "geocloth/parametrize/quality.h"
 #include "geocloth/parametrize/seams.h"
-#include "limit_springs.h"
+#include "image/chain_conflicts.h"
+#include "image/limit_springs.h"
+#include "image/pixel_chain.h"
+#include "image/seam_measure.h"
+#include "mesh/point_math.h"
 #include "parametrize/clean_surfaces.h"
 #include "parametrize/same_topology.h"
-#include "pixel_chain.h"
-#include "point_math.h"
-#include "seam_measure.h"
-#include "symmetric_dirichlet.h"
 
 namespace geocloth {
 namespace {

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Charts that spread wide leave half of the image empty: memory that every frame of a game reads for nothing. They are
 // parted where that helps, and only as far as seams and borders allow.
-#include "part_panels.h"
+#include "develop/part_panels.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "chart_overlap.h"
-#include "develop.h"
-#include "grain.h"
+#include "develop/chart_overlap.h"
+#include "develop/develop.h"
+#include "develop/grain.h"
 #include "parametrize/clean_surfaces.h"
 
 namespace geocloth {

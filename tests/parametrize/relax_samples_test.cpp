@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Samples that slide along the surface: the grid becomes less askew in space, and nothing else changes.
-#include "relax_samples.h"
+#include "fit/relax_samples.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -8,7 +8,7 @@
 #include "flat_builder.h"
 #include "geocloth/parametrize/quality.h"
 #include "geocloth/parametrize/seams.h"
-#include "point_math.h"
+#include "mesh/point_math.h"
 
 namespace geocloth {
 namespace {

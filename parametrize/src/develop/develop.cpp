@@ -1,0 +1,326 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Every part of the surface is laid out in several ways (chart_developer.h): from several first cuts, and with cuts
+// chosen by several tastes. The one that costs least is taken (layout_cost.h); what needs no seam in it is sewn
+// together again (merge_charts.h), seams are drawn straight (straight_layout.h), and charts that waste room are parted
+// (part_panels.h).
+
+#include "develop/develop.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <deque>
+#include <exception>
+#include <limits>
+#include <numeric>
+#include <string>
+
+#include <tbb/parallel_for.h>
+
+#include "cut/edge_wishes.h"
+#include "develop/chart_developer.h"
+#include "develop/close_slits.h"
+#include "develop/grain.h"
+#include "develop/layout_cost.h"
+#include "develop/merge_charts.h"
+#include "develop/mixed_cut.h"
+#include "develop/part_panels.h"
+#include "develop/straight_layout.h"
+#include "develop/symmetric_dirichlet.h"
+#include "geocloth/asset/error.h"
+#include "mesh/point_math.h"
+
+namespace geocloth {
+namespace {
+
+constexpr double kUnsettled = 1e-3;  // of the energy: what is no matter
+constexpr double kNarrow = 0.3;      // of the least cut: what counts as a slit too narrow for pixels
+
+/// What is best at the time need not be in the end, so several ways to choose cuts are tried.
+constexpr std::array kTastes{Taste{Taste::Likes::most_gain, 6, kCreaseDiscount},
+                             Taste{Taste::Likes::most_of_what_lacks, 6, kCreaseDiscount},
+                             Taste{Taste::Likes::most_for_its_length, 6}, Taste{Taste::Likes::most_gain, 12}};
+/// For parts so small that it costs nothing.
+constexpr std::array kFurtherTastes{Taste{Taste::Likes::most_of_what_lacks, 12},
+                                    Taste{Taste::Likes::most_of_what_lacks, 12, kCreaseDiscount / 2},
+                                    Taste{Taste::Likes::most_for_its_length, 12, kCreaseDiscount / 2}};
+/// With cuts where they are wished.
+constexpr std::array kWishfulTastes{Taste{Taste::Likes::most_gain, 6, kCreaseDiscount, true},
+                                    Taste{Taste::Likes::most_for_its_length, 6, 0, true}};
+
+/// The length of outlines whose mirror image is no outline.
+double one_sided_length(const std::vector<Chart>& charts, const MirrorPlane& mirror, double within) {
+  std::vector<std::pair<Point3, double>> stop;  // place, its share of the length
+  for (const Chart& c : charts) {
+    const std::vector<uint32_t> loop = outline_loop(c);
+    for (size_t i = 0; i < loop.size(); ++i) {
+      const Point3 &a = c.position[loop[i]], &b = c.position[loop[(i + 1) % loop.size()]];
+      stop.emplace_back((a + b) * 0.5, distance(a, b));
+    }
+  }
+  double sum = 0;
+  for (const auto& [place, length] : stop) {
+    const Point3 image = mirror.image(place);
+    const auto matches = [&](const auto& other) { return distance(other.first, image) <= within; };
+    if (std::none_of(stop.begin(), stop.end(), matches)) sum += length;
+  }
+  return sum;
+}
+
+/// What a layout of one part costs (layout_cost.h), with a little more for seams that are on one side only: of layouts
+/// that cost about the same the symmetric one is taken.
+double cost_of(const std::vector<Chart>& charts, const DevelopOptions& options) {
+  constexpr double kOneSided = 0.05, kMatched = 0.04;
+  LayoutCost cost;
+  for (const Chart& c : charts) cost.add(c, smooth_outline_length(c));
+  if (options.prefer.mirror) {
+    const double one_sided = one_sided_length(charts, *options.prefer.mirror, kMatched * std::sqrt(cost.area));
+    cost.outline += kOneSided * one_sided;
+  }
+  return cost.value(options.target_energy);
+}
+
+/// A way to lay a part out: from one of the given cuts, by a taste.
+struct Way {
+  size_t cut;
+  Taste taste;
+};
+
+/// How many ways a part is worth: time grows with its triangles.
+/// @param worth  per cut: whether it is tried
+std::vector<Way> ways_for(size_t triangles, const std::vector<char>& worth) {
+  constexpr size_t kFurther = 1'500, kAll = 4'000, kTwo = 10'000;
+  const size_t plain = triangles <= kAll ? kTastes.size() : triangles <= kTwo ? 2 : 1;
+  const size_t wishful = triangles <= kAll ? kWishfulTastes.size() : triangles <= kMostWithWishes ? 1 : 0;
+  std::vector<Way> ways;
+  for (size_t i = 0; i < plain; ++i) ways.push_back({0, kTastes.at(i)});
+  if (triangles <= kFurther) {
+    for (const Taste& taste : kFurtherTastes) ways.push_back({0, taste});
+  }
+  for (size_t c = 1; c < worth.size(); ++c) {
+    for (size_t i = 0; i < wishful && worth[c] != 0; ++i) ways.push_back({c, kWishfulTastes.at(i)});
+  }
+  return ways;
+}
+
+/// Components of the cut surface that were one sheet, in the order of their first ones.
+std::vector<std::vector<uint32_t>> components_by_sheet(const CutSurface& cut, const Sheet& sheet) {
+  std::vector<uint32_t> root(cut.component_count);
+  std::iota(root.begin(), root.end(), 0U);
+  const auto find = [&](uint32_t c) {
+    while (root[c] != c) c = root[c] = root[root[c]];
+    return c;
+  };
+  std::vector<uint32_t> first(sheet.tied.size(), kNone);  // per sheet vertex: a component that has it
+  for (size_t t = 0; t < cut.triangle.size(); ++t) {
+    for (const uint32_t v : cut.triangle[t]) {
+      uint32_t& f = first[sheet.of_vertex[v]];
+      if (f == kNone) f = cut.component[t];
+      const auto [low, high] = std::minmax({find(f), find(cut.component[t])});
+      root[high] = low;
+    }
+  }
+  std::vector<std::vector<uint32_t>> group(cut.component_count);
+  for (uint32_t c = 0; c < cut.component_count; ++c) group[find(c)].push_back(c);
+  std::erase_if(group, [](const auto& g) { return g.empty(); });
+  return group;
+}
+
+/// A cut surface and what is asked of it again and again.
+struct CutWay {
+  const CutSurface& cut;
+  Sheet sheet;
+  std::vector<std::vector<std::vector<uint32_t>>> triangles;  // per sheet and component
+  std::vector<double> discount;                               // per half-edge, for the mirror plane
+};
+
+CutWay examined(const CutSurface& cut, const DevelopOptions& options) {
+  CutWay way{cut, find_sheet(cut), {}, {}};
+  std::vector<std::vector<uint32_t>> triangles = triangles_of_components(cut);
+  for (const std::vector<uint32_t>& components : components_by_sheet(cut, way.sheet)) {
+    way.triangles.emplace_back();
+    for (const uint32_t c : components) way.triangles.back().push_back(std::move(triangles[c]));
+  }
+  way.discount = wished_discounts(cut.position, cut.triangle, cut.clean_vertex, {false, {}, options.prefer.mirror});
+  return way;
+}
+
+struct SheetLayout {
+  size_t cut = 0;
+  std::vector<Chart> charts;
+};
+
+/// The components of one sheet in the plane, cut in one of the ways: where all tastes start.
+std::vector<Chart> laid_out(const CutWay& way, size_t sheet) {
+  const std::vector<std::vector<uint32_t>>& components = way.triangles[sheet];
+  std::vector<Chart> start(components.size());
+  tbb::parallel_for(size_t{0}, start.size(), [&](size_t c) { start[c] = laid_out(way.cut, components[c]); });
+  return start;
+}
+
+/// Is a sheet cut alike in two ways?
+bool same_cuts(const CutWay& a, const CutWay& b, size_t sheet) {
+  const auto same = [&](const std::vector<uint32_t>& s, const std::vector<uint32_t>& t) {
+    if (s.size() != t.size()) return false;
+    const Chart p = extract_chart(a.cut, s), q = extract_chart(b.cut, t);
+    return p.triangle == q.triangle && p.position == q.position;
+  };
+  return std::equal(a.triangles[sheet].begin(), a.triangles[sheet].end(), b.triangles[sheet].begin(),
+                    b.triangles[sheet].end(), same);
+}
+
+/// Per cut: whether a sheet comes to lie otherwise from it than from those before. Without a mirror plane the tastes
+/// for wished cuts are plain ones.
+std::vector<char> cuts_worth_trying(const std::vector<CutWay>& cuts, size_t sheet, const DevelopOptions& options) {
+  std::vector<char> worth(cuts.size(), 1);
+  for (size_t c = 1; c < cuts.size() && !options.prefer.mirror; ++c) {
+    for (size_t before = 0; before < c; ++before) {
+      if (same_cuts(cuts[before], cuts[c], sheet)) worth[c] = 0;
+    }
+  }
+  return worth;
+}
+
+/// Lays the components of one sheet out and sews together again what needs no seam.
+SheetLayout develop_sheet(const std::vector<CutWay>& cuts, size_t sheet, const DevelopOptions& options) {
+  size_t triangles = 0;
+  for (const std::vector<uint32_t>& c : cuts.front().triangles[sheet]) triangles += c.size();
+  const std::vector<Way> ways = ways_for(triangles, cuts_worth_trying(cuts, sheet, options));
+  std::vector<std::vector<Chart>> start(ways.back().cut + 1);
+  tbb::parallel_for(size_t{0}, start.size(), [&](size_t c) { start[c] = laid_out(cuts[c], sheet); });
+  // What cuts come to is remembered where several tastes start alike.
+  std::vector<std::deque<TrialMemory>> memory(start.size());
+  for (size_t c = 0; c < start.size(); ++c) {
+    if (std::count_if(ways.begin(), ways.end(), [&](const Way& w) { return w.cut == c; }) > 1) {
+      memory[c].resize(start[c].size());
+    }
+  }
+  std::vector<SheetLayout> layouts(ways.size());
+  std::vector<double> cost(ways.size(), std::numeric_limits<double>::infinity());
+  std::vector<std::exception_ptr> failed(ways.size());
+  tbb::parallel_for(size_t{0}, ways.size(), [&](size_t i) {
+    try {
+      const CutWay& way = cuts[ways[i].cut];
+      const std::vector<Chart>& from = start[ways[i].cut];
+      std::deque<TrialMemory>& of_start = memory[ways[i].cut];
+      std::vector<std::vector<Chart>> charts(from.size());
+      tbb::parallel_for(size_t{0}, from.size(), [&](size_t c) {
+        charts[c] =
+            develop_component(from[c], options, ways[i].taste, way.discount, of_start.empty() ? nullptr : &of_start[c]);
+      });
+      layouts[i].cut = ways[i].cut;
+      for (std::vector<Chart>& of_component : charts) {
+        for (Chart& chart : of_component) layouts[i].charts.push_back(std::move(chart));
+      }
+      merge_charts(layouts[i].charts, way.sheet,
+                   {.most_energy = options.target_energy,
+                    .seam_price = options.cut_price,
+                    .narrow = kNarrow * options.least_cut});
+      cost[i] = ways.size() > 1 ? cost_of(layouts[i].charts, options) : 0;
+    } catch (const Error&) {
+      failed[i] = std::current_exception();
+    }
+  });
+  const auto best = static_cast<size_t>(std::min_element(cost.begin(), cost.end()) - cost.begin());
+  if (failed[best]) std::rethrow_exception(failed[best]);
+  close_slits(layouts[best].charts, cuts[layouts[best].cut].sheet, options);
+  return std::move(layouts[best]);
+}
+
+DevelopedSurface assembled(const CutSurface& cut, const std::vector<Chart>& charts) {
+  DevelopedSurface result;
+  CutSurface& out = result.cut;
+  out.triangle.resize(cut.triangle.size());
+  out.component.resize(cut.triangle.size());
+  out.point_count = cut.point_count;
+  out.clean_triangle = cut.clean_triangle;
+  for (const Chart& chart : charts) {
+    const auto first = static_cast<uint32_t>(out.position.size());
+    for (size_t v = 0; v < chart.position.size(); ++v) {
+      out.position.push_back(chart.position[v]);
+      out.point.push_back(cut.point[chart.cut_vertex[v]]);
+      out.clean_vertex.push_back(cut.clean_vertex[chart.cut_vertex[v]]);
+      result.uv.push_back(chart.uv[v]);
+    }
+    for (size_t t = 0; t < chart.triangle.size(); ++t) {
+      const Triangle& k = chart.triangle[t];
+      out.triangle[chart.global_triangle[t]] = {first + k[0], first + k[1], first + k[2]};
+      out.component[chart.global_triangle[t]] = out.component_count;
+    }
+    ++out.component_count;
+    result.energy.push_back(SymmetricDirichlet(chart.position, chart.triangle, {}).energy(chart.uv));
+  }
+  return result;
+}
+
+/// Energy by area.
+double mean_energy(const std::vector<Chart>& charts) {
+  LayoutCost sum;
+  for (const Chart& c : charts) sum.add(c, 0);
+  return sum.energy / sum.area;
+}
+
+/// Threads meet at right angles as far as stretch leaves room for that.
+std::vector<Chart> with_straight_threads(const std::vector<Chart>& charts) {
+  constexpr double kMostMean = 4.0265;  // beyond it the stretch misses its target
+  const double most = std::max(kMostMean, mean_energy(charts) + kUnsettled);
+  for (const double share : {1.0, 0.7, 0.5, 0.25}) {
+    std::vector<Chart> result = charts;
+    tbb::parallel_for(size_t{0}, result.size(), [&](size_t i) { straighten_threads(result[i], share); });
+    if (mean_energy(result) <= most) return result;
+  }
+  return charts;
+}
+
+/// Seams drawn straight, and every chart turned upright.
+ChartedSurface finished(const CutSurface& cut, const Sheet& sheet, const std::vector<Chart>& charts,
+                        const DevelopOptions& options) {
+  ChartedSurface result = options.straight_cuts
+                              ? straighten_layout(cut, sheet, charts, options.prefer, options.target_energy)
+                              : ChartedSurface{cut, charts};
+  tbb::parallel_for(size_t{0}, result.charts.size(), [&](size_t i) { turn_upright(result.charts[i]); });
+  result.charts = with_straight_threads(result.charts);
+  return result;
+}
+
+/// The same, with charts parted that are packed closer then. What that brings in the end is measured, because a piece
+/// may come to hang otherwise than was thought.
+ChartedSurface parted_where_that_pays(const CutSurface& cut, const Sheet& sheet, std::vector<Chart> charts,
+                                      const DevelopOptions& options) {
+  constexpr double kLeastGain = 0.02;
+  ChartedSurface whole = finished(cut, sheet, charts, options);
+  Sheet pinned = sheet;
+  if (!part_panels(charts, pinned, options.parting)) return whole;
+  ChartedSurface parted = finished(cut, pinned, charts, options);
+  const double before = estimated_utilisation(whole.charts, options.parting.pixel);
+  const double after = estimated_utilisation(parted.charts, options.parting.pixel);
+  return after >= before + kLeastGain ? std::move(parted) : std::move(whole);
+}
+
+}  // namespace
+
+DevelopedSurface develop(std::span<const CutSurface> cuts, const DevelopOptions& options, const Progress& progress) {
+  std::vector<CutWay> ways;
+  for (const CutSurface& cut : cuts) ways.push_back(examined(cut, options));
+  std::vector<SheetLayout> developed(ways.front().triangles.size());
+  tbb::parallel_for(size_t{0}, developed.size(), [&](size_t i) { developed[i] = develop_sheet(ways, i, options); });
+  if (progress) progress("flatten", 0.3);
+  std::vector<Chart> charts;
+  std::vector<size_t> choice;
+  for (SheetLayout& of_sheet : developed) {
+    for (Chart& chart : of_sheet.charts) {
+      charts.push_back(std::move(chart));
+      choice.push_back(of_sheet.cut);
+    }
+  }
+  const CutSurface cut = put_together(cuts, choice, charts);
+  const ChartedSurface result = parted_where_that_pays(cut, find_sheet(cut), std::move(charts), options);
+  return assembled(result.cut, result.charts);
+}
+
+DevelopedSurface develop(const CutSurface& cut, const DevelopOptions& options, const Progress& progress) {
+  return develop(std::span(&cut, 1), options, progress);
+}
+
+}  // namespace geocloth

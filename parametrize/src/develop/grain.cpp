@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Directions without a head are averaged with their angles doubled.
+//
+// Where the Gaussian curvature of a surface is not zero a map has to stretch, to shear, or both. The symmetric
+// Dirichlet energy has no opinion which, since it knows no directions, but woven cloth has two: any surface can be laid
+// out with its threads orthogonal everywhere (geodesic coordinates), and about a fifth more of the little stretch that
+// near-isometric charts have anyway buys most of the way there.
+
+#include "develop/grain.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "develop/chart_overlap.h"
+#include "develop/symmetric_dirichlet.h"
+#include "mesh/point_math.h"
+
+namespace geocloth {
+namespace {
+
+constexpr double kLevel = 0.1;  // strength below which a panel counts as level
+constexpr double kSlender = 6;  // ratio of the spreads along and across
+constexpr double kShearPrice = 6;
+constexpr uint32_t kThreadSteps = 8;
+constexpr int kThreadRounds = 2;
+
+double along(const Point2& a, const Point2& b) {
+  return a[0] * b[0] + a[1] * b[1];
+}
+
+GrainSum sum_of(const Chart& c) {
+  GrainSum sum;
+  for (const Triangle& t : c.triangle) sum.add(grain_of_triangle(c, t));
+  return sum;
+}
+
+Grain grain_from(const GrainSum& sum) {
+  const double angle = 0.5 * std::atan2(sum.doubled[1], sum.doubled[0]);
+  Grain grain{{std::cos(angle), std::sin(angle)}, std::hypot(sum.doubled[0], sum.doubled[1]) / sum.area};
+  if (along(sum.mean, grain.axis) < 0) grain.axis = {-grain.axis[0], -grain.axis[1]};
+  return grain;
+}
+
+/// The direction in which the area spreads most.
+struct LongAxis {
+  Point2 direction;
+  double ratio;  // of the spreads along it and across
+};
+
+LongAxis long_axis(const GrainSum& sum) {
+  const double x = sum.moment[0] / sum.area, y = sum.moment[1] / sum.area;
+  const double xx = sum.square[0] / sum.area - x * x, xy = sum.square[1] / sum.area - x * y,
+               yy = sum.square[2] / sum.area - y * y;
+  const double angle = 0.5 * std::atan2(2 * xy, xx - yy);
+  const double mean = (xx + yy) / 2, most = std::hypot((xx - yy) / 2, xy);
+  return {{std::cos(angle), std::sin(angle)}, std::sqrt((mean + most) / std::max(mean - most, 1e-12 * mean))};
+}
+
+}  // namespace
+
+void GrainSum::add(const GrainSum& other, double times) {
+  area += times * other.area;
+  for (size_t k = 0; k < 2; ++k) {
+    doubled[k] += times * other.doubled[k];
+    mean[k] += times * other.mean[k];
+    moment[k] += times * other.moment[k];
+  }
+  square = square + other.square * times;
+}
+
+GrainSum grain_of_triangle(const Chart& c, const Triangle& t) {
+  const Point2 &a = c.uv[t[0]], &b = c.uv[t[1]], &d = c.uv[t[2]];
+  const double h1 = c.position[t[1]][1] - c.position[t[0]][1];
+  const double h2 = c.position[t[2]][1] - c.position[t[0]][1];
+  GrainSum sum;
+  sum.area = ((b[0] - a[0]) * (d[1] - a[1]) - (b[1] - a[1]) * (d[0] - a[0])) / 2;
+  const double x = (a[0] + b[0] + d[0]) / 3, y = (a[1] + b[1] + d[1]) / 3;
+  sum.moment = {sum.area * x, sum.area * y};
+  sum.square = {sum.area * x * x, sum.area * x * y, sum.area * y * y};
+  // Gradient of the height over the plane, times the triangle's area.
+  const Point2 up{(h1 * (d[1] - a[1]) - h2 * (b[1] - a[1])) / 2, (h2 * (b[0] - a[0]) - h1 * (d[0] - a[0])) / 2};
+  const double size = std::hypot(up[0], up[1]);
+  if (!(size > 0)) return sum;
+  sum.mean = up;
+  sum.doubled = {(up[0] * up[0] - up[1] * up[1]) / size, 2 * up[0] * up[1] / size};
+  return sum;
+}
+
+Grain grain_of(const Chart& c) {
+  return grain_from(sum_of(c));
+}
+
+Point2 upward(const GrainSum& sum) {
+  const Grain grain = grain_from(sum);
+  const LongAxis axis = long_axis(sum);
+  if (grain.strength >= kLevel && axis.ratio <= kSlender) return grain.axis;
+  // The end that is higher stays up.
+  const Point2& d = axis.direction;
+  return along(grain.axis, d) < 0 ? Point2{-d[0], -d[1]} : d;
+}
+
+void turn_upright(Chart& c) {
+  const Point2 up = upward(sum_of(c));
+  for (Point2& p : c.uv) p = {p[0] * up[1] - p[1] * up[0], along(p, up)};
+}
+
+void straighten_threads(Chart& c, double share) {
+  const std::vector<Point2> before = c.uv;
+  SymmetricDirichlet energy(c.position, c.triangle, {});
+  energy.set_shear_price(share * kShearPrice);
+  // The energy knows the plane's axes, so that it turns the chart a little: that is undone, and what it lost regained.
+  for (int round = 0; round < kThreadRounds; ++round) {
+    if (round > 0) turn_upright(c);
+    energy.minimise(c.uv, kThreadSteps, 1e-6);
+  }
+  if (crossing_edges(c, outline_loop(c))) c.uv = before;
+}
+
+}  // namespace geocloth

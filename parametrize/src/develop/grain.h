@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "develop/chart.h"
+
+namespace geocloth {
+
+/// The line in a chart's plane that is up in space.
+struct Grain {
+  Point2 axis{0, 1};    ///< unit length; the end that is higher in space
+  double strength = 0;  ///< 0: the chart lies level or turns all ways, 1: it hangs straight
+};
+[[nodiscard]] Grain grain_of(const Chart& chart);
+
+/// What triangles add to the upward direction of what they make up. All but the area are times the area.
+struct GrainSum {
+  double area = 0;         ///< in the plane
+  Point2 doubled{0, 0};    ///< the upward direction, its angle doubled, times slope
+  Point2 mean{0, 0};       ///< the same as it is
+  Point2 moment{0, 0};     ///< place
+  Point3 square{0, 0, 0};  ///< xx, xy and yy of the place
+
+  void add(const GrainSum& other, double times = 1);
+};
+[[nodiscard]] GrainSum grain_of_triangle(const Chart& chart, const Triangle& triangle);
+
+/// The direction that turn_upright() turns up.
+[[nodiscard]] Point2 upward(const GrainSum& sum);
+
+/// Turns the chart so that the surface's upward direction (+y in space) is up in the plane. Parts that hang head down
+/// are right as well: the thread has no head. The long side of a level chart is up, and that of a slender one (ribbons
+/// and trims, whose thread runs along them).
+void turn_upright(Chart& chart);
+
+/// Lets an upright chart's threads, the plane's x and y, meet on the surface at angles nearer to right ones. That costs
+/// the map a little stretch and nothing else: the outline stays simple and no triangle flips.
+/// @param share  of what angles are worth usually
+void straighten_threads(Chart& chart, double share = 1);
+
+}  // namespace geocloth

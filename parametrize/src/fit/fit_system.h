@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "fit/grid_holds.h"
+#include "geocloth/parametrize/mesh.h"
+
+namespace geocloth {
+
+/// A triangle of the grid to be moved towards the surface.
+struct FitTriangle {
+  Triangle point;
+  Point3 normal;     ///< of unit length, or nothing
+  double slack = 1;  ///< how much moves along the triangle count beside those across it, > 0
+  double area = 0;   ///< in the plane, by its weight [pixels^2]
+};
+
+/// The least squares problem of moving a grid: its mass matrix, and wishes on top.
+class FitSystem {
+ public:
+  FitSystem(size_t points, std::vector<FitTriangle> triangles);
+
+  /// Wishes from index `begin` on are new.
+  void add(std::span<const MoveWish> wishes, size_t begin);
+
+  /// The moves for a right side of the fit, sought from x on. @param enough  of the right side that may be left,
+  /// squared
+  void solve(const std::vector<Point3>& pull, std::span<const MoveWish> wishes, double enough,
+             std::vector<Point3>& x) const;
+
+ private:
+  using Symmetric = std::array<double, 6>;  // xx, xy, xz, yy, yz, zz
+
+  [[nodiscard]] static bool moves(const Symmetric& block);
+  static void add_square(Symmetric& m, const Point3& v, double weight);
+  static Point3 solved(const Symmetric& m, const Point3& r);
+  [[nodiscard]] std::vector<Point3> product(const std::vector<Point3>& x, std::span<const MoveWish> wishes) const;
+  [[nodiscard]] std::vector<Point3> preconditioned(const std::vector<Point3>& r) const;
+
+  std::vector<FitTriangle> triangle_;
+  std::vector<Symmetric> block_;  // of the matrix's diagonal; zero for points of no triangle, which stay
+};
+
+}  // namespace geocloth

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Chooses the layout; each has a file of its own.
+#include "geocloth/parametrize/flatten.h"
+
+#include <cmath>
+#include <string>
+
+#include "flatten/panel_layout.h"
+#include "flatten/square_layout.h"
+#include "flatten/uv_layout.h"
+#include "geocloth/asset/error.h"
+#include "mesh/uneven.h"
+
+namespace geocloth {
+namespace {
+
+constexpr uint32_t kMinResolution = 8, kMaxResolution = 4096;
+
+void check(const CleanSurface& clean, const CutSurface& cut, const FlattenOptions& options) {
+  if (options.resolution < kMinResolution || options.resolution > kMaxResolution) {
+    throw Error(ErrorCode::invalid_argument, "resolution " + std::to_string(options.resolution) + " is not in " +
+                                                 std::to_string(kMinResolution) + ".." +
+                                                 std::to_string(kMaxResolution));
+  }
+  if (!std::isfinite(options.spacing) || options.spacing < 0) {
+    throw Error(ErrorCode::invalid_argument, "the spacing must be a positive length in metres");
+  }
+  if (cut.triangle.size() < clean.triangle.size() || cut.clean_triangle.size() != cut.triangle.size() ||
+      cut.triangle.empty()) {
+    throw Error(ErrorCode::invalid_argument, "the cut surface is not that of the clean surface");
+  }
+}
+
+/// A layout that is chosen, of the surface as it is seen without its symmetries.
+template <class LayOut>
+FlatSurface without_symmetry(const CleanSurface& clean, std::span<const CutSurface> cuts, const LayOut& lay_out) {
+  const Uneven map = uneven(clean.position, clean.triangle);
+  std::vector<CutSurface> seen(cuts.begin(), cuts.end());
+  for (CutSurface& cut : seen) cut.position = map.apply(cut.position);
+  FlatSurface flat = lay_out(seen);
+  for (size_t v = 0; v < flat.position.size(); ++v) {
+    const uint32_t source = flat.clean_vertex[v];
+    flat.position[v] = source != kNone ? clean.position[source] : map.undo(flat.position[v]);
+  }
+  return flat;
+}
+
+}  // namespace
+
+FlatSurface flatten(const CleanSurface& clean, std::span<const CutSurface> cuts, const FlattenOptions& options,
+                    const Progress& progress) {
+  if (cuts.empty()) throw Error(ErrorCode::invalid_argument, "there is no cut surface to be laid out");
+  for (const CutSurface& cut : cuts) check(clean, cut, options);
+  using Cuts = const std::vector<CutSurface>&;
+  switch (options.layout) {
+    case Layout::square:
+      return without_symmetry(clean, cuts.first(1),
+                              [&](Cuts c) { return lay_out_squares(c.front(), options, progress); });
+    case Layout::panels:
+      return without_symmetry(clean, cuts, [&](Cuts c) { return lay_out_panels(c, options, progress); });
+    case Layout::uv:
+      return lay_out_developed(take_uv(clean, cuts.front(), usable_uv_pattern(clean)), options, progress);
+  }
+  throw Error(ErrorCode::invalid_argument, "no such layout");
+}
+
+FlatSurface flatten(const CleanSurface& clean, const CutSurface& cut, const FlattenOptions& options,
+                    const Progress& progress) {
+  return flatten(clean, std::span(&cut, 1), options, progress);
+}
+
+}  // namespace geocloth

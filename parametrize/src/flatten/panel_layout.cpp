@@ -1,0 +1,364 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Multi-chart geometry images (Sander et al. 2003) as sewing patterns: every part is developed (develop.cpp), every
+// seam is divided into steps of about one spacing that all its sides share, and every side's outline is a closed chain
+// of as many pixels (pixel_chain.cpp). Inside its chain a chart is sampled where the plane's lattice falls. So seams
+// match point by point, no pixel is a double of its neighbour, and the image has exactly the topology of the surface.
+
+#include "flatten/panel_layout.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <string>
+
+#include "develop/develop.h"
+#include "develop/round_chart.h"
+#include "flatten/pack.h"
+#include "geocloth/asset/error.h"
+#include "image/chain_targets.h"
+#include "image/chart_chain.h"
+#include "image/lattice_shift.h"
+#include "image/pixel_chain.h"
+#include "image/seam_measure.h"
+#include "image/seam_samples.h"
+#include "image/seam_slide.h"
+#include "image/seam_steps.h"
+#include "mesh/point_math.h"
+#include "mesh/refined_mesh.h"
+
+namespace geocloth {
+namespace {
+
+constexpr uint32_t kLeastLoopSteps = 4;  // a closed chain without sharp turns
+constexpr double kLeastCut = 5;          // [pixels] shorter cut extensions are not worth their pixels
+constexpr int kRounds = 40;
+/// Pixels that a round chart may have, and how many times those of all charts as they are.
+constexpr double kMostDisk = 4096, kMostDiskShare = 8;
+
+/// What a chart looks like to the pixels of its outline: as it is; where that has no room for them, as if it were a few
+/// pixels wide everywhere; where that has none either, round.
+enum class Shape : uint8_t { own, widened, round };
+constexpr double kNarrow = 1, kWide = 3;  // [pixels] that opposite sides keep between them
+
+/// Everything about the charts that their pixels depend on.
+struct Plan {
+  DevelopedSurface developed;
+  std::vector<Outline> outlines;
+  double spacing = 0;  // [m]
+  std::vector<SeamMeasure> seams;
+  std::vector<uint32_t> steps;  // per seam
+  std::vector<Shape> shape;     // per chart
+};
+
+std::vector<double> chart_areas(const CutSurface& cut) {
+  std::vector<double> area(cut.component_count, 0);
+  for (size_t t = 0; t < cut.triangle.size(); ++t) {
+    const Triangle& k = cut.triangle[t];
+    area[cut.component[t]] += triangle_area(cut.position[k[0]], cut.position[k[1]], cut.position[k[2]]);
+  }
+  return area;
+}
+
+/// The spacing with which about resolution^2 pixels lie inside or on the outlines: area / h^2 + outline / (2 h).
+double choose_spacing(const std::vector<double>& area, const std::vector<Outline>& outlines,
+                      const FlattenOptions& options) {
+  if (options.spacing > 0) return options.spacing;
+  double total = 0, border = 0;
+  for (const double a : area) total += a;
+  for (const Outline& o : outlines) {
+    for (const OutlinePath& p : o.path) border += p.length;
+  }
+  const double wanted = static_cast<double>(options.resolution) * options.resolution;
+  const double per_metre = (-border / 2 + std::sqrt(border * border / 4 + 4 * total * wanted)) / (2 * total);
+  return 1 / per_metre;
+}
+
+Plan make_plan(DevelopedSurface developed, const FlattenOptions& options) {
+  Plan plan;
+  plan.developed = std::move(developed);
+  plan.outlines = trace_outlines(plan.developed.cut);
+  plan.spacing = choose_spacing(chart_areas(plan.developed.cut), plan.outlines, options);
+  plan.shape.assign(plan.outlines.size(), Shape::own);
+  plan.steps = least_seam_steps(plan.developed.cut, plan.outlines);
+  for (const Outline& outline : plan.outlines) {
+    if (outline.path.size() != 1) continue;
+    uint32_t& steps = plan.steps[outline.path[0].seam];
+    steps = std::max(steps, kLeastLoopSteps);
+  }
+  plan.seams = measure_seams(plan.outlines, plan.developed.uv, plan.spacing, plan.steps.size());
+  for (size_t s = 0; s < plan.steps.size(); ++s) plan.steps[s] = std::max(plan.steps[s], natural_steps(plan.seams[s]));
+  return plan;
+}
+
+/// Planar coordinates of the refined mesh [m]: inserted outline vertices lie on their edge as in space.
+std::vector<Point2> refined_coordinates(const Plan& plan, const RefinedMesh& mesh,
+                                        const std::vector<SampledOutline>& sampled) {
+  std::vector<Point2> uv = plan.developed.uv;
+  const size_t original = uv.size();
+  uv.resize(mesh.position.size());
+  for (const SampledOutline& outline : sampled) {
+    const size_t n = outline.stop.size();
+    for (size_t i = 0; i < n; ++i) {
+      const uint32_t a = outline.stop[i].vertex;
+      if (a >= original) continue;
+      size_t end = i + 1;
+      while (outline.stop[end % n].vertex >= original) ++end;
+      const uint32_t b = outline.stop[end % n].vertex;
+      const double whole = distance(mesh.position[a], mesh.position[b]);
+      for (size_t k = i + 1; k < end; ++k) {
+        const uint32_t v = outline.stop[k % n].vertex;
+        const double share = distance(mesh.position[a], mesh.position[v]) / whole;
+        uv[v] = {uv[a][0] + (uv[b][0] - uv[a][0]) * share, uv[a][1] + (uv[b][1] - uv[a][1]) * share};
+      }
+    }
+  }
+  return uv;
+}
+
+/// A chart's outline samples, counter-clockwise from its first node.
+std::vector<uint32_t> sample_vertices(const SampledOutline& outline) {
+  std::vector<uint32_t> result;
+  for (const OutlineStop& s : outline.stop) {
+    if (s.step == std::floor(s.step)) result.push_back(s.vertex);
+  }
+  return result;
+}
+
+/// The refined mesh in the plane, before pixels are found for its outlines.
+struct Laid {
+  RefinedMesh mesh;
+  std::vector<SampledOutline> sampled;        // per chart
+  std::vector<std::vector<uint32_t>> vertex;  // per chart
+  std::vector<Point2> shift;                  // per chart [pixels], against the lattice
+  std::vector<Point2> uv;                     // per vertex [pixels], v down
+};
+
+/// Where the samples of a chart's outline lie in its plane.
+std::vector<Point2> sample_places(const Laid& laid, size_t chart) {
+  std::vector<Point2> places;
+  for (const uint32_t v : sample_vertices(laid.sampled[chart])) places.push_back(laid.uv[v]);
+  return places;
+}
+
+/// Where samples and charts are to lie, where that is known already.
+struct Places {
+  std::vector<SeamPlaces> seam;  // empty: in steps as equal as the seams' marks allow
+  std::vector<Point2> shift;     // per chart [pixels], against the lattice; empty: to be found
+};
+
+std::vector<SeamPlaces> even_places(const Plan& plan) {
+  std::vector<SeamPlaces> places;
+  for (size_t s = 0; s < plan.seams.size(); ++s) {
+    places.push_back({plan.seams[s].arc, spread_steps(plan.seams[s], plan.steps[s])});
+  }
+  return places;
+}
+
+Laid lay_out(const Plan& plan, Places places = {}) {
+  Laid laid;
+  laid.mesh = make_refined_mesh(plan.developed.cut);
+  if (places.seam.empty()) places.seam = even_places(plan);
+  laid.sampled = insert_seam_samples(laid.mesh, plan.outlines, plan.steps, places.seam);
+  laid.vertex.resize(plan.outlines.size());
+  std::vector<uint8_t> met(laid.mesh.position.size(), 0);
+  for (size_t t = 0; t < laid.mesh.triangle.size(); ++t) {
+    for (const uint32_t v : laid.mesh.triangle[t]) {
+      if (met[v] == 0) laid.vertex[laid.mesh.component[t]].push_back(v);
+      met[v] = 1;
+    }
+  }
+  laid.uv = refined_coordinates(plan, laid.mesh, laid.sampled);
+  for (Point2& p : laid.uv) p = {p[0] / plan.spacing, -p[1] / plan.spacing};
+  std::vector<std::vector<uint32_t>> round_triangles(plan.shape.size());
+  for (uint32_t t = 0; t < laid.mesh.triangle.size(); ++t) {
+    const uint32_t c = laid.mesh.component[t];
+    if (plan.shape[c] == Shape::round) round_triangles[c].push_back(t);
+  }
+  for (size_t c = 0; c < plan.shape.size(); ++c) {
+    if (plan.shape[c] != Shape::round) continue;
+    const RoundChart round = lay_out_round(laid.mesh, round_triangles[c], laid.sampled[c]);
+    for (size_t i = 0; i < round.vertex.size(); ++i) laid.uv[round.vertex[i]] = {round.uv[i][0], -round.uv[i][1]};
+  }
+  laid.shift = std::move(places.shift);
+  for (size_t c = laid.shift.size(); c < laid.vertex.size(); ++c)
+    laid.shift.push_back(shift_to_lattice(sample_places(laid, c)));
+  for (size_t c = 0; c < laid.vertex.size(); ++c) {
+    for (const uint32_t v : laid.vertex[c]) {
+      laid.uv[v] = {laid.uv[v][0] + laid.shift[c][0], laid.uv[v][1] + laid.shift[c][1]};
+    }
+  }
+  return laid;
+}
+
+/// Finds the pixels of all charts; those whose targets are as before keep what they had.
+void place_chains(const Plan& plan, const Laid& laid, std::vector<ChartChain>& charts) {
+  charts.resize(laid.sampled.size());
+  for (size_t c = 0; c < charts.size(); ++c) {
+    std::vector<Point2> target =
+        chain_targets(sample_places(laid, c), plan.shape[c] == Shape::widened ? kWide : kNarrow);
+    if (target != charts[c].target) charts[c] = place_chart(std::move(target));
+  }
+}
+
+/// One more step for every seam of a chart.
+void lengthen(Plan& plan, size_t chart) {
+  std::vector<uint32_t> seams;
+  for (const OutlinePath& path : plan.outlines[chart].path) seams.push_back(path.seam);
+  std::sort(seams.begin(), seams.end());
+  seams.erase(std::unique(seams.begin(), seams.end()), seams.end());
+  for (const uint32_t seam : seams) ++plan.steps[seam];
+}
+
+/// A disk has room for an outline of any length, at the price of an area that grows with its square: right for a
+/// button, nonsense for a net whose threads are narrower than a pixel.
+/// @throws Error(verification) when the disk would be many times as large as all charts as they are
+void check_room_for_disk(const Plan& plan, const Laid& laid, size_t chart) {
+  const auto outline = static_cast<double>(sample_vertices(laid.sampled[chart]).size());
+  double area = 0;
+  for (const double a : chart_areas(plan.developed.cut)) area += a;
+  const double disk = outline * outline / (4 * std::numbers::pi);
+  if (disk <= std::max(kMostDisk, kMostDiskShare * area / (plan.spacing * plan.spacing))) return;
+  throw Error(ErrorCode::verification,
+              "the strips of a part are too narrow for pixels on either side (its outline has " +
+                  std::to_string(std::lround(outline)) + " of them); raise the resolution");
+}
+
+/// Changes the plan where pixels could not be found. @returns how many charts that concerns
+size_t give_room(Plan& plan, const Laid& laid, std::vector<ChartChain>& charts) {
+  std::vector<size_t> crowded, too_short;
+  for (size_t c = 0; c < charts.size(); ++c) {
+    if (charts[c].chain.result == PixelChain::Result::crowded) crowded.push_back(c);
+    if (charts[c].chain.result == PixelChain::Result::too_short) too_short.push_back(c);
+  }
+  if (crowded.empty() && too_short.empty()) {
+    std::vector<std::vector<uint32_t>> points(charts.size());
+    for (size_t c = 0; c < charts.size(); ++c) {
+      for (const uint32_t v : sample_vertices(laid.sampled[c])) points[c].push_back(laid.mesh.point[v]);
+    }
+    crowded = part_pinches(points, charts);
+  }
+  for (const size_t c : crowded) {
+    if (plan.shape[c] == Shape::round) too_short.push_back(c);
+    if (plan.shape[c] == Shape::widened) check_room_for_disk(plan, laid, c);
+    plan.shape[c] = plan.shape[c] == Shape::own ? Shape::widened : Shape::round;
+    charts[c].target.clear();
+  }
+  for (const size_t c : too_short) lengthen(plan, c);
+  return crowded.size() + too_short.size();
+}
+
+/// Samples slide along their seams to where they suit the pixels of all charts on them.
+std::vector<SeamPlaces> suit_samples(const Plan& plan, const Laid& laid, const std::vector<ChartChain>& charts) {
+  std::vector<SeamPlaces> places = even_places(plan);
+  std::vector<SlidingSeam> seams(plan.seams.size());
+  for (size_t s = 0; s < seams.size(); ++s) seams[s] = {std::move(places[s]), plan.seams[s].mark, {}};
+  std::vector<std::vector<Pixel>> chains;
+  for (size_t c = 0; c < charts.size(); ++c) {
+    const auto count = static_cast<uint32_t>(charts[c].chain.pixel.size());
+    uint32_t begin = 0;
+    for (const OutlinePath& path : plan.outlines[c].path) {
+      SeamSide side{c, {}, {}};
+      for (uint32_t k = 0; k <= plan.steps[path.seam]; ++k) side.sample.push_back((begin + k) % count);
+      for (const uint32_t v : path.vertex) side.curve.push_back(laid.uv[v]);
+      if (path.reversed) {
+        std::reverse(side.sample.begin(), side.sample.end());
+        std::reverse(side.curve.begin(), side.curve.end());
+      }
+      seams[path.seam].side.push_back(std::move(side));
+      begin += plan.steps[path.seam];
+    }
+    chains.push_back(charts[c].chain.pixel);
+  }
+  slide_samples(chains, seams);
+  for (size_t s = 0; s < seams.size(); ++s) places[s] = std::move(seams[s].places);
+  return places;
+}
+
+/// Cuts a chart's rectangle out of the plane around its chain, and moves its vertices into it.
+FlatChart make_chart(Laid& laid, size_t c, const std::vector<Pixel>& chain) {
+  Pixel low{std::numeric_limits<int32_t>::max(), std::numeric_limits<int32_t>::max()};
+  Pixel high{std::numeric_limits<int32_t>::min(), std::numeric_limits<int32_t>::min()};
+  for (const Pixel& p : chain) {
+    low = {std::min(low[0], p[0]), std::min(low[1], p[1])};
+    high = {std::max(high[0], p[0]), std::max(high[1], p[1])};
+  }
+  FlatChart chart;
+  chart.width = static_cast<uint32_t>(high[0] - low[0] + 1);
+  chart.height = static_cast<uint32_t>(high[1] - low[1] + 1);
+  const std::vector<uint32_t> samples = sample_vertices(laid.sampled[c]);
+  for (size_t i = 0; i < chain.size(); ++i) {
+    chart.outline.push_back(
+        {static_cast<uint32_t>(chain[i][0] - low[0]), static_cast<uint32_t>(chain[i][1] - low[1]), samples[i]});
+  }
+  for (const uint32_t v : laid.vertex[c]) laid.uv[v] = {laid.uv[v][0] - low[0], laid.uv[v][1] - low[1]};
+  return chart;
+}
+
+/// Metres per pixel of every chart, by its areas in space and in the plane.
+void set_spacing(FlatSurface& flat) {
+  std::vector<double> in_space(flat.charts.size(), 0), in_plane(flat.charts.size(), 0);
+  for (size_t t = 0; t < flat.triangle.size(); ++t) {
+    const Triangle& k = flat.triangle[t];
+    in_space[flat.chart[t]] += triangle_area(flat.position[k[0]], flat.position[k[1]], flat.position[k[2]]);
+    in_plane[flat.chart[t]] += signed_area_twice(flat.uv[k[0]], flat.uv[k[1]], flat.uv[k[2]]) / 2;
+  }
+  for (size_t c = 0; c < flat.charts.size(); ++c) flat.charts[c].spacing = std::sqrt(in_space[c] / in_plane[c]);
+}
+
+/// The side of a pixel before anything is cut, when only the area is known.
+double rough_spacing(const CutSurface& cut, const FlattenOptions& options) {
+  if (options.spacing > 0) return options.spacing;
+  double total = 0;
+  for (const double a : chart_areas(cut)) total += a;
+  return std::sqrt(total) / options.resolution;
+}
+
+}  // namespace
+
+FlatSurface lay_out_panels(std::span<const CutSurface> cuts, const FlattenOptions& options, const Progress& progress) {
+  const CutSurface& cut = cuts.front();
+  DevelopOptions develop_options;
+  develop_options.least_cut = kLeastCut * rough_spacing(cut, options);
+  develop_options.parting.pixel = rough_spacing(cut, options);
+  develop_options.straight_cuts = options.straight_cuts;
+  develop_options.prefer = options.prefer;
+  return lay_out_developed(develop(cuts, develop_options, progress), options, progress);
+}
+
+FlatSurface lay_out_developed(DevelopedSurface developed, const FlattenOptions& options, const Progress& progress) {
+  Plan plan = make_plan(std::move(developed), options);
+  Laid laid;
+  std::vector<ChartChain> charts;
+  for (int round = 0;; ++round) {
+    if (progress) progress("flatten", 1);
+    laid = lay_out(plan);
+    place_chains(plan, laid, charts);
+    const size_t stuck = give_room(plan, laid, charts);
+    if (stuck == 0) break;
+    if (round == kRounds) {
+      throw Error(ErrorCode::verification, "no pixels could be found for the outlines of " + std::to_string(stuck) +
+                                               " charts; raise the resolution");
+    }
+  }
+
+  laid = lay_out(plan, {suit_samples(plan, laid, charts), laid.shift});
+
+  FlatSurface flat;
+  for (size_t c = 0; c < charts.size(); ++c) flat.charts.push_back(make_chart(laid, c, charts[c].chain.pixel));
+  flat.position = std::move(laid.mesh.position);
+  flat.uv = std::move(laid.uv);
+  flat.triangle = std::move(laid.mesh.triangle);
+  flat.chart = std::move(laid.mesh.component);
+  flat.point = std::move(laid.mesh.point);
+  flat.point_count = laid.mesh.point_count;
+  flat.clean_vertex = std::move(laid.mesh.clean_vertex);
+  flat.clean_triangle = std::move(laid.mesh.clean_triangle);
+  set_spacing(flat);
+  pack_charts(flat);
+  return flat;
+}
+
+}  // namespace geocloth

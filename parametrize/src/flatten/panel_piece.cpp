@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Many ways to part a chart are compared, so that a piece must cost little: the chart's upward directions are summed
+// along rows of coarse cells, and what an outline encloses is a difference of sums per row.
+#include "flatten/panel_piece.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "mesh/point_math.h"
+
+namespace geocloth {
+namespace {
+
+/// Where a horizontal line crosses the outline, ascending.
+template <typename Place>
+void find_crossings(size_t count, const Place& place, double y, std::vector<double>& crossing) {
+  crossing.clear();
+  for (size_t i = 0; i < count; ++i) {
+    const Point2 a = place(i), b = place(i + 1 == count ? 0 : i + 1);
+    if ((a[1] <= y) == (b[1] <= y)) continue;
+    crossing.push_back(a[0] + (b[0] - a[0]) * (y - a[1]) / (b[1] - a[1]));
+  }
+  std::sort(crossing.begin(), crossing.end());
+}
+
+}  // namespace
+
+PanelPlan::PanelPlan(const Chart& chart, double cell) : loop_(outline_loop(chart)), cell_(cell) {
+  std::vector<uint8_t> inner(chart.position.size(), 0);
+  for (uint32_t h = 0; h < chart.opposite.size(); ++h) {
+    if (chart.opposite[h] != kNone) inner[chart.triangle[h / 3][h % 3]] = 1;
+  }
+  low_ = {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+  Point2 high{-low_[0], -low_[1]};
+  for (const uint32_t v : loop_) {
+    place_.push_back(chart.uv[v]);
+    has_inner_edge_.push_back(inner[v]);
+    for (size_t k = 0; k < 2; ++k) {
+      low_[k] = std::min(low_[k], chart.uv[v][k]);
+      high[k] = std::max(high[k], chart.uv[v][k]);
+    }
+  }
+  columns_ = static_cast<size_t>((high[0] - low_[0]) / cell) + 1;
+  rows_ = static_cast<size_t>((high[1] - low_[1]) / cell) + 1;
+  sum_.resize(rows_ * (columns_ + 1));
+  for (const Triangle& t : chart.triangle) {
+    Point2 middle{0, 0};
+    for (const uint32_t v : t) middle = {middle[0] + chart.uv[v][0] / 3, middle[1] + chart.uv[v][1] / 3};
+    const size_t x = std::min(columns_ - 1, static_cast<size_t>(std::max(0.0, (middle[0] - low_[0]) / cell)));
+    const size_t y = std::min(rows_ - 1, static_cast<size_t>(std::max(0.0, (middle[1] - low_[1]) / cell)));
+    sum_[y * (columns_ + 1) + x + 1].add(grain_of_triangle(chart, t));
+  }
+  for (size_t y = 0; y < rows_; ++y) {
+    GrainSum* row = &sum_[y * (columns_ + 1)];
+    for (size_t x = 0; x < columns_; ++x) row[x + 1].add(row[x]);
+  }
+}
+
+Point2 PanelPlan::up_of(const std::vector<uint32_t>& piece) const {
+  const auto place = [&](size_t i) { return place_[piece[i]]; };
+  const auto column = [&](double x) {
+    return std::min(columns_, static_cast<size_t>(std::max(0.0, (x - low_[0]) / cell_ + 0.5)));
+  };
+  GrainSum all;
+  std::vector<double> crossing;
+  for (size_t y = 0; y < rows_; ++y) {
+    find_crossings(piece.size(), place, low_[1] + (static_cast<double>(y) + 0.5) * cell_, crossing);
+    const GrainSum* row = &sum_[y * (columns_ + 1)];
+    for (size_t k = 0; k + 1 < crossing.size(); k += 2) {
+      all.add(row[column(crossing[k + 1])]);
+      all.add(row[column(crossing[k])], -1);
+    }
+  }
+  return all.area > 0 ? upward(all) : Point2{0, 1};
+}
+
+double PanelPlan::area_of(const std::vector<uint32_t>& piece) const {
+  double twice = 0;
+  for (size_t i = 0; i < piece.size(); ++i) {
+    const Point2 &a = place_[piece[i]], &b = place_[piece[i + 1 == piece.size() ? 0 : i + 1]];
+    twice += a[0] * b[1] - a[1] * b[0];
+  }
+  return twice / 2;
+}
+
+double PanelPlan::outline() const {
+  double sum = 0;
+  for (size_t i = 0; i < place_.size(); ++i) {
+    const Point2 &a = place_[i], &b = place_[i + 1 == place_.size() ? 0 : i + 1];
+    sum += std::hypot(b[0] - a[0], b[1] - a[1]);
+  }
+  return sum;
+}
+
+ChartShape PanelPlan::shape_of(const std::vector<uint32_t>& piece, const Point2& up, double pixel) const {
+  std::vector<Point2> corner;  // [pixels], v down
+  Point2 low{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()}, high{0, 0};
+  for (const uint32_t i : piece) {
+    const Point2& p = place_[i];
+    corner.push_back({(p[0] * up[1] - p[1] * up[0]) / pixel, -(p[0] * up[0] + p[1] * up[1]) / pixel});
+    for (size_t k = 0; k < 2; ++k) low[k] = std::min(low[k], corner.back()[k]);
+  }
+  for (Point2& p : corner) {
+    p = {p[0] - low[0], p[1] - low[1]};
+    for (size_t k = 0; k < 2; ++k) high[k] = std::max(high[k], p[k]);
+  }
+  const auto rounded = [](double x) { return static_cast<uint32_t>(std::lround(x)); };
+  ChartShape shape{rounded(high[0]) + 1, rounded(high[1]) + 1, {}};
+  for (const Point2& p : corner) shape.run.push_back({rounded(p[1]), rounded(p[0]), rounded(p[0])});
+  std::vector<double> crossing;
+  const auto place = [&](size_t i) { return corner[i]; };
+  for (uint32_t y = 0; y < shape.height; ++y) {
+    find_crossings(corner.size(), place, y, crossing);
+    for (size_t k = 0; k + 1 < crossing.size(); k += 2) {
+      shape.run.push_back({y, rounded(crossing[k]), rounded(crossing[k + 1])});
+    }
+  }
+  return shape;
+}
+
+}  // namespace geocloth

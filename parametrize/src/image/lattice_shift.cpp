@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "image/lattice_shift.h"
+
+#include <cmath>
+#include <limits>
+
+namespace geocloth {
+namespace {
+
+/// How badly stretches of a closed outline that run along lattice lines miss them.
+/// @param axis   0: lines u = const, 1: lines v = const
+/// @param shift  [pixels] of the outline along the axis
+double lattice_misfit(std::span<const Point2> outline, size_t axis, double shift) {
+  double sum = 0;
+  for (size_t i = 0; i < outline.size(); ++i) {
+    const Point2 &a = outline[i], &b = outline[(i + 1) % outline.size()];
+    const double across = b[axis] - a[axis], along = b[1 - axis] - a[1 - axis];
+    const double squared = across * across + along * along;
+    if (!(squared > 0)) continue;
+    const double place = (a[axis] + b[axis]) / 2 + shift, off = place - std::round(place);
+    const double parallel = along * along / squared;  // squared cosine; its high power leaves parallel stretches only
+    sum += std::pow(parallel, 16) * off * off;
+  }
+  return sum;
+}
+
+}  // namespace
+
+Point2 shift_to_lattice(std::span<const Point2> outline) {
+  constexpr int kTrials = 16;
+  Point2 shift{0, 0};
+  for (size_t axis = 0; axis < 2; ++axis) {
+    double least = std::numeric_limits<double>::infinity();
+    for (int trial = 0; trial < kTrials; ++trial) {
+      const double by = static_cast<double>(trial) / kTrials, misfit = lattice_misfit(outline, axis, by);
+      if (misfit < least) shift[axis] = by;
+      least = std::min(least, misfit);
+    }
+  }
+  return shift;
+}
+
+}  // namespace geocloth

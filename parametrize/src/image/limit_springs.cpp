@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Position based dynamics (Mueller et al. 2007) at rest: springs out of bounds are projected on to them, one after the
+// other, a few times.
+#include "image/limit_springs.h"
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "geocloth/asset/grid_mesh.h"
+#include "mesh/point_math.h"
+
+namespace geocloth {
+namespace {
+
+constexpr double kShortest = 0.35, kLongest = 1.85;  // [spacing]
+constexpr double kNoDirection = 0.05;                // [spacing] below, a spring's own direction means nothing
+constexpr double kFarthest = 0.8;                    // [spacing] that a pixel may move from the surface
+constexpr int kSweeps = 30;
+
+/// The point of the ball around `home` that is nearest to p.
+Point3 held(const Point3& p, const Point3& home, double radius) {
+  const double away = distance(p, home);
+  return away <= radius ? p : home + (p - home) * (radius / away);
+}
+
+/// A structural spring between two points (first copies), and the pixels next to it in its row or column.
+struct Spring {
+  uint32_t a, b, before, after;
+};
+
+std::vector<Spring> structural_springs(const ClothAsset& asset, const std::vector<uint32_t>& first) {
+  std::vector<Spring> springs;
+  const auto joined = [&](uint32_t pixel, uint8_t bit) { return (asset.spring_mask[pixel] & bit) != 0; };
+  for (uint32_t i = 0; i < asset.pixel_count(); ++i) {
+    for (const auto& [bit, step] :
+         {std::pair(uint8_t{kSpringRight}, 1U), std::pair(uint8_t{kSpringDown}, asset.width)}) {
+      if (!joined(i, bit)) continue;
+      const uint32_t before = i >= step && joined(i - step, bit) ? i - step : i;
+      const uint32_t after = joined(i + step, bit) ? i + 2 * step : i + step;
+      springs.push_back({first[i], first[i + step], first[before], first[after]});
+    }
+  }
+  return springs;
+}
+
+}  // namespace
+
+void limit_springs(ClothAsset& asset) {
+  const std::vector<uint32_t> first = first_copies(asset);
+  std::vector<Point3> place;
+  place.reserve(asset.pixel_count());
+  for (const Vec3& p : asset.rest_position) place.push_back({p.x, p.y, p.z});
+  const std::vector<Point3> home = place;
+  const double spacing = asset.spacing;
+  const std::vector<Spring> springs = structural_springs(asset, first);
+  std::vector<uint8_t> moved(asset.pixel_count(), 0);
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    bool still = true;
+    for (const Spring& s : springs) {
+      Point3 along = place[s.b] - place[s.a];
+      const double is = length(along), wanted = std::clamp(is, kShortest * spacing, kLongest * spacing);
+      if (is == wanted) continue;
+      if (is < kNoDirection * spacing) along = place[s.after] - place[s.before];
+      const double l = length(along);
+      if (!(l > 0)) continue;
+      const Point3 move = along * ((wanted - is) / (2 * l));
+      place[s.a] = held(place[s.a] - move, home[s.a], kFarthest * spacing);
+      place[s.b] = held(place[s.b] + move, home[s.b], kFarthest * spacing);
+      moved[s.a] = moved[s.b] = 1;
+      still = false;
+    }
+    if (still) break;
+  }
+  for (uint32_t i = 0; i < asset.pixel_count(); ++i) {
+    if (!asset.valid(i) || moved[first[i]] == 0) continue;
+    const Point3& p = place[first[i]];
+    asset.rest_position[i] = {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
+  }
+}
+
+}  // namespace geocloth

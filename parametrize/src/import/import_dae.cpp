@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// COLLADA ahead of assimp, which allocates the counts that a file announces, adds offsets and strides without a bound,
+// and follows node instances by recursion. Arrays, accessors, weights and instances are held against what is there;
+// animations, lights and cameras are taken out.
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <optional>
+#include <sstream>
+
+#include <pugixml.hpp>
+
+#include "import/import_detail.h"
+
+namespace geocloth::import_detail {
+namespace {
+
+constexpr std::string_view kBlank = " \t\r\n";
+
+std::size_t count_words(std::string_view text) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find_first_not_of(kBlank); at != std::string_view::npos; ++count) {
+    at = text.find_first_not_of(kBlank, std::min(text.find_first_of(kBlank, at), text.size()));
+  }
+  return count;
+}
+
+std::vector<int64_t> integers(std::string_view text) {
+  std::vector<int64_t> out;
+  for (std::size_t at = text.find_first_not_of(kBlank); at != std::string_view::npos;) {
+    const std::size_t end = std::min(text.find_first_of(kBlank, at), text.size());
+    int64_t value = 0;
+    const auto [stop, error] = std::from_chars(text.data() + at, text.data() + end, value);
+    out.push_back(error == std::errc() && stop == text.data() + end ? value : INT64_MIN);
+    at = text.find_first_not_of(kBlank, end);
+  }
+  return out;
+}
+
+class DaeReader {
+ public:
+  DaeReader(const std::filesystem::path& file, std::string_view bytes) : file_(file), size_(bytes.size()) {
+    check_nesting(bytes);
+    const pugi::xml_parse_result result = document_.load_buffer(bytes.data(), bytes.size());
+    if (!result) bad("its XML is broken (" + std::string(result.description()) + "); is the file cut off?");
+    root_ = document_.child("COLLADA");
+    if (!root_) bad("this is no COLLADA file");
+  }
+
+  DaeText read() {
+    for (const char* name : {"library_animations", "library_animation_clips", "library_cameras", "library_lights"}) {
+      while (root_.remove_child(name)) {
+      }
+    }
+    walk(root_);
+    for (const pugi::xml_node accessor : accessors_) check_accessor(accessor);
+    for (const pugi::xml_node skin : skins_) check_skin(skin);
+    check_hierarchy(file_, instances());
+    DaeText out;
+    out.metres_per_unit = root_.child("asset").child("unit").attribute("meter").as_double(1);
+    if (!std::isfinite(out.metres_per_unit) || out.metres_per_unit <= 0) bad("asset.unit.meter is no positive number");
+    std::ostringstream text;
+    document_.save(text, "", pugi::format_raw);
+    out.text = text.str();
+    return out;
+  }
+
+ private:
+  struct Array {
+    std::size_t count = 0;
+    bool numbers = false;
+  };
+  struct Accessor {
+    std::size_t count = 0, stride = 1;
+  };
+
+  static std::string tag(pugi::xml_node node) { return std::string("<").append(node.name()).append(">"); }
+  [[noreturn]] void bad(const std::string& what) const { fail(file_, ErrorCode::invalid_data, what); }
+
+  /// Elements open and close like brackets; counting them first bounds every recursion over the document.
+  void check_nesting(std::string_view bytes) const {
+    if (bytes.find('\0') != std::string_view::npos) bad("this is no COLLADA file");
+    std::ptrdiff_t depth = 0;
+    for (std::size_t i = 0; i + 1 < bytes.size(); ++i) {
+      const char next = bytes[i + 1];
+      if (bytes[i] == '<' && next != '!' && next != '?') depth += next == '/' ? -1 : 1;
+      if (bytes[i] == '/' && next == '>') --depth;
+      if (depth > 200) bad("its elements nest more than 200 levels deep");
+    }
+  }
+
+  /// A count in an attribute; never more than the file has bytes.
+  std::size_t number(pugi::xml_node node, const char* name, std::size_t otherwise) const {
+    const pugi::xml_attribute attribute = node.attribute(name);
+    if (!attribute) return otherwise;
+    const std::string_view text = attribute.value();
+    std::size_t value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size() || value > size_) {
+      bad(tag(node) + " has an impossible " + name + " '" + std::string(text.substr(0, 30)) + "'");
+    }
+    return value;
+  }
+
+  void walk(pugi::xml_node node) {
+    for (const pugi::xml_node child : node.children()) {
+      const std::string_view name = child.name();
+      if (name.ends_with("_array")) add_array(child);
+      if (name == "accessor") accessors_.push_back(child);
+      if (name == "skin") skins_.push_back(child);
+      static_cast<void>(number(child, "count", 0));
+      static_cast<void>(number(child, "stride", 0));
+      if (name == "input" && number(child, "offset", 0) > 64) bad("<input> has an offset beyond 64");
+      if (name == "p" || name == "h" || name == "v" || name == "vcount") check_integers(child);
+      if (name == "vcount") check_polygon_sizes(child);
+      walk(child);
+    }
+  }
+
+  /// assimp reads such a list without end when something else is in it.
+  void check_integers(pugi::xml_node node) const {
+    for (const pugi::xml_node text : node.children()) {
+      const std::string_view value = text.value();
+      if (text.type() != pugi::node_pcdata || value.find_first_not_of("0123456789- \t\r\n") != std::string_view::npos) {
+        bad(tag(node) + " holds something that is no integer");
+      }
+    }
+    for (const int64_t i : integers(node.text().get())) {
+      if (i < -1 || i > static_cast<int64_t>(kMaxElements)) bad(tag(node) + " holds an impossible number");
+    }
+  }
+
+  /// <vcount> has an entry for each polygon its parent announces.
+  void check_polygon_sizes(pugi::xml_node node) const {
+    if (count_words(node.text().get()) < number(node.parent(), "count", 0)) bad("a <vcount> is cut off");
+    for (const int64_t corners : integers(node.text().get())) {
+      if (corners < 0 || static_cast<std::size_t>(corners) > size_) bad("a <vcount> holds an impossible number");
+    }
+  }
+
+  /// How others of the file name an element.
+  static std::string reference_to(pugi::xml_node node) {
+    std::string reference = "#";
+    reference += node.attribute("id").value();
+    return reference;
+  }
+
+  void add_array(pugi::xml_node node) {
+    const std::size_t count = number(node, "count", 0);
+    if (count_words(node.text().get()) < count) bad(tag(node) + " has fewer values than it says");
+    array_[reference_to(node)] = {count, std::strcmp(node.name(), "float_array") == 0};
+  }
+
+  void check_accessor(pugi::xml_node node) {
+    const auto array = array_.find(node.attribute("source").value());
+    if (array == array_.end()) return;  // assimp refuses what it cannot resolve
+    const Accessor a{number(node, "count", 0), number(node, "stride", 1)};
+    const std::size_t offset = number(node, "offset", 0);
+    const auto params =
+        static_cast<std::size_t>(std::distance(node.children("param").begin(), node.children("param").end()));
+    if (a.stride == 0 || params > std::max<std::size_t>(a.stride, 1) || offset > array->second.count ||
+        a.count > (array->second.count - offset) / a.stride) {
+      bad("an <accessor> reaches beyond its array");
+    }
+    const pugi::xml_node source = node.parent().parent();
+    accessor_[reference_to(source)] = a;
+  }
+
+  /// Accessor behind the input of that meaning.
+  Accessor input(pugi::xml_node parent, const char* semantic) const {
+    for (const pugi::xml_node node : parent.children("input")) {
+      if (std::strcmp(node.attribute("semantic").value(), semantic) != 0) continue;
+      const auto it = accessor_.find(node.attribute("source").value());
+      if (it != accessor_.end()) return it->second;
+    }
+    return {};
+  }
+
+  void check_skin(pugi::xml_node skin) const {
+    const pugi::xml_node joints = skin.child("joints"), weights = skin.child("vertex_weights");
+    const Accessor names = input(joints, "JOINT"), matrices = input(joints, "INV_BIND_MATRIX");
+    if (matrices.count < names.count || (names.count > 0 && matrices.stride < 16)) {
+      bad("a <skin> does not have a matrix for every joint");
+    }
+    const pugi::xml_node bind = skin.child("bind_shape_matrix");
+    if (bind && count_words(bind.text().get()) < 16) bad("a <bind_shape_matrix> is cut off");
+    std::size_t joint_offset = 0, weight_offset = 0, per_entry = 0;
+    for (const pugi::xml_node node : weights.children("input")) {
+      const std::size_t offset = number(node, "offset", 0);
+      per_entry = std::max(per_entry, offset + 1);
+      if (std::strcmp(node.attribute("semantic").value(), "JOINT") == 0) joint_offset = offset;
+      if (std::strcmp(node.attribute("semantic").value(), "WEIGHT") == 0) weight_offset = offset;
+    }
+    if (weights && per_entry != 2) bad("a <vertex_weights> does not have joints and weights");
+    const std::vector<int64_t> indices = integers(weights.child("v").text().get());
+    const auto joint_count = static_cast<int64_t>(std::min(names.count, input(weights, "JOINT").count));
+    const auto weight_count = static_cast<int64_t>(input(weights, "WEIGHT").count);
+    int64_t entries = 0;
+    for (const int64_t n : integers(weights.child("vcount").text().get())) entries += n;
+    if (entries * 2 > static_cast<int64_t>(indices.size())) bad("a <vertex_weights> is cut off");
+    for (std::size_t i = 0; i + 1 < indices.size(); i += 2) {
+      const int64_t joint = indices[i + joint_offset], weight = indices[i + weight_offset];
+      if (joint < 0 || joint >= joint_count || weight < 0 || weight >= weight_count) {
+        bad("a <vertex_weights> names a joint or weight that does not exist");
+      }
+    }
+  }
+
+  /// Nodes numbered in the order of the document, with their children and the nodes they instance.
+  std::vector<std::array<uint64_t, 2>> instances() const {
+    std::map<std::string, uint64_t> by_id;
+    std::vector<std::pair<uint64_t, std::string>> targets;
+    std::vector<std::array<uint64_t, 2>> edges;
+    uint64_t count = 0;
+    collect_nodes(root_, 0, count, by_id, targets, edges);
+    for (const auto& [node, target] : targets) {
+      const auto it = by_id.find(target);
+      if (it != by_id.end()) edges.push_back({node, it->second});
+    }
+    return edges;
+  }
+
+  static void collect_nodes(pugi::xml_node parent, uint64_t number, uint64_t& count,
+                            std::map<std::string, uint64_t>& by_id,
+                            std::vector<std::pair<uint64_t, std::string>>& targets,
+                            std::vector<std::array<uint64_t, 2>>& edges) {
+    for (const pugi::xml_node child : parent.children()) {
+      uint64_t self = number;
+      if (std::strcmp(child.name(), "node") == 0) {
+        self = ++count;
+        // The nodes of a library stand under no other until they are instanced.
+        if (number != 0) edges.push_back({number, self});
+        for (const char* name : {"id", "name", "sid"}) {
+          if (child.attribute(name)) by_id.try_emplace(child.attribute(name).value(), self);
+        }
+      } else if (std::strcmp(child.name(), "instance_node") == 0) {
+        const std::string_view url = child.attribute("url").value();
+        targets.emplace_back(number, std::string(url.substr(url.starts_with('#') ? 1 : 0)));
+      }
+      collect_nodes(child, self, count, by_id, targets, edges);
+    }
+  }
+
+  const std::filesystem::path& file_;
+  std::size_t size_;
+  pugi::xml_document document_;
+  pugi::xml_node root_;
+  std::map<std::string, Array> array_;
+  std::map<std::string, Accessor> accessor_;  ///< by the "#id" of their <source>
+  std::vector<pugi::xml_node> accessors_, skins_;
+};
+
+}  // namespace
+
+DaeText read_dae(const std::filesystem::path& file, std::string_view bytes) {
+  return DaeReader(file, bytes).read();
+}
+
+}  // namespace geocloth::import_detail

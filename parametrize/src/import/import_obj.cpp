@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Wavefront OBJ ahead of assimp. assimp's reader makes a vertex per face corner, reads coordinates in single precision
+// and trusts its input; users select by the numbers of the `v` records. So the records are read here, and assimp gets
+// a clean copy in which the position of a vertex is its number: groups, materials and texture coordinates come back
+// from assimp with the number of the vertex beside them.
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+
+#include "import/import_detail.h"
+
+namespace geocloth::import_detail {
+namespace {
+
+constexpr std::string_view kBlank = " \t\r\v\f";
+
+/// Splits the first word off a line.
+std::string_view next_word(std::string_view& line) {
+  const std::size_t begin = line.find_first_not_of(kBlank);
+  if (begin == std::string_view::npos) {
+    line = {};
+    return {};
+  }
+  const std::size_t end = std::min(line.find_first_of(kBlank, begin), line.size());
+  const std::string_view word = line.substr(begin, end - begin);
+  line.remove_prefix(end);
+  return word;
+}
+
+/// Calls handle(line number, line) for every logical line: a backslash at the end joins the next one.
+template <typename Handle>
+void for_each_line(std::string_view text, Handle&& handle) {
+  std::string joined;
+  std::size_t number = 0, first = 0;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find_first_of("\n\r", at), text.size());
+    std::string_view line = text.substr(at, end - at);
+    // \r\n is one line end.
+    at = end + (text.substr(end).starts_with("\r\n") ? 2 : 1);
+    ++number;
+    if (joined.empty()) first = number;
+    if (line.ends_with('\\')) {
+      line.remove_suffix(1);
+      joined.append(line).push_back(' ');
+      continue;
+    }
+    if (joined.empty()) {
+      handle(first, line);
+    } else {
+      joined.append(line);
+      handle(first, std::string_view(joined));
+      joined.clear();
+    }
+  }
+  if (!joined.empty()) handle(first, std::string_view(joined));
+}
+
+/// Reads a number; "nan" and "inf" are read as what they say, so that they can be refused by name later.
+bool read_number(std::string_view word, double& value) {
+  if (word.starts_with('+')) word.remove_prefix(1);
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (error == std::errc::result_out_of_range) {
+    value = word.find("e-") != std::string_view::npos || word.find("E-") != std::string_view::npos ? 0.0 : HUGE_VAL;
+    return true;
+  }
+  return error == std::errc() && end == word.data() + word.size();
+}
+
+/// A name that assimp's line reader takes as it is.
+std::string printable(std::string_view line) {
+  const std::size_t begin = line.find_first_not_of(kBlank);
+  if (begin == std::string_view::npos) return {};
+  std::string name(line.substr(begin, line.find_last_not_of(kBlank) + 1 - begin));
+  for (char& c : name) {
+    if (static_cast<unsigned char>(c) < 32) c = '_';
+  }
+  if (name.size() > 512) name.resize(512);
+  return name;
+}
+
+class ObjReader {
+ public:
+  ObjReader(const std::filesystem::path& file, std::string_view text) : file_(file), text_(text) {}
+
+  ObjText read() {
+    for_each_line(text_, [&](std::size_t number, std::string_view line) {
+      line_ = number;
+      read_record(line);
+    });
+    check_range(used_vertex_, out_.position.size(), "vertex");
+    check_range(used_uv_, uv_count_, "texture coordinate");
+    check_range(used_normal_, normal_count_, "normal");
+    return std::move(out_);
+  }
+
+ private:
+  /// The greatest index that a face has used, and where. Faces may stand before the records they use.
+  struct Greatest {
+    std::size_t index = 0, line = 0;
+  };
+
+  void check_range(const Greatest& used, std::size_t count, const char* what) const {
+    if (used.index <= count) return;
+    fail(file_, ErrorCode::invalid_data,
+         "line " + std::to_string(used.line) + ": a face uses " + what + " " + std::to_string(used.index) + " of " +
+             std::to_string(count) + "; is the file cut off or damaged?");
+  }
+
+  [[noreturn]] void bad(const std::string& what) const {
+    fail(file_, ErrorCode::invalid_data, "line " + std::to_string(line_) + ": " + what);
+  }
+
+  void read_record(std::string_view line) {
+    const std::string_view keyword = next_word(line);
+    if (keyword == "v") {
+      read_vertex(line);
+    } else if (keyword == "vt") {
+      read_values(keyword, line, 1, 3, uv_count_);
+    } else if (keyword == "vn") {
+      read_values(keyword, line, 3, 3, normal_count_);
+    } else if (keyword == "f" || keyword == "fo") {
+      read_face(line);
+    } else if (keyword == "o" || keyword == "g" || keyword == "usemtl" || keyword == "mtllib") {
+      const std::string name = printable(line);
+      // An `o` or `g` without a name is legal and means "default".
+      out_.coded.append(keyword).append(" ").append(name.empty() ? "default" : name).push_back('\n');
+    }
+  }
+
+  void read_vertex(std::string_view line) {
+    Point3 p;
+    for (double& c : p) {
+      if (!read_number(next_word(line), c)) bad("a vertex needs three numbers; is the file cut off?");
+    }
+    if (out_.position.size() >= kMaxElements) fail(file_, ErrorCode::limit, "more than 100 million vertices");
+    const auto number = static_cast<uint32_t>(out_.position.size());
+    out_.position.push_back(p);
+    out_.coded.append("v ").append(std::to_string(number & 0xFFFFU)).append(" ");
+    out_.coded.append(std::to_string(number >> 16U)).append(" 0\n");
+  }
+
+  void read_values(std::string_view keyword, std::string_view line, int least, int written, std::size_t& count) {
+    out_.coded.append(keyword);
+    for (int k = 0; k < written; ++k) {
+      const std::string_view word = next_word(line);
+      double value = 0;
+      if (!word.empty() || k < least) {
+        if (!read_number(word, value)) bad("a number is missing or broken; is the file cut off?");
+      }
+      if (!std::isfinite(value) || std::abs(value) > 1e9) value = 0;
+      char buffer[32];
+      const auto end = std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::fixed, 9).ptr;
+      out_.coded.append(" ").append(buffer, end);
+    }
+    out_.coded.push_back('\n');
+    ++count;
+  }
+
+  /// An index of a face corner, made absolute; negative ones count back from the latest record.
+  std::size_t read_index(std::string_view word, std::size_t count, Greatest& used) const {
+    long long index = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), index);
+    if (error != std::errc() || end != word.data() + word.size()) bad("broken face corner '" + printable(word) + "'");
+    const long long absolute = index < 0 ? static_cast<long long>(count) + index + 1 : index;
+    if (absolute < 1 || absolute > static_cast<long long>(kMaxElements)) {
+      bad("a face uses element " + std::to_string(index) + " of " + std::to_string(count));
+    }
+    const auto result = static_cast<std::size_t>(absolute);
+    if (result > used.index) used = {result, line_};
+    return result;
+  }
+
+  void read_face(std::string_view line) {
+    std::string coded = "f";
+    std::size_t corners = 0;
+    for (std::string_view word = next_word(line); !word.empty() && word[0] != '#'; word = next_word(line)) {
+      if (++corners > kMaxPolygonCorners) bad("a polygon of more than 4096 corners; triangulate it before exporting");
+      const std::size_t slash = std::min(word.find('/'), word.size());
+      coded.append(" ").append(std::to_string(read_index(word.substr(0, slash), out_.position.size(), used_vertex_)));
+      if (slash == word.size()) continue;
+      const std::string_view rest = word.substr(slash + 1);
+      const std::size_t second = std::min(rest.find('/'), rest.size());
+      const std::string_view uv = rest.substr(0, second);
+      const std::string_view normal = second < rest.size() ? rest.substr(second + 1) : std::string_view();
+      if (uv.empty() && normal.empty()) continue;
+      coded.push_back('/');
+      if (!uv.empty()) coded.append(std::to_string(read_index(uv, uv_count_, used_uv_)));
+      if (!normal.empty()) coded.append("/").append(std::to_string(read_index(normal, normal_count_, used_normal_)));
+    }
+    if (corners == 0) bad("a face without corners; is the file cut off?");
+    // Faces with one or two corners are points and lines.
+    if (corners >= 3) out_.coded.append(coded).push_back('\n');
+  }
+
+  const std::filesystem::path& file_;
+  std::string_view text_;
+  std::size_t line_ = 0, uv_count_ = 0, normal_count_ = 0;
+  Greatest used_vertex_, used_uv_, used_normal_;
+  ObjText out_;
+};
+
+}  // namespace
+
+ObjText read_obj(const std::filesystem::path& file, std::string_view text) {
+  return ObjReader(file, text).read();
+}
+
+uint32_t decode_obj_vertex(float x, float y) {
+  return static_cast<uint32_t>(x) | static_cast<uint32_t>(y) << 16U;
+}
+
+std::string clean_mtl(std::string_view text) {
+  constexpr std::string_view kKnown[] = {"newmtl", "Kd", "d", "Tr", "Pr", "Pm", "map_Kd", "norm", "map_d"};
+  std::string out;
+  for_each_line(text, [&](std::size_t, std::string_view line) {
+    const std::string_view keyword = next_word(line);
+    const std::string value = printable(line);
+    for (const std::string_view k : kKnown) {
+      if (k == keyword && !value.empty()) out.append(k).append(" ").append(value).push_back('\n');
+    }
+  });
+  return out;
+}
+
+}  // namespace geocloth::import_detail

@@ -1,0 +1,370 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// From a soup to a complex of proper triangles: collapsed and duplicate faces go, border edges are split where the
+// border of another sheet has a point on them (T-junctions), and triangles without area are replaced by a corner in
+// the faces beyond their longest side. None of this opens or closes anything: each step keeps the homotopy type.
+#include "repair/soup.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <queue>
+#include <unordered_map>
+
+#include "mesh/point_math.h"
+#include "mesh/point_tree.h"
+
+namespace geocloth {
+namespace {
+
+/// A triangle whose height is below this share of its longest side counts as a line. Geometry moves by less than that.
+constexpr double kFlat = 1e-6;
+
+uint64_t edge_key(uint32_t a, uint32_t b) {
+  return uint64_t{std::min(a, b)} << 32U | std::max(a, b);
+}
+
+Triangle sorted(Triangle t) {
+  std::sort(t.begin(), t.end());
+  return t;
+}
+
+/// Keeps the triangles for which keep[i] holds. @returns how many went
+uint64_t filter(Soup& soup, const std::vector<bool>& keep) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < keep.size(); ++i) {
+    if (!keep[i]) continue;
+    soup.triangle[kept] = soup.triangle[i];
+    soup.source[kept++] = soup.source[i];
+  }
+  const uint64_t gone = keep.size() - kept;
+  soup.triangle.resize(kept);
+  soup.source.resize(kept);
+  return gone;
+}
+
+/// Marks the triangles of polygons whose points an earlier polygon has. Two copies of a quad may be cut along
+/// different diagonals, and then share no triangle.
+uint64_t mark_duplicate_polygons(const Soup& soup, std::span<const uint32_t> polygon, std::vector<bool>& keep) {
+  uint64_t gone = 0;
+  std::map<std::vector<uint32_t>, uint32_t> known;
+  for (std::size_t first = 0; first < soup.triangle.size();) {
+    std::size_t end = first;
+    std::vector<uint32_t> points;
+    for (; end < soup.triangle.size() && polygon[soup.source[end]] == polygon[soup.source[first]]; ++end) {
+      points.insert(points.end(), soup.triangle[end].begin(), soup.triangle[end].end());
+    }
+    if (end - first > 1) {
+      std::sort(points.begin(), points.end());
+      points.erase(std::unique(points.begin(), points.end()), points.end());
+      if (!known.try_emplace(std::move(points), 0).second) {
+        std::fill(keep.begin() + static_cast<std::ptrdiff_t>(first), keep.begin() + static_cast<std::ptrdiff_t>(end),
+                  false);
+        ++gone;
+      }
+    }
+    first = end;
+  }
+  return gone;
+}
+
+uint64_t mark_duplicate_triangles(const Soup& soup, std::vector<bool>& keep) {
+  std::vector<uint32_t> order(soup.triangle.size());
+  std::iota(order.begin(), order.end(), 0U);
+  std::vector<Triangle> key(soup.triangle.size());
+  std::transform(soup.triangle.begin(), soup.triangle.end(), key.begin(), sorted);
+  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return key[a] < key[b]; });
+  uint64_t gone = 0;
+  bool one_kept = false;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    if (i == 0 || key[order[i]] != key[order[i - 1]]) one_kept = false;
+    if (!keep[order[i]]) continue;
+    if (one_kept) {
+      keep[order[i]] = false;
+      ++gone;
+    }
+    one_kept = true;
+  }
+  return gone;
+}
+
+/// Where along a-b (0..1) the point nearest to p lies, and how far p is from the line.
+struct Foot {
+  double at, height;
+};
+Foot foot_on(const Point3& a, const Point3& b, const Point3& p) {
+  const Point3 d = b - a;
+  const double at = dot(p - a, d) / dot(d, d);
+  return {at, distance(p, a + d * at)};
+}
+
+/// One round of splitting: at most one side of every triangle.
+class TJunctions {
+ public:
+  TJunctions(Soup& soup, double tolerance)
+      : soup_(soup),
+        tolerance_(tolerance),
+        border_(border_sides(soup.triangle)),
+        tree_(soup.position, border_points()) {}
+
+  /// @returns how many points were put on sides
+  uint64_t split() {
+    uint64_t met = 0;
+    uint32_t done = kNone;
+    for (const BorderSide& side : border_) {
+      if (side.triangle == done) continue;
+      const std::vector<OnSide> points = points_on(side);
+      if (points.empty()) continue;
+      split_side(side, points);
+      met += points.size();
+      done = side.triangle;
+    }
+    return met;
+  }
+
+ private:
+  struct OnSide {
+    double at;
+    uint32_t point;
+    bool operator<(const OnSide& o) const { return at != o.at ? at < o.at : point < o.point; }
+  };
+
+  /// Points on the border, ascending; fills neighbours_ and shortest_ on the way.
+  std::vector<uint32_t> border_points() {
+    std::vector<uint32_t> points;
+    shortest_.assign(soup_.position.size(), std::numeric_limits<double>::max());
+    for (const BorderSide& side : border_) {
+      const uint32_t a = start(side), b = end(side);
+      neighbours_.push_back({a, b});
+      neighbours_.push_back({b, a});
+      points.push_back(a);
+      points.push_back(b);
+      const double l = distance(soup_.position[a], soup_.position[b]);
+      shortest_[a] = std::min(shortest_[a], l);
+      shortest_[b] = std::min(shortest_[b], l);
+    }
+    std::sort(neighbours_.begin(), neighbours_.end());
+    std::sort(points.begin(), points.end());
+    points.erase(std::unique(points.begin(), points.end()), points.end());
+    return points;
+  }
+
+  uint32_t start(const BorderSide& side) const { return soup_.triangle[side.triangle][side.corner]; }
+  uint32_t end(const BorderSide& side) const { return soup_.triangle[side.triangle][(side.corner + 1) % 3]; }
+  uint32_t apex(const BorderSide& side) const { return soup_.triangle[side.triangle][(side.corner + 2) % 3]; }
+
+  /// Whether p lies on a-b between its ends. Next to an end, within a tenth of the edges there, two vertices failed to
+  /// meet: a split would leave a sliver between them.
+  std::optional<double> between(uint32_t a, uint32_t b, uint32_t p) const {
+    const Point3 &pa = soup_.position[a], &pb = soup_.position[b];
+    const Foot foot = foot_on(pa, pb, soup_.position[p]);
+    const double l = distance(pa, pb);
+    const double margin = std::max(tolerance_, 0.1 * std::min(l, shortest_[p])) / l;
+    if (foot.height > tolerance_ || foot.at <= margin || foot.at >= 1 - margin) return std::nullopt;
+    return foot.at;
+  }
+
+  /// Whether a border edge that starts in `from` begins with the piece from-to.
+  bool edge_covers(uint32_t from, uint32_t to) const {
+    const auto first = std::lower_bound(neighbours_.begin(), neighbours_.end(), std::array<uint32_t, 2>{from, 0});
+    for (auto it = first; it != neighbours_.end() && (*it)[0] == from; ++it) {
+      if ((*it)[1] == to || between(from, (*it)[1], to)) return true;
+    }
+    return false;
+  }
+
+  /// The points on a side, if they make it a seam: every piece between them lies along another border edge. Points
+  /// that only touch the side from the air are none: sheets that rest on each other would be tacked together there.
+  std::vector<OnSide> points_on(const BorderSide& side) const {
+    const uint32_t a = start(side), b = end(side), c = apex(side);
+    std::vector<OnSide> found;
+    tree_.near_segment(soup_.position[a], soup_.position[b],
+                       std::min(tolerance_, distance(soup_.position[a], soup_.position[b])), [&](uint32_t p) {
+                         if (p == a || p == b || p == c) return;
+                         if (const auto at = between(a, b, p)) found.push_back({*at, p});
+                       });
+    std::sort(found.begin(), found.end());
+    for (std::size_t i = 0; i < found.size() + 1 && !found.empty(); ++i) {
+      const uint32_t from = i == 0 ? a : found[i - 1].point, to = i == found.size() ? b : found[i].point;
+      // The side itself starts in a and covers the first piece, and likewise the last: ask from the other end there.
+      const bool covered = (i > 0 && edge_covers(from, to)) || (i < found.size() && edge_covers(to, from));
+      if (!covered) found.clear();
+    }
+    return found;
+  }
+
+  void split_side(const BorderSide& side, const std::vector<OnSide>& points) {
+    const uint32_t c = apex(side), last = end(side);
+    uint32_t from = start(side);
+    for (std::size_t i = 0; i <= points.size(); ++i) {
+      const uint32_t to = i < points.size() ? points[i].point : last;
+      if (i == 0) {
+        soup_.triangle[side.triangle] = {from, to, c};
+      } else {
+        soup_.triangle.push_back({from, to, c});
+        soup_.source.push_back(soup_.source[side.triangle]);
+      }
+      from = to;
+    }
+  }
+
+  Soup& soup_;
+  double tolerance_;
+  std::vector<BorderSide> border_;
+  std::vector<std::array<uint32_t, 2>> neighbours_;  ///< (border point, next border point), ascending
+  std::vector<double> shortest_;                     ///< per point: its shortest border edge [m]
+  PointTree tree_;
+};
+
+/// Triangles by edge, kept up while triangles change.
+class CapRemover {
+ public:
+  explicit CapRemover(Soup& soup) : soup_(soup), keep_(soup.triangle.size(), true) {
+    for (uint32_t i = 0; i < soup.triangle.size(); ++i) enqueue_if_flat(i);
+    if (queue_.empty()) return;
+    for (uint32_t i = 0; i < soup.triangle.size(); ++i) link(i);
+  }
+
+  uint64_t run() {
+    // Longest side first: the sides that come in are shorter then, and the work ends. The bound is for rounding.
+    uint64_t budget = 16 * soup_.triangle.size() + 1024;
+    uint64_t removed = 0;
+    while (!queue_.empty() && budget-- > 0) {
+      const uint32_t i = queue_.top().triangle;
+      queue_.pop();
+      if (!keep_[i]) continue;
+      const auto flat = flat_side(i);
+      if (!flat) continue;
+      remove(i, flat->corner);
+      ++removed;
+    }
+    filter(soup_, keep_);
+    return removed;
+  }
+
+ private:
+  struct Flat {
+    double length;
+    uint32_t corner = 0;  ///< the longest side runs from this corner to the next
+    uint32_t triangle = 0;
+    bool operator<(const Flat& o) const { return length != o.length ? length < o.length : triangle > o.triangle; }
+  };
+
+  const Point3& at(uint32_t point) const { return soup_.position[point]; }
+
+  std::optional<Flat> flat_side(uint32_t i) const {
+    const Triangle& t = soup_.triangle[i];
+    Flat flat{0, 0, i};
+    for (uint32_t k = 0; k < 3; ++k) {
+      const double l = distance(at(t[k]), at(t[(k + 1) % 3]));
+      if (l > flat.length) flat = {l, k, i};
+    }
+    const Point3 &a = at(t[flat.corner]), &b = at(t[(flat.corner + 1) % 3]), &c = at(t[(flat.corner + 2) % 3]);
+    const Foot foot = foot_on(a, b, c);
+    // A needle keeps its area as long as that can be computed: its corners are different points of the surface.
+    const bool between = foot.at > kFlat && foot.at < 1 - kFlat;
+    const bool line = (between && foot.height <= kFlat * flat.length) || !(triangle_area(a, b, c) > 0);
+    return line ? std::optional(flat) : std::nullopt;
+  }
+
+  void enqueue_if_flat(uint32_t i) {
+    if (const auto flat = flat_side(i)) queue_.push(*flat);
+  }
+
+  void link(uint32_t i) {
+    const Triangle& t = soup_.triangle[i];
+    for (std::size_t k = 0; k < 3; ++k) faces_[edge_key(t[k], t[(k + 1) % 3])].push_back(i);
+  }
+
+  void unlink(uint32_t i) {
+    const Triangle& t = soup_.triangle[i];
+    for (std::size_t k = 0; k < 3; ++k) std::erase(faces_[edge_key(t[k], t[(k + 1) % 3])], i);
+  }
+
+  /// Takes triangle i away and puts its middle point into the side a-b of every other face there.
+  void remove(uint32_t i, uint32_t corner) {
+    const Triangle t = soup_.triangle[i];
+    const uint32_t a = t[corner], b = t[(corner + 1) % 3], middle = t[(corner + 2) % 3];
+    unlink(i);
+    keep_[i] = false;
+    const std::vector<uint32_t> others = faces_[edge_key(a, b)];
+    for (const uint32_t f : others) {
+      unlink(f);
+      const Triangle whole = soup_.triangle[f];
+      if (std::find(whole.begin(), whole.end(), middle) != whole.end()) {
+        keep_[f] = false;  // the same three points again
+        continue;
+      }
+      Triangle first = whole, second = whole;
+      *std::find(first.begin(), first.end(), b) = middle;
+      *std::find(second.begin(), second.end(), a) = middle;
+      soup_.triangle[f] = first;
+      soup_.triangle.push_back(second);
+      soup_.source.push_back(soup_.source[f]);
+      keep_.push_back(true);
+      for (const uint32_t n : {f, static_cast<uint32_t>(soup_.triangle.size() - 1)}) {
+        link(n);
+        enqueue_if_flat(n);
+      }
+    }
+  }
+
+  Soup& soup_;
+  std::vector<bool> keep_;
+  std::unordered_map<uint64_t, std::vector<uint32_t>> faces_;
+  std::priority_queue<Flat> queue_;
+};
+
+}  // namespace
+
+std::vector<BorderSide> border_sides(std::span<const Triangle> triangles) {
+  std::vector<std::pair<uint64_t, uint32_t>> sides;
+  sides.reserve(triangles.size() * 3);
+  for (uint32_t i = 0; i < triangles.size(); ++i) {
+    const Triangle& t = triangles[i];
+    for (uint32_t k = 0; k < 3; ++k) sides.emplace_back(edge_key(t[k], t[(k + 1) % 3]), 3 * i + k);
+  }
+  std::sort(sides.begin(), sides.end());
+  std::vector<BorderSide> border;
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    const bool alone = (i == 0 || sides[i - 1].first != sides[i].first) &&
+                       (i + 1 == sides.size() || sides[i + 1].first != sides[i].first);
+    if (alone) border.push_back({sides[i].second / 3, sides[i].second % 3});
+  }
+  std::sort(border.begin(), border.end(), [](const BorderSide& a, const BorderSide& b) {
+    return a.triangle != b.triangle ? a.triangle < b.triangle : a.corner < b.corner;
+  });
+  return border;
+}
+
+uint64_t drop_collapsed(Soup& soup) {
+  std::vector<bool> keep(soup.triangle.size());
+  std::transform(soup.triangle.begin(), soup.triangle.end(), keep.begin(),
+                 [](const Triangle& t) { return t[0] != t[1] && t[1] != t[2] && t[2] != t[0]; });
+  return filter(soup, keep);
+}
+
+uint64_t drop_duplicates(Soup& soup, std::span<const uint32_t> polygon) {
+  std::vector<bool> keep(soup.triangle.size(), true);
+  uint64_t gone = polygon.empty() ? 0 : mark_duplicate_polygons(soup, polygon, keep);
+  gone += mark_duplicate_triangles(soup, keep);
+  filter(soup, keep);
+  return gone;
+}
+
+uint64_t split_t_junctions(Soup& soup, double tolerance) {
+  uint64_t met = 0;
+  if (!(tolerance > 0)) return met;
+  // A triangle can be met on each of its sides, and its parts again; sides only get shorter.
+  for (uint64_t more = 1, round = 0; more > 0 && round < 32; ++round) met += more = TJunctions(soup, tolerance).split();
+  return met;
+}
+
+uint64_t flatten_caps(Soup& soup) {
+  return CapRemover(soup).run();
+}
+
+}  // namespace geocloth

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The measures of a conversion in plain words, for people who make garments. A map of a surface is free of stretch only
+// where the surface is developable (Gauss 1827, Theorema Egregium), so what stays stretched after the cuts says where
+// the garment is not; it is told per part of the file.
+#include "report/warnings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "develop/map_stretch.h"
+#include "mesh/point_math.h"
+
+namespace geocloth {
+namespace {
+
+constexpr double kStretched = 1.1;  ///< a tenth longer or shorter in some direction
+
+std::string rounded(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+std::string percent(double share) {
+  char text[32];
+  std::snprintf(text, sizeof text, share < 0.0995 ? "%.1f %%" : "%.0f %%", 100 * share);
+  return text;
+}
+
+/// Millimetres, centimetres or metres, whichever reads best.
+std::string size_in_words(double metres) {
+  if (metres < 0.01) return rounded(1000 * metres) + " mm";
+  return metres < 1 ? rounded(100 * metres) + " cm" : rounded(metres) + " m";
+}
+
+/// "part 'Hood'"; the number stands in for a name that is missing.
+std::string name_of(const std::vector<PartShape>& parts, std::size_t index) {
+  return parts[index].name.empty() ? "part " + std::to_string(index) : "part '" + parts[index].name + "'";
+}
+
+/// The parts that are stretched most, as share of the whole garment: at most three, in words.
+std::string where_stretched(const std::vector<PartShape>& parts) {
+  std::vector<std::size_t> order;
+  constexpr double kMattersFrom = 0.005;  // of the whole area
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (parts[i].stretched_share * parts[i].area_share > kMattersFrom) order.push_back(i);
+  }
+  if (parts.size() < 2 || order.empty()) return {};
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return parts[a].stretched_share * parts[a].area_share > parts[b].stretched_share * parts[b].area_share;
+  });
+  constexpr std::size_t kNamed = 3;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(order.size(), kNamed); ++i) {
+    text += (i == 0 ? ", mostly in " : ", ") + name_of(parts, order[i]) + " (" +
+            percent(parts[order[i]].stretched_share) + " of it)";
+  }
+  return text;
+}
+
+void warn_of_stretch(const ConvertReport& report, const ClothAsset& asset, std::vector<std::string>& out) {
+  // What a square does to shapes is known; it is worth a word where it is extreme.
+  constexpr double kLargestAnisotropy = 1.15, kLargestDirichlet = 4.03, kLargestInSquare = 5;
+  const Quality& q = report.quality;
+  const bool square = asset.layout == Layout::square;
+  if (square ? q.anisotropy_p95 <= kLargestInSquare
+             : q.anisotropy_p95 <= kLargestAnisotropy && q.symmetric_dirichlet <= kLargestDirichlet) {
+    return;
+  }
+  double stretched = 0;
+  for (const PartShape& part : report.parts) stretched += part.stretched_share * part.area_share;
+  out.push_back(percent(stretched) + " of the area is stretched or squeezed by more than 10 % in the image" +
+                where_stretched(report.parts) +
+                (square ? ": a square cannot keep shapes (--layout panels does)"
+                        : ": the garment is not developable there (woven cloth would need a dart), and its springs are "
+                          "that uneven"));
+}
+
+}  // namespace
+
+std::vector<PartShape> measure_parts(const TriangleMesh& mesh, const CleanSurface& clean, const FlatSurface& flat) {
+  std::vector<PartShape> parts;
+  parts.reserve(mesh.part.size());
+  for (const SourcePart& part : mesh.part) parts.push_back({.name = part.name, .faces = part.triangle_count});
+  const double unit = map_unit(flat);
+  double whole = 0;
+  std::vector<double> stretched(parts.size(), 0), area(parts.size(), 0);
+  for (std::size_t i = 0; i < flat.triangle.size(); ++i) {
+    const Triangle& t = flat.triangle[i];
+    const double size = triangle_area(flat.position[t[0]], flat.position[t[1]], flat.position[t[2]]);
+    whole += size;
+    const uint32_t source = clean.source_triangle[flat.clean_triangle[i]];
+    if (source == kNone) continue;
+    const auto after = std::upper_bound(mesh.part.begin(), mesh.part.end(), source,
+                                        [](uint32_t s, const SourcePart& part) { return s < part.first_triangle; });
+    if (after == mesh.part.begin()) continue;
+    const auto part = static_cast<std::size_t>(after - mesh.part.begin()) - 1;
+    area[part] += size;
+    const auto [large, small] = singular_values(flat, t, unit);
+    if (large > kStretched || small * kStretched < 1) stretched[part] += size;
+  }
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    if (!(area[p] > 0)) continue;
+    parts[p].area_share = area[p] / whole;
+    parts[p].stretched_share = stretched[p] / area[p];
+  }
+  return parts;
+}
+
+std::vector<std::string> plain_warnings(const ConvertReport& report, const ClothAsset& asset, double wanted_pixels) {
+  std::vector<std::string> out;
+  const double size = report.cleaned_bbox_diagonal;
+  const Quality& q = report.quality;
+  constexpr double kLargest = 10, kSmallest = 0.05;  // [m] of a garment, with room to spare
+  if (size > kLargest || size < kSmallest) {
+    out.push_back("the garment is " + size_in_words(size) +
+                  " across; if that is not its true size, give the unit of the file with --unit mm, --unit cm, " +
+                  "--unit in, or a factor with --scale");
+  }
+  constexpr double kManyMore = 1.5;
+  const uint64_t pixels = count_valid_pixels(asset);
+  if (wanted_pixels > 0 && static_cast<double>(pixels) > kManyMore * wanted_pixels) {
+    out.push_back(
+        "the cloth takes " + std::to_string(pixels) + " pixels where about " +
+        std::to_string(std::llround(wanted_pixels)) +
+        " were asked for: it has too many small pieces or narrow strips for so few; --parts leaves pieces out");
+  }
+  warn_of_stretch(report, asset, out);
+  constexpr double kCoarseDecibel = 50;
+  if (q.psnr_db < kCoarseDecibel) {
+    out.push_back("the image is coarse for this mesh (it is up to " + size_in_words(q.max_error * size) +
+                  " off); give a larger --resolution");
+  }
+  constexpr double kLargestBindingError = 1e-6;
+  if (q.binding_error > kLargestBindingError) {
+    out.push_back("single precision moves vertices by up to " + rounded(q.binding_error) +
+                  " of the size; move the mesh closer to the origin");
+  }
+  if (!report.represented.orientable) out.push_back("a part has only one side (it is not orientable)");
+  constexpr double kShortSpring = 0.05;
+  if (q.spring_min < kShortSpring) {
+    out.push_back("the shortest spring is " + rounded(q.spring_min) + " of the nominal " +
+                  size_in_words(double{asset.spacing}) + "; the simulation needs more substeps for it");
+  }
+  return out;
+}
+
+}  // namespace geocloth
