@@ -79,7 +79,8 @@ inline vec3 nearest_weights(Corners t, vec3 p) {
     v = vb * whole;
     w = vc * whole;
   }
-  precise float u = (1.0f - v) - w;
+  // Never below zero by rounding: a free corner between two pinned ones would be thrown for kilometres.
+  precise float u = max((1.0f - v) - w, 0.0f);
   return vec3(u, v, w);
 }
 
