@@ -11,6 +11,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <vector>
 
 #include "develop/chart_overlap.h"
 #include "develop/symmetric_dirichlet.h"
@@ -57,6 +59,53 @@ LongAxis long_axis(const GrainSum& sum) {
   return {{std::cos(angle), std::sin(angle)}, std::sqrt((mean + most) / std::max(mean - most, 1e-12 * mean))};
 }
 
+double turn(const Point2& a, const Point2& b, const Point2& c) {
+  return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+}
+
+/// Corners of the convex hull, counterclockwise (Andrew 1979, "Another efficient algorithm for convex hulls").
+std::vector<Point2> hull_of(std::span<const Point2> points) {
+  std::vector<Point2> sorted(points.begin(), points.end()), hull;
+  std::sort(sorted.begin(), sorted.end());
+  for (const bool upper : {false, true}) {
+    const size_t first = hull.size();
+    for (const Point2& p : sorted) {
+      while (hull.size() > first + 1 && turn(hull[hull.size() - 2], hull.back(), p) <= 0) hull.pop_back();
+      hull.push_back(p);
+    }
+    hull.pop_back();  // where the other half begins
+    if (!upper) std::reverse(sorted.begin(), sorted.end());
+  }
+  return hull;
+}
+
+/// The long side of the smallest box around points: one side of that box lies along the hull (Freeman and Shapira 1975,
+/// "Determining the minimum-area encasing rectangle for an arbitrary closed curve").
+Point2 long_side_of_box(std::span<const Point2> points, const Point2& otherwise) {
+  constexpr double kSmaller = 1 - 1e-9;  // what differs by less is rounding
+  const std::vector<Point2> hull = hull_of(points);
+  Point2 best = otherwise;
+  double least = std::numeric_limits<double>::infinity();
+  for (size_t i = 0; i < hull.size(); ++i) {
+    const Point2 &a = hull[i], &b = hull[i + 1 == hull.size() ? 0 : i + 1];
+    const double length = std::hypot(b[0] - a[0], b[1] - a[1]);
+    if (!(length > 0)) continue;
+    const Point2 side{(b[0] - a[0]) / length, (b[1] - a[1]) / length}, across{-side[1], side[0]};
+    double low = 0, high = 0, depth = 0;
+    for (const Point2& p : hull) {
+      const Point2 from_a{p[0] - a[0], p[1] - a[1]};
+      low = std::min(low, along(from_a, side));
+      high = std::max(high, along(from_a, side));
+      depth = std::max(depth, along(from_a, across));
+    }
+    const double area = (high - low) * depth;
+    if (!(area < least * kSmaller)) continue;
+    least = area;
+    best = high - low > depth ? side : across;
+  }
+  return best;
+}
+
 }  // namespace
 
 void GrainSum::add(const GrainSum& other, double times) {
@@ -91,17 +140,18 @@ Grain grain_of(const Chart& c) {
   return grain_from(sum_of(c));
 }
 
-Point2 upward(const GrainSum& sum) {
+Point2 upward(const GrainSum& sum, std::span<const Point2> outline) {
   const Grain grain = grain_from(sum);
   const LongAxis axis = long_axis(sum);
   if (grain.strength >= kLevel && axis.ratio <= kSlender) return grain.axis;
+  // A square has no long axis but rounding's: lying askew, its threads would end at every side.
+  const Point2 d = axis.ratio > kSlender ? axis.direction : long_side_of_box(outline, axis.direction);
   // The end that is higher stays up.
-  const Point2& d = axis.direction;
   return along(grain.axis, d) < 0 ? Point2{-d[0], -d[1]} : d;
 }
 
 void turn_upright(Chart& c) {
-  const Point2 up = upward(sum_of(c));
+  const Point2 up = upward(sum_of(c), c.uv);
   for (Point2& p : c.uv) p = {p[0] * up[1] - p[1] * up[0], along(p, up)};
 }
 

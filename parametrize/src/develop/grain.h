@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <span>
+
 #include "develop/chart.h"
 
 namespace geocloth {
@@ -25,11 +27,12 @@ struct GrainSum {
 [[nodiscard]] GrainSum grain_of_triangle(const Chart& chart, const Triangle& triangle);
 
 /// The direction that turn_upright() turns up.
-[[nodiscard]] Point2 upward(const GrainSum& sum);
+/// @param outline  points in the plane that span what the sum is of
+[[nodiscard]] Point2 upward(const GrainSum& sum, std::span<const Point2> outline);
 
 /// Turns the chart so that the surface's upward direction (+y in space) is up in the plane. Parts that hang head down
-/// are right as well: the thread has no head. The long side of a level chart is up, and that of a slender one (ribbons
-/// and trims, whose thread runs along them).
+/// are right as well: the thread has no head. Of a level chart the long side of the smallest box around it is up, as a
+/// tailor lays a cloth straight, and a slender one (ribbons and trims, whose thread runs along them) lies along itself.
 void turn_upright(Chart& chart);
 
 /// Lets an upright chart's threads, the plane's x and y, meet on the surface at angles nearer to right ones. That costs

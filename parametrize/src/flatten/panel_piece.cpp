@@ -73,7 +73,10 @@ Point2 PanelPlan::up_of(const std::vector<uint32_t>& piece) const {
       all.add(row[column(crossing[k])], -1);
     }
   }
-  return all.area > 0 ? upward(all) : Point2{0, 1};
+  if (!(all.area > 0)) return {0, 1};
+  std::vector<Point2> outline;
+  for (size_t i = 0; i < piece.size(); ++i) outline.push_back(place(i));
+  return upward(all, outline);
 }
 
 double PanelPlan::area_of(const std::vector<uint32_t>& piece) const {
