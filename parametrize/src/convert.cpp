@@ -260,25 +260,50 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& optio
   return result;
 }
 
-/// The way to the origin for a mesh so far from it that single precision, in which assets and solvers count, would show
-/// in its springs; nothing for one that can stay where it is.
-std::optional<Point3> way_to_origin(const TriangleMesh& mesh) {
-  constexpr double kFar = 100;  // diagonals
-  std::vector<Point3> used;
-  used.reserve(mesh.triangle.size() * 3);
+struct Bounds {
+  Point3 low, high;
+};
+
+/// Of what has faces; nothing for a mesh without.
+std::optional<Bounds> bounds_of_faces(const TriangleMesh& mesh) {
+  if (mesh.triangle.empty()) return std::nullopt;
+  const Point3& first = mesh.position[mesh.triangle[0][0]];
+  Bounds bounds{first, first};
   for (const Triangle& t : mesh.triangle) {
-    for (const uint32_t v : t) used.push_back(mesh.position[v]);
-  }
-  if (used.empty()) return std::nullopt;
-  Point3 low = used[0], high = used[0];
-  for (const Point3& p : used) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      low[k] = std::min(low[k], p[k]);
-      high[k] = std::max(high[k], p[k]);
+    for (const uint32_t v : t) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        bounds.low[k] = std::min(bounds.low[k], mesh.position[v][k]);
+        bounds.high[k] = std::max(bounds.high[k], mesh.position[v][k]);
+      }
     }
   }
-  const Point3 middle = (low + high) * 0.5;
-  return length(middle) > kFar * distance(low, high) ? std::optional(middle * -1) : std::nullopt;
+  return bounds;
+}
+
+constexpr double kLargestMesh = 1e7;    // [m] an asset's coordinates end at ten times that
+constexpr double kSmallestMesh = 1e-9;  // [m] areas of pixels leave the range of a float at a millionth of that
+
+/// Refuses what no unit makes cloth of, before minutes are spent on it.
+void check_size(const Bounds& bounds) {
+  const double across = distance(bounds.low, bounds.high);
+  if (across == 0 || (across >= kSmallestMesh && across <= kLargestMesh)) return;
+  char text[256];
+  std::snprintf(text, sizeof text,
+                across > kLargestMesh
+                    ? "the mesh is %.3g m across, which no cloth is; give its unit with --unit or --scale, "
+                      "or look for stray vertices in it"
+                    : "the mesh is %.3g m across, which no cloth is; give its unit with --unit or --scale",
+                across);
+  throw Error(ErrorCode::limit, text);
+}
+
+/// The way to the origin for a mesh so far from it that single precision, in which assets and solvers count, would show
+/// in its springs; nothing for one that can stay where it is.
+std::optional<Point3> way_to_origin(const Bounds& bounds) {
+  constexpr double kFar = 100;  // diagonals
+  const Point3 middle = (bounds.low + bounds.high) * 0.5;
+  const bool far = length(middle) > std::min(kLargestMesh, kFar * distance(bounds.low, bounds.high));
+  return far ? std::optional(middle * -1) : std::nullopt;
 }
 
 std::string warning_of_move(const Point3& way) {
@@ -293,7 +318,9 @@ std::string warning_of_move(const Point3& way) {
 ConvertResult convert_near_origin(TriangleMesh mesh, const ConvertOptions& options, const Progress& progress,
                                   Stages& stages, const StageFiles& files) {
   files.save(mesh);
-  const std::optional<Point3> way = way_to_origin(mesh);
+  const std::optional<Bounds> bounds = bounds_of_faces(mesh);
+  if (bounds) check_size(*bounds);
+  const std::optional<Point3> way = bounds ? way_to_origin(*bounds) : std::nullopt;
   if (!way) return convert_mesh(mesh, options, progress, stages, files);
   for (Point3& p : mesh.position) p = p + *way;
   ConvertResult result = convert_mesh(mesh, options, progress, stages, files);

@@ -255,6 +255,21 @@ TEST(Convert, BringsAMeshFromFarAwayToTheOrigin) {
   }
 }
 
+// A wrong unit twice over, or a vertex lost far away: it was laid out first and then refused by the number of a pixel.
+TEST(Convert, ASizeThatNoClothHasIsRefusedWithTheRemedy) {
+  for (const double scale : {1e12, 1e-25}) {
+    TriangleMesh mesh = tube();
+    for (Point3& p : mesh.position) p = {p[0] * scale, p[1] * scale, p[2] * scale};
+    try {
+      static_cast<void>(convert(mesh, small()));
+      ADD_FAILURE() << scale;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::limit);
+      EXPECT_THAT(e.what(), HasSubstr("--unit")) << scale;
+    }
+  }
+}
+
 TEST(ConvertReport, CountsTheTimeOfBothLayoutsWhereSquaresTakeOver) {
   // Panels have no pixels for the seams of a closed surface at this resolution.
   ConvertOptions options = small(Layout::panels);
