@@ -147,6 +147,89 @@ TEST(SmallPieces, ACarriedButtonRidesOnTheClothAndKeepsItsShape) {
   }
 }
 
+/// Adds a band of 0.8 m along x, over the middle of the sheet, or a closed thread of as many sides.
+void add_band(TriangleMesh& mesh, double width, double above, uint32_t sides) {
+  constexpr uint32_t kAlong = 40;
+  const auto first = static_cast<uint32_t>(mesh.position.size());
+  const uint32_t rows = sides == 1 ? 2 : sides;
+  for (uint32_t i = 0; i <= kAlong; ++i) {
+    for (uint32_t k = 0; k < rows; ++k) {
+      const double angle = 2 * std::numbers::pi * k / rows;
+      mesh.position.push_back({0.1 + 0.8 * i / kAlong, above + (sides == 1 ? 0 : width / 2 * std::sin(angle)),
+                               0.52 + width / 2 * std::cos(angle)});
+    }
+  }
+  for (uint32_t i = 0; i < kAlong; ++i) {
+    for (uint32_t k = 0; k < sides; ++k) {
+      const uint32_t a = first + i * rows + k, b = first + i * rows + (k + 1) % rows, c = a + rows, d = b + rows;
+      mesh.triangle.push_back({a, b, d});
+      mesh.triangle.push_back({a, d, c});
+    }
+  }
+}
+
+// Rows of stitches of 3 mm on pixels of 30 mm, flat or round: on a grid of their own their sides would be as far apart
+// as a tenth of a spring.
+TEST(SmallPieces, AThreadOnTheClothIsCarriedAndFollowsIt) {
+  for (const uint32_t sides : {1U, 4U}) {
+    TriangleMesh mesh = sheet();
+    add_band(mesh, 0.003, 0.004, sides);
+    close_mesh(mesh);
+    const ConvertResult result = convert_at(mesh, 32);
+    const ConvertReport& report = result.report;
+    ASSERT_EQ(report.carried.size(), 1U) << sides;
+    EXPECT_THAT(report.carried[0].why, HasSubstr("strip"));
+    EXPECT_GT(report.carried[0].area_share * 32 * 32, 1);
+    EXPECT_EQ(report.cleaned.components, 2U);
+    EXPECT_EQ(report.welded.components, 1U);
+    const ClothAsset& asset = result.asset;
+    constexpr float kRadius = 0.2F;
+    const auto roll = [](const Vec3& p) {
+      const float angle = p.x / kRadius, r = kRadius - p.y;
+      return Vec3{r * std::sin(angle), kRadius - r * std::cos(angle), p.z};
+    };
+    std::vector<Vec3> rolled = asset.rest_position;
+    for (Vec3& p : rolled) p = roll(p);
+    const std::vector<Vec3> moved = bound(asset, rolled);
+    for (size_t i = 0; i < moved.size(); ++i) {
+      if (asset.source.source_vertex[i] < (kCells + 1) * (kCells + 1)) continue;
+      EXPECT_LT(length(moved[i] - roll(asset.source.position[i])), 0.006F);
+    }
+  }
+}
+
+// A ribbon of more than half a pixel has pixels, and so has a thread that hangs free: nothing would carry it.
+TEST(SmallPieces, ARibbonAndAThreadThatHangsFreeAreCloth) {
+  struct Band {
+    double width, above;
+  };
+  for (const Band& band : {Band{0.02, 0.004}, Band{0.003, 0.2}}) {
+    TriangleMesh mesh = sheet();
+    add_band(mesh, band.width, band.above, 1);
+    close_mesh(mesh);
+    const ConvertReport report = convert_at(mesh, 32).report;
+    EXPECT_TRUE(report.carried.empty());
+    EXPECT_EQ(report.welded.components, 2U);
+  }
+}
+
+// A narrow fold that is sewn to the cloth is a part of it.
+TEST(SmallPieces, ANarrowStripSewnToTheClothIsCloth) {
+  TriangleMesh mesh = sheet();
+  const uint32_t row = 5 * (kCells + 1), first = static_cast<uint32_t>(mesh.position.size());
+  for (uint32_t x = 0; x <= kCells; ++x) {
+    mesh.position.push_back({static_cast<double>(x) / kCells, 0.008, 0.5});
+  }
+  for (uint32_t x = 0; x < kCells; ++x) {
+    mesh.triangle.push_back({row + x, row + x + 1, first + x + 1});
+    mesh.triangle.push_back({row + x, first + x + 1, first + x});
+  }
+  close_mesh(mesh);
+  const ConvertReport report = convert_at(mesh, 32).report;
+  EXPECT_TRUE(report.carried.empty());
+  EXPECT_EQ(report.welded.components, report.cleaned.components);
+}
+
 // A buttonhole of 4 mm on pixels of 30 mm is closed; on pixels of 1 mm it is a hole.
 TEST(SmallPieces, AHoleUnderAPixelIsClosed) {
   TriangleMesh mesh = sheet();

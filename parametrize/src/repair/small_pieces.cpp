@@ -9,9 +9,11 @@
 #include <cstdio>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "mesh/half_edges.h"
 #include "mesh/point_math.h"
+#include "repair/narrow_pieces.h"
 
 namespace geocloth {
 namespace {
@@ -42,24 +44,47 @@ std::string of_part(const TriangleMesh& mesh, uint32_t part) {
   return part < mesh.part.size() && !mesh.part[part].name.empty() ? " of '" + mesh.part[part].name + "'" : "";
 }
 
-/// Components to leave out, ascending by area.
-std::vector<uint32_t> too_small(const std::vector<double>& area, double pixel) {
+/// A component to leave out, and why.
+struct LeftOut {
+  uint32_t component;
+  std::string why;
+};
+
+/// Those of an area below a pixel's, ascending by area. @param left  [m^2] that may be left out, less what this takes
+std::vector<LeftOut> too_small(const std::vector<double>& area, double pixel, double& left) {
   std::vector<uint32_t> order(area.size());
   std::iota(order.begin(), order.end(), 0U);
   std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return area[a] < area[b]; });
-  double left = kMostCarried * std::accumulate(area.begin(), area.end(), 0.0);
-  size_t count = 0;
-  for (; count + 1 < order.size() && area[order[count]] < pixel && area[order[count]] <= left; ++count) {
-    left -= area[order[count]];
+  std::vector<LeftOut> result;
+  for (const uint32_t c : order) {
+    if (result.size() + 1 == order.size() || area[c] >= pixel || area[c] > left) break;
+    left -= area[c];
+    result.push_back({c, "its area is " + rounded(area[c] / pixel) + " of a pixel's"});
   }
-  order.resize(count);
-  return order;
+  return result;
+}
+
+/// Those that are too narrow for one, ascending by area, as far as there is room.
+void add_narrow(const CleanSurface& clean, double spacing, double left, std::vector<LeftOut>& left_out) {
+  std::vector<uint8_t> is_left_out(clean.component_count, 0);
+  for (const LeftOut& l : left_out) is_left_out[l.component] = 1;
+  std::vector<NarrowPieces> narrow = find_narrow_pieces(clean, spacing, left, is_left_out);
+  std::stable_sort(narrow.begin(), narrow.end(),
+                   [](const NarrowPieces& a, const NarrowPieces& b) { return a.area < b.area; });
+  for (const NarrowPieces& pieces : narrow) {
+    if (pieces.area > left) break;
+    left -= pieces.area;
+    for (const uint32_t c : pieces.component) {
+      left_out.push_back(
+          {c, "it is a strip " + rounded(pieces.width / spacing) + " of a pixel wide where it is widest"});
+    }
+  }
 }
 
 /// The surface without some components; points stay, vertices and components are numbered anew.
-CleanSurface without(const CleanSurface& clean, const std::vector<uint32_t>& left_out) {
+CleanSurface without(const CleanSurface& clean, const std::vector<LeftOut>& left_out) {
   std::vector<uint32_t> component(clean.component_count, 0), vertex(clean.position.size(), kNone);
-  for (const uint32_t c : left_out) component[c] = kNone;
+  for (const LeftOut& l : left_out) component[l.component] = kNone;
   CleanSurface rest;
   rest.point_count = clean.point_count;
   rest.source_point = clean.source_point;
@@ -85,17 +110,20 @@ CleanSurface without(const CleanSurface& clean, const std::vector<uint32_t>& lef
   return rest;
 }
 
-void leave_out_small_pieces(const TriangleMesh& mesh, const CleanSurface& clean, double pixel, CarriedSurface& result) {
+void leave_out_small_pieces(const TriangleMesh& mesh, const CleanSurface& clean, double spacing,
+                            CarriedSurface& result) {
   std::vector<double> area(clean.component_count, 0);
   for (size_t t = 0; t < clean.triangle.size(); ++t) area[clean.component[t]] += area_of(clean, clean.triangle[t]);
   const double total = std::accumulate(area.begin(), area.end(), 0.0);
-  const std::vector<uint32_t> left_out = too_small(area, pixel);
+  double left = kMostCarried * total;
+  std::vector<LeftOut> left_out = too_small(area, spacing * spacing, left);
+  add_narrow(clean, spacing, left, left_out);
   if (left_out.empty()) return;
 
   std::vector<uint32_t> number(clean.component_count, kNone);
-  for (const uint32_t c : left_out) {
-    number[c] = static_cast<uint32_t>(result.carried.size());
-    result.carried.push_back({0, 0, area[c] / total, "its area is " + rounded(area[c] / pixel) + " of a pixel's"});
+  for (LeftOut& l : left_out) {
+    number[l.component] = static_cast<uint32_t>(result.carried.size());
+    result.carried.push_back({0, 0, area[l.component] / total, std::move(l.why)});
   }
   for (size_t t = 0; t < clean.triangle.size(); ++t) {
     const uint32_t c = number[clean.component[t]];
@@ -234,7 +262,7 @@ CarriedSurface carry_small_pieces(const TriangleMesh& mesh, const CleanSurface& 
 
   CarriedSurface result;
   result.piece_of_point.assign(clean.point_count, kNone);
-  leave_out_small_pieces(mesh, clean, spacing * spacing, result);
+  leave_out_small_pieces(mesh, clean, spacing, result);
   if (result.carried.empty()) result.represented = clean;
   close_small_holes(mesh, spacing, result);
   return result;

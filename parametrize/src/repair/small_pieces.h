@@ -18,9 +18,9 @@ struct CarriedSurface {
 /// The whole surface is to be represented.
 [[nodiscard]] CarriedSurface carry_nothing(const CleanSurface& clean);
 
-/// Leaves out the pieces (connected manifold components) whose area is below that of a pixel, the smallest first, as
-/// long as they make up 1 % of the area together at most and something remains; and closes holes that are less than
-/// a pixel long and three pixels around.
+/// Leaves out the pieces (connected manifold components) whose area is below that of a pixel, and then the strips of
+/// narrow_pieces.h, the smallest first, as long as they make up 1 % of the area together at most and something remains;
+/// and closes holes that are less than a pixel long and three pixels around.
 /// Spacing and pixel are those that the options ask for.
 /// @param mesh  the file's mesh, for the names of its parts
 [[nodiscard]] CarriedSurface carry_small_pieces(const TriangleMesh& mesh, const CleanSurface& clean,
