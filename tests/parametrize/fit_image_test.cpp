@@ -8,6 +8,7 @@
 #include "flat_builder.h"
 #include "geocloth/asset/grid_mesh.h"
 #include "geocloth/parametrize/quality.h"
+#include "image/limit_springs.h"
 #include "mesh/point_math.h"
 
 namespace geocloth {
@@ -170,6 +171,41 @@ TEST(FitImage, UnevenAndAskewSpringsOfPanelsAreMended) {
   EXPECT_GT(before.shear_deg_p95, 6.2);
   EXPECT_LE(after.spring_p99_over_p1, 1.5);
   EXPECT_LE(after.shear_deg_p95, 6);
+}
+
+/// A flat sheet that is squeezed along two columns of cells.
+FlatBuilder squeezed() {
+  return fine_square(49, 4, [](double u, double v) {
+    const auto in = [&](double column) { return std::clamp(u - column, 0.0, 1.0); };
+    return Point3{u - 0.4 * (in(12) + in(35)), -v, 0};
+  });
+}
+
+// The springs there become longer; it was all others that were shortened as well.
+TEST(FitImage, AFewShortSpringsDoNotShortenTheOthers) {
+  const FlatBuilder b = squeezed();
+  const Images panels = images_of(b, Layout::panels);
+  const auto quality = [&](const ClothAsset& asset) { return measure_quality(b.clean, b.flat, panels.raster, asset); };
+  const Quality before = quality(panels.sampled), after = quality(panels.fitted);
+  EXPECT_GT(before.spring_p99_over_p1, 1.6);
+  EXPECT_LE(after.spring_p99_over_p1, 1.5);
+  const auto mean = [&](const ClothAsset& asset) {
+    float sum = 0;
+    for (uint32_t y = 0; y < 49; ++y)
+      sum += length(asset.rest_position[y * 49 + 30] - asset.rest_position[y * 49 + 18]);
+    return sum / (49 * 12);
+  };
+  EXPECT_NEAR(mean(panels.fitted), mean(panels.sampled), 0.005F);
+}
+
+TEST(LimitSprings, SpringsAcrossAFoldThatLiesFlatGetALength) {
+  const FlatBuilder b = fine_square(17, 1, [](double u, double v) { return Point3{u, -v, 0}; });
+  ClothAsset asset = images_of(b, Layout::panels).sampled;
+  for (Vec3& p : asset.rest_position) p.x = std::abs(p.x - 8.5F);
+  limit_springs(asset);
+  for (uint32_t y = 0; y < 17; ++y) {
+    EXPECT_GE(length(asset.rest_position[y * 17 + 9] - asset.rest_position[y * 17 + 8]), 0.3F);
+  }
 }
 
 /// A flat sheet with a cone whose tip lies in the middle of a cell.

@@ -50,6 +50,29 @@ double undercut_by(std::vector<double> values, double share) {
   return *at;
 }
 
+/// The lower one of two bounds, kSpread apart, that lengths have to change least to keep, in squares and but for the
+/// few worst.
+double easiest_least(std::vector<double> lengths) {
+  std::sort(lengths.begin(), lengths.end());
+  constexpr double kMost = 0.95, kRoom = 1.02;
+  const auto few = static_cast<size_t>(kFewLengths * static_cast<double>(lengths.size()));
+  const auto held = std::span(lengths).subspan(few, lengths.size() - 2 * few);
+  const auto at = [&](double share) { return held[static_cast<size_t>(share * static_cast<double>(held.size() - 1))]; };
+  double low = kRoom * at(kMost) / kSpread, high = at(1 - kMost) / kRoom;
+  if (low > high) {
+    low = held.front();
+    high = held.back() / kSpread;
+  }
+  constexpr int kHalvings = 40;
+  for (int k = 0; k < kHalvings; ++k) {
+    const double least = (low + high) / 2, most = least * kSpread;
+    double slope = 0;
+    for (const double l : held) slope += std::max(least - l, 0.0) - kSpread * std::max(l - most, 0.0);
+    (slope > 0 ? high : low) = least;
+  }
+  return low;
+}
+
 }  // namespace
 
 std::vector<uint8_t> points_on_border(const ClothAsset& asset, std::span<const uint32_t> first) {
@@ -103,9 +126,14 @@ void GridHolds::bound_lengths(std::span<const Point3> place) {
   double least = undercut_by(lengths, kPercentile), most = exceeded_by(lengths, kPercentile);
   if (!(least > 0)) least = most / kSpread;
   const double spread = most / least;
-  const double room = spread <= kSpread * kMostMended ? std::sqrt(kSpread / spread) : 1;
-  least /= room;
-  most *= room;
+  if (spread <= kSpread) {
+    const double room = std::sqrt(kSpread / spread);
+    least /= room;
+    most *= room;
+  } else if (spread <= kSpread * kMostMended) {
+    least = easiest_least(lengths);
+    most = least * kSpread;
+  }
   const double few = undercut_by(lengths, kFewLengths), many = exceeded_by(lengths, kFewLengths);
   for (size_t k = 0; k < spring_.size(); ++k) {
     const double l = lengths[k];

@@ -13,9 +13,13 @@
 namespace geocloth {
 namespace {
 
-constexpr double kShortest = 0.35, kLongest = 1.85;  // [spacing]
-constexpr double kNoDirection = 0.05;                // [spacing] below, a spring's own direction means nothing
-constexpr double kFarthest = 0.8;                    // [spacing] that a pixel may move from the surface
+/// Bounds of springs and how far a pixel may move from the surface for them [spacing]: for nearly all, and for those
+/// that would be left far out.
+struct Bounds {
+  double shortest, longest, farthest;
+};
+constexpr std::array kBounds{Bounds{0.35, 1.85, 0.8}, Bounds{0.33, 1.97, 1.1}};
+constexpr double kNoDirection = 0.05;  // [spacing] below, a spring's own direction means nothing
 constexpr int kSweeps = 30;
 
 /// The point of the ball around `home` that is nearest to p.
@@ -54,23 +58,35 @@ void limit_springs(ClothAsset& asset) {
   const std::vector<Point3> home = place;
   const double spacing = asset.spacing;
   const std::vector<Spring> springs = structural_springs(asset, first);
+  // Where a fold lies flat, its two sides part along their normals.
+  std::vector<Vec3> normal;
+  const auto outwards = [&](uint32_t p) -> Point3 {
+    if (normal.empty()) compute_normals(asset, asset.rest_position, normal);
+    return {normal[p].x, normal[p].y, normal[p].z};
+  };
   std::vector<uint8_t> moved(asset.pixel_count(), 0);
-  for (int sweep = 0; sweep < kSweeps; ++sweep) {
-    bool still = true;
-    for (const Spring& s : springs) {
-      Point3 along = place[s.b] - place[s.a];
-      const double is = length(along), wanted = std::clamp(is, kShortest * spacing, kLongest * spacing);
-      if (is == wanted) continue;
-      if (is < kNoDirection * spacing) along = place[s.after] - place[s.before];
-      const double l = length(along);
-      if (!(l > 0)) continue;
-      const Point3 move = along * ((wanted - is) / (2 * l));
-      place[s.a] = held(place[s.a] - move, home[s.a], kFarthest * spacing);
-      place[s.b] = held(place[s.b] + move, home[s.b], kFarthest * spacing);
-      moved[s.a] = moved[s.b] = 1;
-      still = false;
+  const auto limit = [&](const Spring& s, const Bounds& bounds) {
+    Point3 along = place[s.b] - place[s.a];
+    const double is = length(along), wanted = std::clamp(is, bounds.shortest * spacing, bounds.longest * spacing);
+    if (is == wanted) return false;
+    if (is < kNoDirection * spacing) along = place[s.after] - place[s.before];
+    if (length(along) < kNoDirection * spacing) along = outwards(s.b) - outwards(s.a);
+    const double l = length(along);
+    if (!(l > 0)) return false;
+    const Point3 move = along * ((wanted - is) / (2 * l));
+    place[s.a] = held(place[s.a] - move, home[s.a], bounds.farthest * spacing);
+    place[s.b] = held(place[s.b] + move, home[s.b], bounds.farthest * spacing);
+    moved[s.a] = moved[s.b] = 1;
+    return true;
+  };
+  for (const Bounds& bounds : kBounds) {
+    bool still = false;
+    for (int sweep = 0; sweep < kSweeps && !still; ++sweep) {
+      still = true;
+      for (const Spring& s : springs) {
+        if (limit(s, bounds)) still = false;
+      }
     }
-    if (still) break;
   }
   for (uint32_t i = 0; i < asset.pixel_count(); ++i) {
     if (!asset.valid(i) || moved[first[i]] == 0) continue;
