@@ -141,6 +141,26 @@ TEST_F(Import, MissingMaterialOrPictureIsNoError) {
   EXPECT_FALSE(mesh.material[0].base_color_image.has_value());
 }
 
+// Whoever converts or pins a shirt by its name means all of it, and not what lies before its second material.
+TEST_F(Import, AnObjObjectOfSeveralMaterialsKeepsItsName) {
+  const std::string head = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\n";
+  const auto parts = [&](const std::string& text) {
+    std::string names;
+    for (const auto& part : read("a.obj", head + text).part) names += (names.empty() ? "" : ",") + part.name;
+    return names;
+  };
+  const std::string two = "usemtl red\nf 1 2 3\nusemtl blue\nf 1 3 4\nusemtl red\nf 2 5 6 3\n";
+  EXPECT_EQ(parts("o Shirt\n" + two), "Shirt,Shirt,Shirt");
+  EXPECT_EQ(parts("o Shirt\n" + two + "g cuff\nf 1 2 4\no Shirt\nf 2 5 3\n"), "Shirt,Shirt,Shirt,cuff,Shirt");
+  EXPECT_EQ(parts("g\nf 1 2 3\ng\nf 1 3 4\n"), "default");
+  EXPECT_EQ(parts(two), "red,blue,red");
+  const TriangleMesh mesh = read("b.obj", head + "o Shirt\n" + two);
+  ASSERT_EQ(mesh.vertex_groups.size(), 1U);
+  EXPECT_EQ(mesh.vertex_groups[0].name, "Shirt");
+  EXPECT_EQ(mesh.vertex_groups[0].source_vertex.size(), 6U);
+  EXPECT_EQ(mesh.material[mesh.part[1].material].name, "blue");
+}
+
 // --- polygons
 
 double area(const TriangleMesh& mesh) {

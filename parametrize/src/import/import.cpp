@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <map>
@@ -179,7 +180,10 @@ class MeshBuilder {
   MeshBuilder(const std::filesystem::path& file, Format format, const aiScene& scene, ObjText* obj, double scale)
       : file_(file), format_(format), scene_(scene), scale_(scale) {
     mesh_.name = file.stem().string();
-    if (obj != nullptr) obj_position_ = std::move(obj->position);
+    if (obj != nullptr) {
+      obj_position_ = std::move(obj->position);
+      obj_part_name_ = std::move(obj->part_name);
+    }
   }
 
   TriangleMesh build() {
@@ -202,6 +206,15 @@ class MeshBuilder {
 
  private:
   const aiMesh& mesh_of(const Placement& placement) const { return *scene_.mMeshes[placement.mesh]; }
+
+  std::string name_of(const Placement& placement) const {
+    const aiString& own = mesh_of(placement).mName;
+    const std::string name = own.length > 0 ? own.C_Str() : placement.node->mName.C_Str();
+    if (format_ != Format::obj) return name;
+    size_t number = obj_part_name_.size();
+    std::from_chars(name.data(), name.data() + name.size(), number);
+    return number < obj_part_name_.size() ? obj_part_name_[number] : name;
+  }
 
   [[noreturn]] void bad(const std::string& what) const { fail(file_, ErrorCode::invalid_data, what); }
 
@@ -258,7 +271,7 @@ class MeshBuilder {
     for (unsigned f = 0; f < mesh.mNumFaces; ++f) add_polygon(mesh, mesh.mFaces[f], number, to_world_normal, mirrored);
     const auto count = static_cast<uint32_t>(mesh_.triangle.size()) - first;
     if (count == 0) return;
-    const std::string name = mesh.mName.length > 0 ? mesh.mName.C_Str() : placement.node->mName.C_Str();
+    const std::string name = name_of(placement);
     mesh_.part.push_back({name, material_[mesh.mMaterialIndex], first, count});
     // Parts and bones are what a file has for naming points.
     add_group(name, number);
@@ -441,6 +454,7 @@ class MeshBuilder {
   const aiScene& scene_;
   double scale_;
   std::vector<Point3> obj_position_;
+  std::vector<std::string> obj_part_name_;
   TriangleMesh mesh_;
   bool has_uv_ = false, has_normal_ = false;
   uint32_t polygon_count_ = 0;

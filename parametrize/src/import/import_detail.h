@@ -27,8 +27,9 @@ inline constexpr double kMaxCoordinate = 1e18;  ///< beyond it, products of coor
 /// Each vertex is written with its number (low 16 bits, high bits) in place of its position, so that the number comes
 /// back from assimp, which makes a vertex of its own for every face corner.
 struct ObjText {
-  std::vector<Point3> position;  ///< of the `v` records, in the file's order
-  std::string coded;
+  std::vector<Point3> position;        ///< of the `v` records, in the file's order
+  std::string coded;                   ///< its groups are called by the numbers of the parts
+  std::vector<std::string> part_name;  ///< after the object or group, without either after the material
 };
 [[nodiscard]] ObjText read_obj(const std::filesystem::path& file, std::string_view text);
 /// The vertex number that read_obj wrote as a position.

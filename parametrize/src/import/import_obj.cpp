@@ -120,11 +120,31 @@ class ObjReader {
       read_values(keyword, line, 3, 3, normal_count_);
     } else if (keyword == "f" || keyword == "fo") {
       read_face(line);
-    } else if (keyword == "o" || keyword == "g" || keyword == "usemtl" || keyword == "mtllib") {
-      const std::string name = printable(line);
-      // An `o` or `g` without a name is legal and means "default".
-      out_.coded.append(keyword).append(" ").append(name.empty() ? "default" : name).push_back('\n');
+    } else if (keyword == "o" || keyword == "g") {
+      begin(name_, line);
+    } else if (keyword == "usemtl") {
+      begin(material_, line);
+    } else if (keyword == "mtllib") {
+      out_.coded.append("mtllib ").append(printable(line)).push_back('\n');
     }
+  }
+
+  /// From here on faces are of this object, group or material; one without a name is legal and means "default".
+  void begin(std::string& current, std::string_view line) {
+    std::string name = printable(line);
+    if (name.empty()) name = "default";
+    if (name != current) in_part_ = false;
+    current = std::move(name);
+  }
+
+  /// Left to itself assimp names what follows the first material of an object after the material, and whoever selects
+  /// the object by its name gets a piece of it. So every part is a group of its own that is called by its number.
+  void begin_part() {
+    in_part_ = true;
+    out_.coded.append("g ").append(std::to_string(out_.part_name.size())).push_back('\n');
+    if (!material_.empty()) out_.coded.append("usemtl ").append(material_).push_back('\n');
+    const std::string& name = name_.empty() ? material_ : name_;
+    out_.part_name.push_back(name.empty() ? "defaultobject" : name);
   }
 
   void read_vertex(std::string_view line) {
@@ -189,13 +209,17 @@ class ObjReader {
     }
     if (corners == 0) bad("a face without corners; is the file cut off?");
     // Faces with one or two corners are points and lines.
-    if (corners >= 3) out_.coded.append(coded).push_back('\n');
+    if (corners < 3) return;
+    if (!in_part_) begin_part();
+    out_.coded.append(coded).push_back('\n');
   }
 
   const std::filesystem::path& file_;
   std::string_view text_;
   std::size_t line_ = 0, uv_count_ = 0, normal_count_ = 0;
   Greatest used_vertex_, used_uv_, used_normal_;
+  std::string name_, material_;  // of the object or group, and in use
+  bool in_part_ = false;         // false: the next face begins one
   ObjText out_;
 };
 
