@@ -140,5 +140,19 @@ TEST(FlattenOptionsTest, NonsenseIsRefused) {
   EXPECT_THROW(flatten_with({.layout = Layout::square, .spacing = 1e-9}), Error);
 }
 
+// A spacing in the wrong unit was tried for minutes, and the memory of that many pixels with it.
+TEST(FlattenOptionsTest, ASpacingThatNoImageHasRoomForIsRefusedWithOneThatHas) {
+  const CleanSurface surface = test::disk(9, 9);
+  for (const Layout layout : {Layout::panels, Layout::square}) {
+    try {
+      static_cast<void>(flatten(surface, cut_to_disks(surface), {.layout = layout, .spacing = 1e-5}));
+      ADD_FAILURE();
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::invalid_argument);
+      EXPECT_NE(std::string(e.what()).find("raise the spacing to 0.000"), std::string::npos) << e.what();
+    }
+  }
+}
+
 }  // namespace
 }  // namespace geocloth

@@ -3,12 +3,14 @@
 #include "geocloth/parametrize/flatten.h"
 
 #include <cmath>
+#include <cstdio>
 #include <string>
 
 #include "flatten/panel_layout.h"
 #include "flatten/square_layout.h"
 #include "flatten/uv_layout.h"
 #include "geocloth/asset/error.h"
+#include "mesh/point_math.h"
 #include "mesh/uneven.h"
 
 namespace geocloth {
@@ -31,6 +33,22 @@ void check(const CleanSurface& clean, const CutSurface& cut, const FlattenOption
   }
 }
 
+/// Refuses a spacing that no image has room for before minutes go into laying it out.
+void check_spacing(const CleanSurface& clean, double spacing) {
+  double area = 0;
+  for (const Triangle& t : clean.triangle) {
+    area += triangle_area(clean.position[t[0]], clean.position[t[1]], clean.position[t[2]]);
+  }
+  const double least = std::sqrt(area) / kMaxResolution;
+  if (spacing == 0 || spacing >= least) return;
+  char text[256];
+  std::snprintf(text, sizeof text,
+                "at a spacing of %.3g m the cloth (%.3g m2) takes %.2g pixels, more than %u x %u; raise the spacing to "
+                "%.3g m or more",
+                spacing, area, area / (spacing * spacing), kMaxResolution, kMaxResolution, 1.005 * least);
+  throw Error(ErrorCode::invalid_argument, text);
+}
+
 /// A layout that is chosen, of the surface as it is seen without its symmetries.
 template <class LayOut>
 FlatSurface without_symmetry(const CleanSurface& clean, std::span<const CutSurface> cuts, const LayOut& lay_out) {
@@ -51,6 +69,7 @@ FlatSurface flatten(const CleanSurface& clean, std::span<const CutSurface> cuts,
                     const Progress& progress) {
   if (cuts.empty()) throw Error(ErrorCode::invalid_argument, "there is no cut surface to be laid out");
   for (const CutSurface& cut : cuts) check(clean, cut, options);
+  check_spacing(clean, options.spacing);
   using Cuts = const std::vector<CutSurface>&;
   switch (options.layout) {
     case Layout::square:
