@@ -262,7 +262,8 @@ class FarMender {
       if (k < rings) moving_.insert(moving_.end(), next.begin(), next.end());
       ring = std::move(next);
     }
-    std::erase_if(moving_, [&](uint32_t p) { return is_hem_[p] != 0; });
+    // Hems stay where they are, unless it is one that is far off.
+    if (is_hem_[middle] == 0) std::erase_if(moving_, [&](uint32_t p) { return is_hem_[p] != 0; });
   }
 
   const PlaneLocator& locator(uint32_t chart) {
