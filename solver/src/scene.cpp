@@ -252,8 +252,8 @@ Convex built_at(const JsonReader& json, const Build& build) {
 ColliderShape read_convex(const JsonReader& json) {
   if (json.has("points") == json.has("planes")) json.fail("a convex collider needs either points or planes");
   if (json.has("points")) {
-    const JsonReader points = json.at("points");
-    return built_at(points, [&] { return convex_hull(read_points(points)); });
+    const std::vector<Vec3> points = read_points(json.at("points"));
+    return built_at(json.at("points"), [&] { return convex_hull(points); });
   }
   std::vector<Plane> planes;
   for (const JsonReader& plane : json.at("planes").elements()) {

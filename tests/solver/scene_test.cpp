@@ -98,7 +98,9 @@ TEST_P(BadScenes, NameTheirPathAndTheRemedy) {
     FAIL() << "accepted";
   } catch (const Error& error) {
     EXPECT_THAT(error.what(), AllOf(HasSubstr("scene.json"), HasSubstr(GetParam().message)));
-    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
+    const std::string message = error.what();
+    EXPECT_EQ(message.find('\n'), std::string::npos);
+    EXPECT_EQ(message.find("scene.json"), message.rfind("scene.json")) << message;
   }
 }
 
@@ -143,6 +145,9 @@ INSTANTIATE_TEST_SUITE_P(
                  "cuts[0]: the triangle has no area"},
         BadScene{"Inertia", "\"inertia_scale\": [1, 1, 1]", "\"inertia_scale\": [0, 2, 1]", "between 0 and 1"},
         BadScene{"Convex", "\"shape\": \"box\"", "\"shape\": \"convex\"", "center"},
+        BadScene{"HullOfANumber",
+                 "\"shape\": \"box\", \"center\": [0, 1, 0], \"half_extents\": [1, 2, 3], \"rotate_deg\": [0, 0, 45]",
+                 "\"shape\": \"convex\", \"points\": [1]", "points[0]: must be an array, not number"},
         BadScene{"NaN", "\"frames\": 10", "\"frames\": NaN", "not valid JSON"},
         BadScene{"Infinite", "\"frame_rate\": 30", "\"frame_rate\": 1e999", "not valid JSON"},
         BadScene{"TwiceTheSameKey", "\"frames\": 10", "\"frames\": 10, \"frames\": 11", "appears twice"},
