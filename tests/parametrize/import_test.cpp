@@ -161,6 +161,18 @@ TEST_F(Import, AnObjObjectOfSeveralMaterialsKeepsItsName) {
   EXPECT_EQ(mesh.material[mesh.part[1].material].name, "blue");
 }
 
+// Programs that keep indices in 64 bits write them so.
+TEST_F(Import, PlyTypesThatAreNoneAreNamedWithTheRemedy) {
+  const auto ply = [](const std::string& list) {
+    return "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+           "element face 1\nproperty list " +
+           list + " vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  };
+  EXPECT_EQ(read("a.ply", ply("uchar uint")).triangle.size(), 1U);
+  EXPECT_THAT(refusal("b.ply", ply("uchar uint64")).what(), AllOf(HasSubstr("vertex_indices"), HasSubstr("as uint")));
+  EXPECT_THAT(refusal("c.ply", ply("float int")).what(), HasSubstr("whole numbers"));
+}
+
 // --- polygons
 
 double area(const TriangleMesh& mesh) {

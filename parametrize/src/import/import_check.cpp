@@ -130,7 +130,12 @@ class PlyChecker {
     property.size = ply_size(line[list ? 3 : 1]);
     property.integral = ply_integral(line[list ? 3 : 1]);
     if (list) property.count_size = ply_integral(line[2]) ? ply_size(line[2]) : 0;
-    if (property.size == 0 || (list && property.count_size == 0)) bad(file_, "the header names an unknown type");
+    if (property.size == 0 || (list && property.count_size == 0)) {
+      const std::string name(line.back().substr(0, 40));
+      bad(file_, "the property '" + name +
+                     "' has a type that PLY has not (lists count by whole numbers, and none has " +
+                     "64 bits but double); write it as uint or float");
+    }
     property.is_index = list && (line[4] == "vertex_indices" || line[4] == "vertex_index");
     if (property.is_index && !property.integral) bad(file_, "face corners are not integers");
     element_.back().property.push_back(property);
