@@ -10,6 +10,7 @@
 #include "develop/chart_overlap.h"
 #include "develop/develop.h"
 #include "develop/grain.h"
+#include "flatten/panel_piece.h"
 #include "parametrize/clean_surfaces.h"
 
 namespace geocloth {
@@ -44,6 +45,19 @@ Laid laid_flat(const CleanSurface& surface) {
   return laid;
 }
 
+/// Parts charts as is thought best. @returns whether that pays
+bool part_panels(Laid& laid, const PartingOptions& options) {
+  std::vector<PartedPanels> ways = ways_to_part(laid.charts, laid.sheet, options);
+  if (ways.empty()) return false;
+  laid.charts = std::move(ways.front().charts);
+  laid.sheet = std::move(ways.front().sheet);
+  return true;
+}
+
+double utilisation_of(const Laid& laid, double pixel) {
+  return filling_of(laid.charts, laid.sheet, pixel).utilisation;
+}
+
 double area_of(const std::vector<Chart>& charts) {
   double area = 0;
   for (const Chart& c : charts) area += total_area(c);
@@ -54,7 +68,7 @@ TEST(PartPanels, NoClothOfAWideSkirtIsLost) {
   Laid laid = laid_flat(fan(0.9 * kPi));
   const double area = area_of(laid.charts);
   const PartingOptions options{.pixel = std::sqrt(area) / 128};
-  ASSERT_TRUE(part_panels(laid.charts, laid.sheet, options));
+  ASSERT_TRUE(part_panels(laid, options));
   EXPECT_GT(laid.charts.size(), 1U);
   EXPECT_NEAR(area_of(laid.charts), area, 1e-9 * area) << "cloth was lost or doubled";
   for (Chart& c : laid.charts) {
@@ -66,15 +80,15 @@ TEST(PartPanels, NoClothOfAWideSkirtIsLost) {
 TEST(PartPanels, ARibbonThatRunsAroundAnEmptyImageIsPartedThoughItIsMostlyBorder) {
   Laid laid = laid_flat(fan(1.8 * kPi, 0.1));
   const double pixel = std::sqrt(area_of(laid.charts)) / 128;
-  const double before = estimated_utilisation(laid.charts, pixel);
-  ASSERT_TRUE(part_panels(laid.charts, laid.sheet, {.pixel = pixel}));
+  const double before = utilisation_of(laid, pixel);
+  ASSERT_TRUE(part_panels(laid, {.pixel = pixel}));
   for (Chart& c : laid.charts) turn_upright(c);
-  EXPECT_GT(estimated_utilisation(laid.charts, pixel), 2 * before);
+  EXPECT_GT(utilisation_of(laid, pixel), 2 * before);
 }
 
 TEST(PartPanels, ARectangleStaysWhole) {
   Laid laid = laid_flat(test::disk(30, 20, 1.5, 1));
-  EXPECT_FALSE(part_panels(laid.charts, laid.sheet, {.pixel = std::sqrt(1.5) / 128}));
+  EXPECT_FALSE(part_panels(laid, {.pixel = std::sqrt(1.5) / 128}));
   EXPECT_EQ(laid.charts.size(), 1U);
 }
 
@@ -83,7 +97,7 @@ TEST(PartPanels, KeepsToItsBudgetsOfBorderAndSeam) {
   const double pixel = std::sqrt(area_of(laid.charts)) / 128;
   const auto is_parted = [&](const PartingOptions& options) {
     Laid copy = laid;
-    return part_panels(copy.charts, copy.sheet, options);
+    return part_panels(copy, options);
   };
   EXPECT_TRUE(is_parted({.pixel = pixel}));
   EXPECT_FALSE(is_parted({.pixel = 4 * pixel})) << "an image of 32 x 32 has no pixels to spare for more border";
@@ -96,10 +110,70 @@ TEST(PartPanels, DoesNotDependOnTheUnit) {
   for (Point3& p : millimetres.position) p = {1000 * p[0], 1000 * p[1], 1000 * p[2]};
   Laid a = laid_flat(metres), b = laid_flat(millimetres);
   const double pixel = std::sqrt(area_of(a.charts)) / 128;
-  part_panels(a.charts, a.sheet, {.pixel = pixel});
-  part_panels(b.charts, b.sheet, {.pixel = 1000 * pixel});
+  part_panels(a, {.pixel = pixel});
+  part_panels(b, {.pixel = 1000 * pixel});
   ASSERT_EQ(a.charts.size(), b.charts.size());
   for (size_t i = 0; i < a.charts.size(); ++i) EXPECT_EQ(a.charts[i].global_triangle, b.charts[i].global_triangle);
+}
+
+// A garment whose seams are longer than the budget anyway has only its border to lose.
+TEST(PartPanels, SeamsThatAreLongerThanTheirBudgetAlreadyAreNoReasonToWasteRoom) {
+  Laid laid = laid_flat(fan(0.9 * kPi));
+  const double pixel = std::sqrt(area_of(laid.charts)) / 256;
+  ASSERT_TRUE(part_panels(laid, {.pixel = pixel, .wanted = 0.7}));
+  const Filling once = filling_of(laid.charts, laid.sheet, pixel);
+  EXPECT_GT(once.seam, 0.2);
+  EXPECT_FALSE(ways_to_part(laid.charts, laid.sheet, {.pixel = pixel, .wanted = 0.9, .most_seam = 0.2}).empty());
+}
+
+// By its promise a way is left out when another has kept as much.
+TEST(PartPanels, TheMostPromisingWayComesFirstAndPays) {
+  const Laid laid = laid_flat(fan(0.9 * kPi));
+  const double pixel = std::sqrt(area_of(laid.charts)) / 192;
+  const PartingOptions options{.pixel = pixel};
+  const std::vector<PartedPanels> ways = ways_to_part(laid.charts, laid.sheet, options);
+  ASSERT_GT(ways.size(), 1U);
+  for (const PartedPanels& way : ways) EXPECT_LE(way.promise, ways.front().promise + 1e-5);
+  Laid parted{laid.cut, ways[0].sheet, ways[0].charts};
+  for (Chart& c : parted.charts) turn_upright(c);
+  const Filling whole = filling_of(laid.charts, laid.sheet, pixel);
+  const Filling f = filling_of(parted.charts, parted.sheet, pixel);
+  const double kept = std::min(f.utilisation, options.wanted) - options.least_gain * (f.seam - whole.seam);
+  EXPECT_GT(kept, whole.utilisation) << "already with seams along the mesh's edges";
+}
+
+TEST(PartPanels, FillingIsThatOfTheImage) {
+  const Laid laid = laid_flat(test::disk(30, 20, 1.5, 1));
+  const Filling filling = filling_of(laid.charts, laid.sheet, 0.01);
+  EXPECT_NEAR(filling.utilisation, 1, 0.01);
+  EXPECT_NEAR(filling.border, 500.0 / (151 * 101), 0.003) << "the rim of 151 x 101 pixels";
+  EXPECT_DOUBLE_EQ(filling.seam, 0);
+}
+
+/// Triangles of a coarse mesh are large beside the cells in which a piece's upward direction is summed up.
+TEST(PartPanels, APieceOfACoarseMeshIsThoughtToHangAsItDoes) {
+  CleanSurface sheet = test::disk(5, 2);
+  for (Point3& p : sheet.position) {
+    const double a = 0.9 * kPi * (p[0] - 0.5), r = 1.5 - p[1];
+    p = {r * std::sin(a), -r * std::cos(a), 0};
+  }
+  const Chart chart = laid_flat(sheet).charts.at(0);
+  const PanelPlan plan(chart, std::sqrt(total_area(chart)) / 80);
+  std::vector<uint32_t> piece;
+  for (uint32_t i = 0; i < plan.loop().size(); ++i) {
+    if (plan.place(i)[0] < 1e-9) piece.push_back(i);
+  }
+  std::vector<Point2> outline;
+  for (const uint32_t i : piece) outline.push_back(plan.place(i));
+  GrainSum sum;
+  for (const Triangle& t : chart.triangle) {
+    const std::array<Point2, 3> uv{chart.uv[t[0]], chart.uv[t[1]], chart.uv[t[2]]};
+    if (uv[0][0] + uv[1][0] + uv[2][0] > 0) continue;
+    sum.add(grain_of_triangle({chart.position[t[0]], chart.position[t[1]], chart.position[t[2]]}, uv));
+  }
+  ASSERT_GT(sum.area, 0.3 * total_area(chart));
+  const Point2 thought = plan.up_of(piece), true_up = upward(sum, outline);
+  EXPECT_NEAR(std::atan2(thought[0], thought[1]), std::atan2(true_up[0], true_up[1]), 0.02);
 }
 
 /// The new seams end where they were chosen: if they slid to where they are shortest, the pieces would be others.
@@ -120,8 +194,8 @@ TEST(PartPanels, AWideSkirtFillsTheImageBetter) {
     charts.push_back(std::move(c));
   }
   EXPECT_NEAR(area_of(charts), area_of(laid.charts), 1e-9);
-  EXPECT_GT(estimated_utilisation(charts, options.parting.pixel),
-            estimated_utilisation(laid.charts, options.parting.pixel) + 0.05);
+  EXPECT_GT(filling_of(charts, find_sheet(parted.cut), options.parting.pixel).utilisation,
+            utilisation_of(laid, options.parting.pixel) + 0.05);
   for (const double e : parted.energy) EXPECT_LT(e, 4.001) << "a flat skirt in pieces is flat";
 }
 

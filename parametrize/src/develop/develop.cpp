@@ -262,40 +262,80 @@ double mean_energy(const std::vector<Chart>& charts) {
 }
 
 /// Threads meet at right angles as far as stretch leaves room for that.
-std::vector<Chart> with_straight_threads(const std::vector<Chart>& charts) {
+/// @param share  at most, of what angles are worth
+std::vector<Chart> with_straight_threads(const std::vector<Chart>& charts, double share) {
   constexpr double kMostMean = 4.0265;  // beyond it the stretch misses its target
   const double most = std::max(kMostMean, mean_energy(charts) + kUnsettled);
-  for (const double share : {1.0, 0.7, 0.5, 0.25}) {
+  for (const double less : {1.0, 0.7, 0.5, 0.25}) {
     std::vector<Chart> result = charts;
-    tbb::parallel_for(size_t{0}, result.size(), [&](size_t i) { straighten_threads(result[i], share); });
+    tbb::parallel_for(size_t{0}, result.size(), [&](size_t i) { straighten_threads(result[i], share * less); });
     if (mean_energy(result) <= most) return result;
   }
   return charts;
 }
 
 /// Seams drawn straight, and every chart turned upright.
-ChartedSurface finished(const CutSurface& cut, const Sheet& sheet, const std::vector<Chart>& charts,
-                        const DevelopOptions& options) {
+ChartedSurface straightened(const CutSurface& cut, const Sheet& sheet, const std::vector<Chart>& charts,
+                            const DevelopOptions& options) {
   ChartedSurface result = options.straight_cuts
                               ? straighten_layout(cut, sheet, charts, options.prefer, options.target_energy)
                               : ChartedSurface{cut, charts};
   tbb::parallel_for(size_t{0}, result.charts.size(), [&](size_t i) { turn_upright(result.charts[i]); });
-  result.charts = with_straight_threads(result.charts);
   return result;
 }
 
-/// The same, with charts parted that are packed closer then. What that brings in the end is measured, because a piece
-/// may come to hang otherwise than was thought.
-ChartedSurface parted_where_that_pays(const CutSurface& cut, const Sheet& sheet, std::vector<Chart> charts,
+/// Do threads lie well enough on finished charts, or as well as before?
+bool lie_well(const ThreadMeasure& now, const ThreadMeasure& before) {
+  constexpr double kMedian = 0.8, kLarge = 4;  // [degrees]
+  constexpr double kAnisotropy = 1.145;
+  return now.angle_p50 <= std::max(kMedian, before.angle_p50) && now.angle_p95 <= std::max(kLarge, before.angle_p95) &&
+         now.anisotropy_p95 <= std::max(kAnisotropy, before.anisotropy_p95);
+}
+
+/// How much a way to part charts brings, on the scale of PartedPanels::promise.
+double worth_of(const Filling& filling, const Filling& whole, const PartingOptions& options) {
+  return std::min(filling.utilisation, options.wanted) - options.least_gain * (filling.seam - whole.seam);
+}
+
+/// The same, with charts parted that are packed closer then. What that brings in the end is measured on the finished
+/// charts: a piece may come to hang otherwise than was thought, and threads drawn straight bend charts that were to
+/// lie in each other's hollows, so that pieces keep more of their own shape where angles allow that.
+ChartedSurface parted_where_that_pays(const CutSurface& cut, const Sheet& sheet, const std::vector<Chart>& charts,
                                       const DevelopOptions& options) {
-  constexpr double kLeastGain = 0.02;
-  ChartedSurface whole = finished(cut, sheet, charts, options);
-  Sheet pinned = sheet;
-  if (!part_panels(charts, pinned, options.parting)) return whole;
-  ChartedSurface parted = finished(cut, pinned, charts, options);
-  const double before = estimated_utilisation(whole.charts, options.parting.pixel);
-  const double after = estimated_utilisation(parted.charts, options.parting.pixel);
-  return after >= before + kLeastGain ? std::move(parted) : std::move(whole);
+  constexpr double kLeastGain = 0.02, kBetter = 1e-3;  // less may be rounding's choice
+  constexpr double kUnknown = 0.0015;                  // of the border, before pixels are found for it
+  constexpr double kBent = 1;                          // [degrees]
+  const PartingOptions& parting = options.parting;
+  const ChartedSurface loose = straightened(cut, sheet, charts, options);
+  ChartedSurface best{loose.cut, with_straight_threads(loose.charts, 1)};
+  const std::vector<PartedPanels> ways = ways_to_part(loose.charts, find_sheet(loose.cut), parting);
+  if (ways.empty()) return best;
+  const auto filling = [&](const ChartedSurface& s) { return filling_of(s.charts, find_sheet(s.cut), parting.pixel); };
+  const Filling whole = filling(best);
+  const bool sparse = whole.utilisation < kSparse;
+  const ThreadMeasure before = measure_threads(best.charts);
+  double best_worth = worth_of(whole, whole, parting);
+  for (const PartedPanels& way : ways) {
+    if (way.promise <= best_worth + kBetter) continue;
+    const ChartedSurface parted = straightened(loose.cut, way.sheet, way.charts, options);
+    const bool bent = measure_threads(parted.charts).angle_p95 > kBent;
+    double filled = 0;
+    for (const double share : {1.0, 0.5, 0.25}) {
+      if (share < 1 && (!bent || filled >= parting.wanted)) break;
+      ChartedSurface trial{parted.cut, with_straight_threads(parted.charts, share)};
+      const ThreadMeasure now = measure_threads(trial.charts);
+      if (!lie_well(now, before)) continue;
+      const Filling f = filling(trial);
+      filled = f.utilisation;
+      const bool too_much_border = f.border > parting.most_border - kUnknown && !sparse;
+      const bool too_much_seam = f.seam > parting.most_seam && whole.seam <= parting.most_seam;
+      if (too_much_border || too_much_seam || f.utilisation < whole.utilisation + kLeastGain) continue;
+      if (worth_of(f, whole, parting) <= best_worth + kBetter) continue;
+      best_worth = worth_of(f, whole, parting);
+      best = std::move(trial);
+    }
+  }
+  return best;
 }
 
 }  // namespace

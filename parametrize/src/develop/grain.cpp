@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <vector>
 
 #include "develop/chart_overlap.h"
@@ -33,7 +34,9 @@ double along(const Point2& a, const Point2& b) {
 
 GrainSum sum_of(const Chart& c) {
   GrainSum sum;
-  for (const Triangle& t : c.triangle) sum.add(grain_of_triangle(c, t));
+  for (const Triangle& t : c.triangle)
+    sum.add(grain_of_triangle({c.position[t[0]], c.position[t[1]], c.position[t[2]]},
+                              {c.uv[t[0]], c.uv[t[1]], c.uv[t[2]]}));
   return sum;
 }
 
@@ -118,10 +121,9 @@ void GrainSum::add(const GrainSum& other, double times) {
   square = square + other.square * times;
 }
 
-GrainSum grain_of_triangle(const Chart& c, const Triangle& t) {
-  const Point2 &a = c.uv[t[0]], &b = c.uv[t[1]], &d = c.uv[t[2]];
-  const double h1 = c.position[t[1]][1] - c.position[t[0]][1];
-  const double h2 = c.position[t[2]][1] - c.position[t[0]][1];
+GrainSum grain_of_triangle(const std::array<Point3, 3>& p, const std::array<Point2, 3>& uv) {
+  const Point2 &a = uv[0], &b = uv[1], &d = uv[2];
+  const double h1 = p[1][1] - p[0][1], h2 = p[2][1] - p[0][1];
   GrainSum sum;
   sum.area = ((b[0] - a[0]) * (d[1] - a[1]) - (b[1] - a[1]) * (d[0] - a[0])) / 2;
   const double x = (a[0] + b[0] + d[0]) / 3, y = (a[1] + b[1] + d[1]) / 3;
@@ -165,6 +167,38 @@ void straighten_threads(Chart& c, double share) {
     energy.minimise(c.uv, kThreadSteps, 1e-6);
   }
   if (crossing_edges(c, outline_loop(c))) c.uv = before;
+}
+
+ThreadMeasure measure_threads(const std::vector<Chart>& charts) {
+  using Weighted = std::pair<double, double>;  // of a triangle, its area
+  std::vector<Weighted> angle, anisotropy;
+  double all = 0;
+  for (const Chart& c : charts) {
+    for (const Triangle& t : c.triangle) {
+      const Point2 &o = c.uv[t[0]], &p = c.uv[t[1]], &q = c.uv[t[2]];
+      const Point3 a = c.position[t[1]] - c.position[t[0]], b = c.position[t[2]] - c.position[t[0]];
+      // The plane's axes on the surface, times the triangle's area in the plane.
+      const Point3 x = a * (q[1] - o[1]) - b * (p[1] - o[1]), y = b * (p[0] - o[0]) - a * (q[0] - o[0]);
+      const double xx = dot(x, x), xy = dot(x, y), yy = dot(y, y);
+      const double difference = std::hypot(xx - yy, 2 * xy), smaller = xx + yy - difference;
+      if (!(smaller > 0)) continue;
+      const double area = triangle_area(c.position[t[0]], c.position[t[1]], c.position[t[2]]);
+      angle.emplace_back(std::asin(std::min(std::abs(xy) / std::sqrt(xx * yy), 1.0)) * 180 / std::numbers::pi, area);
+      anisotropy.emplace_back(std::sqrt((xx + yy + difference) / smaller), area);
+      all += area;
+    }
+  }
+  std::sort(angle.begin(), angle.end());
+  std::sort(anisotropy.begin(), anisotropy.end());
+  const auto quantile = [&](const std::vector<Weighted>& sorted, double share) {
+    double sum = 0;
+    for (const auto& [value, area] : sorted) {
+      sum += area;
+      if (sum >= share * all) return value;
+    }
+    return sorted.empty() ? 0 : sorted.back().first;
+  };
+  return {quantile(angle, 0.5), quantile(angle, 0.95), quantile(anisotropy, 0.95)};
 }
 
 }  // namespace geocloth

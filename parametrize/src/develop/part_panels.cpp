@@ -2,13 +2,14 @@
 //
 // Pieces that fit into each other leave less of the image empty than one wide-spread chart. Candidates are chords
 // between two vertices of an outline, short ones first; sets of them are built up one by one, a few best sets at a time
-// (beam search), and judged by packing the pieces' outlines. The mesh is cut along its edges near the chosen chords
-// only in the end; straight_layout.cpp then draws the seams straight.
+// (beam search), and judged by packing the pieces' outlines; then the chords' ends are moved to where that is best. The
+// mesh is cut along its edges near the chosen chords only in the end; straight_layout.cpp then draws the seams straight.
 #include "develop/part_panels.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <optional>
 #include <set>
@@ -17,6 +18,7 @@
 
 #include "flatten/pack.h"
 #include "flatten/panel_piece.h"
+#include "geocloth/asset/error.h"
 #include "mesh/point_math.h"
 #include "mesh/predicates.h"
 
@@ -25,22 +27,25 @@ namespace {
 
 constexpr double kCells = 80;            // cells in which outlines are compared, by the root of the area
 constexpr double kChordStep = 1.0 / 20;  // between outline vertices where chords may end, by the root of the area
-constexpr double kBorderPixels = 1.25;   // per pixel of outline: slanting lines have two side by side
-constexpr double kSeamPixels = 2.1;      // per pixel of new seam, on both its sides
+constexpr double kSeamPixels = 2.35;     // on borders, per pixel of new seam, on both its sides
 constexpr double kStraightened = 0.985;  // of the length of seams that follow the mesh's edges still
+constexpr double kHopeful = 1.03;        // of the border that is allowed: what is thought may come to be less
 constexpr double kLeastPiece = 0.05;     // of all area
 constexpr double kLongestChord = 1;      // by the root of the area
 constexpr double kApart = 0.12;          // both ends of two chords of one chart, together, by the root of the area
 constexpr double kBalance = 0.5;         // what parting off a large piece is worth, in length by the root of its area
-constexpr size_t kMostChords = 60, kBeam = 8, kMostPartings = 4;
-constexpr double kMostDetour = 1.25;  // of the path of edges beside its chord
-constexpr size_t kMostCharts = 24;    // more are small beside the image, and lie in each other's hollows anyway
-constexpr double kSparse = 0.25;      // utilisation below which pixels on borders cost less than empty ones
-constexpr double kSame = 1e-6;        // mirrored partings are worth the same but for rounding: the first is taken
+constexpr size_t kMostChords = 80, kBeam = 12, kMostPartings = 4;
+constexpr size_t kWays = 6, kWaysPerDepth = 4, kShifted = 8;  // that are worth to be carried out
+constexpr double kMostDetour = 1.25;                          // of the path of edges beside its chord
+constexpr size_t kMostCharts = 24;  // more are small beside the image, and lie in each other's hollows anyway
+constexpr double kFine = 256;       // cells by the root of the area in which pixels are counted at most
+constexpr double kSame = 1e-6;      // mirrored partings are worth the same but for rounding: the first is taken
 
 struct Chord {
   uint32_t chart, first, second;  // places in the chart's loop
   double length;
+
+  [[nodiscard]] std::array<uint32_t, 3> name() const { return {chart, first, second}; }
 };
 
 struct Piece {
@@ -51,9 +56,16 @@ struct Piece {
 
 struct Parting {
   std::vector<Piece> piece;
-  std::vector<size_t> chord;
+  std::vector<Chord> chord;
   double added = 0;  // [m] of seam
   double utilisation = 0;
+
+  [[nodiscard]] std::vector<std::array<uint32_t, 3>> name() const {
+    std::vector<std::array<uint32_t, 3>> result;
+    for (const Chord& c : chord) result.push_back(c.name());
+    std::sort(result.begin(), result.end());
+    return result;
+  }
 };
 
 double rounded(double x) {
@@ -107,7 +119,47 @@ class ChordFinder {
     return result;
   }
 
+  /// Is one of the others about the same chord?
+  [[nodiscard]] bool is_near(const std::vector<Chord>& others, const Chord& c) const {
+    const PanelPlan& plan = plan_[c.chart];
+    const auto apart = [&](uint32_t i, uint32_t j) { return gap(plan.place(i), plan.place(j)); };
+    return std::any_of(others.begin(), others.end(), [&](const Chord& d) {
+      return d.chart == c.chart && std::min(apart(c.first, d.first) + apart(c.second, d.second),
+                                            apart(c.first, d.second) + apart(c.second, d.first)) < kApart * side_;
+    });
+  }
+
+  /// The chords whose ends lie about a step further along the outline, one or both, on either side.
+  [[nodiscard]] std::vector<Chord> moved(const Chord& chord, double step) const {
+    const PanelPlan& plan = plan_[chord.chart];
+    const auto ends_of = [&](uint32_t place) {
+      return std::array{place, along(plan, place, step * side_, true), along(plan, place, step * side_, false)};
+    };
+    std::vector<Chord> result;
+    for (const uint32_t i : ends_of(chord.first)) {
+      for (const uint32_t j : ends_of(chord.second)) {
+        const Chord c{chord.chart, std::min(i, j), std::max(i, j), gap(plan.place(i), plan.place(j))};
+        if (i == j || c.name() == chord.name() || c.length > kLongestChord * side_) continue;
+        if (stays_inside(plan, c)) result.push_back(c);
+      }
+    }
+    return result;
+  }
+
  private:
+  /// The place where a path across the chart can end that is the first at least so far along the outline.
+  [[nodiscard]] static uint32_t along(const PanelPlan& plan, uint32_t place, double way, bool forwards) {
+    const auto n = static_cast<uint32_t>(plan.loop().size());
+    uint32_t i = place;
+    for (double gone = 0; gone < way || !plan.has_inner_edge(i);) {
+      const uint32_t next = forwards ? (i + 1) % n : (i + n - 1) % n;
+      gone += gap(plan.place(i), plan.place(next));
+      i = next;
+      if (i == place) break;
+    }
+    return i;
+  }
+
   void rank_chords(uint32_t chart, std::vector<std::pair<double, Chord>>& ranked) const {
     const PanelPlan& plan = plan_[chart];
     const size_t n = plan.loop().size();
@@ -176,17 +228,96 @@ class ChordFinder {
     return best;
   }
 
-  [[nodiscard]] bool is_near(const std::vector<Chord>& others, const Chord& c) const {
-    const PanelPlan& plan = plan_[c.chart];
-    const auto apart = [&](uint32_t i, uint32_t j) { return gap(plan.place(i), plan.place(j)); };
-    return std::any_of(others.begin(), others.end(), [&](const Chord& d) {
-      return d.chart == c.chart && std::min(apart(c.first, d.first) + apart(c.second, d.second),
-                                            apart(c.first, d.second) + apart(c.second, d.first)) < kApart * side_;
-    });
-  }
-
   const std::vector<PanelPlan>& plan_;
   double area_, side_;
+};
+
+using Stretch = std::array<uint32_t, 2>;  // of a row: first and last column
+
+/// What two rows of a shape have in common.
+std::vector<Stretch> common(const std::vector<Stretch>& a, const std::vector<Stretch>& b) {
+  std::vector<Stretch> result;
+  for (size_t i = 0, k = 0; i < a.size() && k < b.size();) {
+    const uint32_t first = std::max(a[i][0], b[k][0]), last = std::min(a[i][1], b[k][1]);
+    if (first <= last) result.push_back({first, last});
+    a[i][1] < b[k][1] ? ++i : ++k;
+  }
+  return result;
+}
+
+/// The pixels of a shape, and those of them that miss one of their eight neighbours.
+struct PixelCount {
+  size_t all = 0, border = 0;
+};
+
+PixelCount count_pixels(const ChartShape& shape) {
+  std::vector<std::vector<Stretch>> row(size_t{shape.height} + 2);  // with a margin
+  for (const ChartShape::Run& r : shape.run) row[size_t{r.row} + 1].push_back({r.first, r.last});
+  PixelCount count;
+  for (std::vector<Stretch>& stretches : row) {
+    std::sort(stretches.begin(), stretches.end());
+    std::vector<Stretch> merged;
+    for (const Stretch& s : stretches) {
+      if (!merged.empty() && s[0] <= merged.back()[1] + 1) {
+        merged.back()[1] = std::max(merged.back()[1], s[1]);
+      } else {
+        merged.push_back(s);
+      }
+    }
+    for (const Stretch& s : merged) count.all += s[1] - s[0] + 1;
+    stretches = std::move(merged);
+  }
+  count.border = count.all;
+  for (size_t y = 1; y + 1 < row.size(); ++y) {
+    for (const Stretch& s : common(common(row[y - 1], row[y]), row[y + 1])) {
+      count.border -= std::max(s[1] - s[0] + 1, 2U) - 2;
+    }
+  }
+  return count;
+}
+
+std::vector<uint32_t> whole_loop(const PanelPlan& plan) {
+  std::vector<uint32_t> all(plan.loop().size());
+  std::iota(all.begin(), all.end(), 0U);
+  return all;
+}
+
+/// How charts fill an image in which they lie as they are, on a board of cells that are about as large as its pixels.
+class Filled {
+ public:
+  Filled(const std::vector<PanelPlan>& plan, double side, double pixel) {
+    cell_ = std::max(pixel, side / kFine);
+    for (const PanelPlan& p : plan) {
+      shape_.push_back(p.shape_of(whole_loop(p), {0, 1}, cell_));
+      const PixelCount count = count_pixels(shape_.back());
+      all_ += static_cast<double>(count.all);
+      border_ += static_cast<double>(count.border) * cell_ / pixel;  // a border is as long as it is
+    }
+    all_ *= cell_ / pixel * cell_ / pixel;
+  }
+
+  [[nodiscard]] double border_pixels() const { return border_; }
+  [[nodiscard]] double border_share() const { return border_ / all_; }
+  /// 0 where no image is large enough.
+  [[nodiscard]] double utilisation(double pixel) const {
+    try {
+      const Packing packing = pack_shapes(shape_);
+      const double scale = cell_ / pixel;
+      return all_ / (packing.width * scale * packing.height * scale);
+    } catch (const Error&) {
+      return 0;
+    }
+  }
+
+ private:
+  std::vector<ChartShape> shape_;
+  double cell_ = 0, all_ = 0, border_ = 0;
+};
+
+/// The chords of a parting, in the order in which they were chosen, and what it is worth.
+struct Choice {
+  std::vector<Chord> chord;
+  double worth;
 };
 
 class PanelParter {
@@ -201,33 +332,40 @@ class PanelParter {
       plan_.emplace_back(c, cell_);
       outline_ += plan_.back().outline();
     }
+    border_ = Filled(plan_, side_, options.pixel).border_pixels();
+    if (seam_ > options_.most_seam * side_) options_.most_seam = std::numeric_limits<double>::infinity();
   }
 
-  /// How much of the image the charts fill as they lie.
-  [[nodiscard]] double utilisation() const {
-    Parting lying;
-    for (uint32_t c = 0; c < plan_.size(); ++c) {
-      lying.piece.push_back({c, {}, plan_[c].shape_of(whole_loop(c), {0, 1}, cell_)});
-    }
-    measure(lying);
-    return lying.utilisation;
-  }
-
-  /// The chords to part along, in the order in which they were chosen.
-  [[nodiscard]] std::vector<Chord> choose() {
-    Parting best;
-    for (uint32_t c = 0; c < plan_.size(); ++c) best.piece.push_back(make_piece(c, whole_loop(c)));
-    measure(best);
-    if (best.utilisation >= options_.wanted) return {};
-    if (best.utilisation < kSparse) options_.most_border = 1;  // a ribbon is mostly border as it is
-    const std::vector<Chord> chord = ChordFinder(plan_, area_).find(forbidden_);
-    std::vector<Parting> beam{best};
+  /// The best ways to part the charts, none like another.
+  [[nodiscard]] std::vector<Choice> choose() {
+    Parting whole;
+    for (uint32_t c = 0; c < plan_.size(); ++c) whole.piece.push_back(make_piece(c, whole_loop(plan_[c])));
+    measure(whole);
+    if (whole.utilisation >= options_.wanted) return {};
+    const bool sparse = whole.utilisation < kSparse;  // such as ribbons: every trial takes long
+    if (sparse) options_.most_border = 1;             // they are mostly border as it is
+    const ChordFinder finder(plan_, area_);
+    const std::vector<Chord> chord = finder.find(forbidden_);
+    std::vector<Parting> beam{whole}, best;
     for (size_t depth = 0; depth < kMostPartings && !beam.empty(); ++depth) {
-      beam = best_of(parted_further(beam, chord));
-      if (!beam.empty() && rounded(worth(beam.front())) > rounded(worth(best))) best = beam.front();
+      beam = measured(parted_further(beam, chord));
+      shorten(beam, sparse ? kBeam / 2 : kBeam);
+      for (size_t i = 0; i < std::min(beam.size(), kWaysPerDepth); ++i) best.push_back(beam[i]);
     }
-    std::vector<Chord> result;
-    for (const size_t k : best.chord) result.push_back(chord[k]);
+    shorten(best, sparse ? 1 : kShifted);
+    for (Parting& p : best) shift(whole, finder, p);
+    shorten(best, best.size());
+    std::vector<Choice> result;
+    for (Parting& p : best) {
+      if (result.size() == kWays || rounded(worth(p)) <= rounded(worth(whole))) break;
+      const auto is_like = [&](const Choice& other) {
+        return other.chord.size() == p.chord.size() && std::all_of(p.chord.begin(), p.chord.end(), [&](const Chord& c) {
+                 return finder.is_near(other.chord, c);
+               });
+      };
+      if (std::any_of(result.begin(), result.end(), is_like)) continue;
+      result.push_back({p.chord, worth(p)});
+    }
     return result;
   }
 
@@ -237,29 +375,30 @@ class PanelParter {
   [[nodiscard]] uint32_t vertex(uint32_t chart, uint32_t place) const { return plan_[chart].loop()[place]; }
 
  private:
-  [[nodiscard]] std::vector<uint32_t> whole_loop(uint32_t chart) const {
-    std::vector<uint32_t> all(plan_[chart].loop().size());
-    std::iota(all.begin(), all.end(), 0U);
-    return all;
-  }
-
   /// Every parting of a beam with every chord more, each once.
-  [[nodiscard]] std::vector<Parting> parted_further(const std::vector<Parting>& beam,
-                                                    const std::vector<Chord>& chord) const {
-    std::vector<std::pair<size_t, size_t>> trial;
-    std::set<std::vector<size_t>> known;
-    for (size_t b = 0; b < beam.size(); ++b) {
-      for (size_t k = 0; k < chord.size(); ++k) {
-        std::vector<size_t> name = beam[b].chord;
-        name.push_back(k);
-        std::sort(name.begin(), name.end());
-        if (known.insert(std::move(name)).second) trial.emplace_back(b, k);
+  [[nodiscard]] static std::vector<std::pair<const Parting*, std::vector<Chord>>> parted_further(
+      const std::vector<Parting>& beam, const std::vector<Chord>& chord) {
+    std::vector<std::pair<const Parting*, std::vector<Chord>>> trial;
+    std::set<std::vector<std::array<uint32_t, 3>>> known;
+    for (const Parting& from : beam) {
+      for (const Chord& c : chord) {
+        Parting further{{}, from.chord};
+        further.chord.push_back(c);
+        if (known.insert(further.name()).second) trial.push_back({&from, {c}});
       }
     }
+    return trial;
+  }
+
+  /// Those of the partings, each with some chords more, that can be made.
+  [[nodiscard]] std::vector<Parting> measured(
+      const std::vector<std::pair<const Parting*, std::vector<Chord>>>& trial) const {
     std::vector<std::optional<Parting>> found(trial.size());
     tbb::parallel_for(size_t{0}, trial.size(), [&](size_t i) {
-      const auto [b, k] = trial[i];
-      found[i] = parted(beam[b], chord, k);
+      found[i] = *trial[i].first;
+      for (const Chord& c : trial[i].second) {
+        if (found[i]) found[i] = parted(*found[i], c);
+      }
       if (found[i]) measure(*found[i]);
     });
     std::vector<Parting> result;
@@ -269,11 +408,33 @@ class PanelParter {
     return result;
   }
 
-  [[nodiscard]] std::vector<Parting> best_of(std::vector<Parting> partings) const {
+  /// Keeps the best ones.
+  void shorten(std::vector<Parting>& partings, size_t count) const {
     std::stable_sort(partings.begin(), partings.end(),
                      [&](const Parting& a, const Parting& b) { return rounded(worth(a)) > rounded(worth(b)); });
-    if (partings.size() > kBeam) partings.resize(kBeam);
-    return partings;
+    if (partings.size() > count) partings.resize(count);
+  }
+
+  /// Moves the ends of chords along the outlines as long as that makes a parting better.
+  void shift(const Parting& whole, const ChordFinder& finder, Parting& parting) const {
+    constexpr int kRounds = 8;
+    double step = kChordStep;
+    for (int round = 0; round < kRounds && step > kChordStep / 3; ++round) {
+      std::vector<std::pair<const Parting*, std::vector<Chord>>> trial;
+      for (size_t k = 0; k < parting.chord.size(); ++k) {
+        for (const Chord& c : finder.moved(parting.chord[k], step)) {
+          trial.emplace_back(&whole, parting.chord);
+          trial.back().second[k] = c;
+        }
+      }
+      std::vector<Parting> other = measured(trial);
+      shorten(other, 1);
+      if (!other.empty() && rounded(worth(other[0])) > rounded(worth(parting))) {
+        parting = std::move(other[0]);
+      } else {
+        step /= 2;
+      }
+    }
   }
 
   [[nodiscard]] double worth(const Parting& p) const {
@@ -291,7 +452,7 @@ class PanelParter {
 
   /// About the share of pixels that miss one of their eight neighbours.
   [[nodiscard]] double border_share(double added) const {
-    return (kBorderPixels * outline_ + kSeamPixels * added) / options_.pixel / pixels(added);
+    return (border_ + kSeamPixels * added / options_.pixel) / pixels(added);
   }
 
   /// About how much of the image the pieces fill.
@@ -305,10 +466,11 @@ class PanelParter {
   }
 
   /// Nothing where the chord crosses others, parts off too little, or adds too much seam.
-  [[nodiscard]] std::optional<Parting> parted(const Parting& from, const std::vector<Chord>& chords, size_t k) const {
-    const Chord& chord = chords[k];
+  [[nodiscard]] std::optional<Parting> parted(const Parting& from, const Chord& chord) const {
     const double added = from.added + chord.length;
-    if (kStraightened * (seam_ + added) > options_.most_seam * side_ || border_share(added) > options_.most_border)
+    if (forbidden_.contains(chord.name())) return std::nullopt;
+    if (kStraightened * (seam_ + added) > options_.most_seam * side_ ||
+        border_share(added) > kHopeful * options_.most_border)
       return std::nullopt;
     for (size_t i = 0; i < from.piece.size(); ++i) {
       const Piece& piece = from.piece[i];
@@ -322,7 +484,7 @@ class PanelParter {
         if (loop->size() < 3 || plan_[piece.chart].area_of(*loop) < kLeastPiece * area_) return std::nullopt;
       }
       Parting result = from;
-      result.chord.push_back(k);
+      result.chord.push_back(chord);
       result.added = added;
       result.piece[i] = make_piece(piece.chart, std::move(inner));
       result.piece.push_back(make_piece(piece.chart, std::move(outer)));
@@ -335,6 +497,7 @@ class PanelParter {
   std::vector<PanelPlan> plan_;
   std::set<std::array<uint32_t, 3>> forbidden_;
   double seam_ = 0, outline_ = 0;  // [m]
+  double border_ = 0;              // [pixels]
   double area_ = 0, side_ = 0, cell_ = 0;
 };
 
@@ -414,31 +577,40 @@ std::optional<Chord> part_along(std::vector<Chart>& charts, const std::vector<Ch
 
 }  // namespace
 
-double estimated_utilisation(const std::vector<Chart>& charts, double pixel) {
-  return PanelParter(charts, 0, {.pixel = pixel}).utilisation();
+Filling filling_of(const std::vector<Chart>& charts, const Sheet& sheet, double pixel) {
+  double area = 0;
+  for (const Chart& c : charts) area += total_area(c);
+  const double side = std::sqrt(area);
+  std::vector<PanelPlan> plan;
+  for (const Chart& c : charts) plan.emplace_back(c, side / kCells);
+  const Filled filled(plan, side, pixel);
+  return {filled.utilisation(pixel), filled.border_share(), seam_length(charts, sheet) / side};
 }
 
-bool part_panels(std::vector<Chart>& charts, Sheet& sheet, const PartingOptions& options) {
+std::vector<PartedPanels> ways_to_part(const std::vector<Chart>& charts, const Sheet& sheet,
+                                       const PartingOptions& options) {
   constexpr int kRounds = 4;
-  if (!(options.pixel > 0) || charts.size() > kMostCharts) return false;
+  std::vector<PartedPanels> ways;
+  if (!(options.pixel > 0) || charts.size() > kMostCharts) return ways;
   PanelParter parter(charts, seam_length(charts, sheet), options);
-  for (int round = 0; round < kRounds; ++round) {
-    const std::vector<Chord> chords = parter.choose();
-    std::vector<uint32_t> end;
-    for (const Chord& c : chords) {
-      for (const uint32_t place : {c.first, c.second}) {
-        end.push_back(sheet.of_vertex[charts[c.chart].cut_vertex[parter.vertex(c.chart, place)]]);
+  for (int round = 0; round < kRounds && ways.empty(); ++round) {
+    const std::vector<Choice> choice = parter.choose();
+    if (choice.empty()) break;
+    for (const auto& [chords, worth] : choice) {
+      PartedPanels way{charts, sheet, worth};
+      if (const std::optional<Chord> impossible = part_along(way.charts, chords, parter)) {
+        parter.forbid(*impossible);
+        continue;
       }
+      for (const Chord& c : chords) {
+        for (const uint32_t place : {c.first, c.second}) {
+          way.sheet.pinned[sheet.of_vertex[charts[c.chart].cut_vertex[parter.vertex(c.chart, place)]]] = 1;
+        }
+      }
+      ways.push_back(std::move(way));
     }
-    const std::optional<Chord> impossible = part_along(charts, chords, parter);
-    if (impossible) {
-      parter.forbid(*impossible);
-      continue;
-    }
-    for (const uint32_t v : end) sheet.pinned[v] = 1;
-    return !chords.empty();
   }
-  return false;
+  return ways;
 }
 
 }  // namespace geocloth

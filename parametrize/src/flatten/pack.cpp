@@ -142,7 +142,11 @@ class Board {
     window_.resize(size_t{rows_} * levels_ * words_, 0);
     for (const ChartShape::Run& r : shape.run) {
       uint64_t* taken = window(corner[1] + r.row, 0);
-      for (uint32_t x = corner[0] + r.first; x <= corner[0] + r.last; ++x) taken[x / 64] |= uint64_t{1} << (x % 64);
+      const uint32_t first = corner[0] + r.first, last = corner[0] + r.last;
+      for (uint32_t k = first / 64; k <= last / 64; ++k) {
+        const uint32_t from = k == first / 64 ? first % 64 : 0, to = k == last / 64 ? last % 64 : 63;
+        taken[k] |= (~uint64_t{0} >> (63 - (to - from))) << from;
+      }
     }
     for (uint32_t y = corner[1]; y < corner[1] + shape.height; ++y) {
       for (uint32_t level = 1; level < levels_; ++level) widen(y, level);
@@ -351,12 +355,12 @@ class Packer {
       }
       row = corner[1];
       last = lying;
-      board.take(*lying, corner);
       packing.corner[i] = {corner[0] * block_, corner[1] * block_};
       const auto [width, height] = size_of(i, arrangement.fill);
       packing.width = std::max(packing.width, packing.corner[i][0] + width);
       packing.height = std::max(packing.height, packing.corner[i][1] + height);
       if (cost_of(packing) >= bound) return kInfinity;
+      if (i != arrangement.order.back()) board.take(*lying, corner);
     }
     const auto is_set = [](uint8_t t) { return t != 0; };
     const bool turns = std::any_of(arrangement.turned.begin(), arrangement.turned.end(), is_set);

@@ -13,16 +13,27 @@
 namespace geocloth {
 namespace {
 
-/// Where a horizontal line crosses the outline, ascending.
+constexpr int kMostHalvings = 16;
+
+/// Where the horizontal lines y = first + k * step, k in [0, rows), cross an outline: by row, then ascending.
 template <typename Place>
-void find_crossings(size_t count, const Place& place, double y, std::vector<double>& crossing) {
-  crossing.clear();
+std::vector<std::pair<size_t, double>> find_crossings(size_t count, const Place& place, double first, double step,
+                                                      size_t rows) {
+  std::vector<std::pair<size_t, double>> crossing;
+  // A point on a line counts as below it.
+  const auto lines_below = [&](double y) {
+    return static_cast<size_t>(std::clamp(std::ceil((y - first) / step), 0.0, static_cast<double>(rows)));
+  };
   for (size_t i = 0; i < count; ++i) {
     const Point2 a = place(i), b = place(i + 1 == count ? 0 : i + 1);
-    if ((a[1] <= y) == (b[1] <= y)) continue;
-    crossing.push_back(a[0] + (b[0] - a[0]) * (y - a[1]) / (b[1] - a[1]));
+    const auto [low, high] = std::minmax({lines_below(a[1]), lines_below(b[1])});
+    for (size_t row = low; row < high; ++row) {
+      const double y = first + static_cast<double>(row) * step;
+      crossing.emplace_back(row, a[0] + (b[0] - a[0]) * (y - a[1]) / (b[1] - a[1]));
+    }
   }
   std::sort(crossing.begin(), crossing.end());
+  return crossing;
 }
 
 }  // namespace
@@ -46,16 +57,37 @@ PanelPlan::PanelPlan(const Chart& chart, double cell) : loop_(outline_loop(chart
   rows_ = static_cast<size_t>((high[1] - low_[1]) / cell) + 1;
   sum_.resize(rows_ * (columns_ + 1));
   for (const Triangle& t : chart.triangle) {
-    Point2 middle{0, 0};
-    for (const uint32_t v : t) middle = {middle[0] + chart.uv[v][0] / 3, middle[1] + chart.uv[v][1] / 3};
-    const size_t x = std::min(columns_ - 1, static_cast<size_t>(std::max(0.0, (middle[0] - low_[0]) / cell)));
-    const size_t y = std::min(rows_ - 1, static_cast<size_t>(std::max(0.0, (middle[1] - low_[1]) / cell)));
-    sum_[y * (columns_ + 1) + x + 1].add(grain_of_triangle(chart, t));
+    add_grain({chart.position[t[0]], chart.position[t[1]], chart.position[t[2]]},
+              {chart.uv[t[0]], chart.uv[t[1]], chart.uv[t[2]]}, kMostHalvings);
   }
   for (size_t y = 0; y < rows_; ++y) {
     GrainSum* row = &sum_[y * (columns_ + 1)];
     for (size_t x = 0; x < columns_; ++x) row[x + 1].add(row[x]);
   }
+}
+
+/// A triangle that is large beside the cells lies in many of them.
+void PanelPlan::add_grain(const std::array<Point3, 3>& p, const std::array<Point2, 3>& uv, int halvings) {
+  const auto side = [&](size_t i, size_t k) { return std::hypot(uv[i][0] - uv[k][0], uv[i][1] - uv[k][1]); };
+  const std::array<double, 3> length{side(1, 2), side(2, 0), side(0, 1)};
+  const auto longest = static_cast<size_t>(std::max_element(length.begin(), length.end()) - length.begin());
+  if (halvings > 0 && length[longest] > 2 * cell_) {
+    const size_t i = (longest + 1) % 3, k = (longest + 2) % 3;
+    const Point3 middle = (p[i] + p[k]) * 0.5;
+    const Point2 uv_middle{(uv[i][0] + uv[k][0]) / 2, (uv[i][1] + uv[k][1]) / 2};
+    for (const size_t moved : {i, k}) {
+      std::array<Point3, 3> half = p;
+      std::array<Point2, 3> uv_half = uv;
+      half[moved] = middle;
+      uv_half[moved] = uv_middle;
+      add_grain(half, uv_half, halvings - 1);
+    }
+    return;
+  }
+  const Point2 middle{(uv[0][0] + uv[1][0] + uv[2][0]) / 3, (uv[0][1] + uv[1][1] + uv[2][1]) / 3};
+  const size_t x = std::min(columns_ - 1, static_cast<size_t>(std::max(0.0, (middle[0] - low_[0]) / cell_)));
+  const size_t y = std::min(rows_ - 1, static_cast<size_t>(std::max(0.0, (middle[1] - low_[1]) / cell_)));
+  sum_[y * (columns_ + 1) + x + 1].add(grain_of_triangle(p, uv));
 }
 
 Point2 PanelPlan::up_of(const std::vector<uint32_t>& piece) const {
@@ -64,14 +96,11 @@ Point2 PanelPlan::up_of(const std::vector<uint32_t>& piece) const {
     return std::min(columns_, static_cast<size_t>(std::max(0.0, (x - low_[0]) / cell_ + 0.5)));
   };
   GrainSum all;
-  std::vector<double> crossing;
-  for (size_t y = 0; y < rows_; ++y) {
-    find_crossings(piece.size(), place, low_[1] + (static_cast<double>(y) + 0.5) * cell_, crossing);
-    const GrainSum* row = &sum_[y * (columns_ + 1)];
-    for (size_t k = 0; k + 1 < crossing.size(); k += 2) {
-      all.add(row[column(crossing[k + 1])]);
-      all.add(row[column(crossing[k])], -1);
-    }
+  const auto crossing = find_crossings(piece.size(), place, low_[1] + 0.5 * cell_, cell_, rows_);
+  for (size_t k = 0; k + 1 < crossing.size(); k += 2) {
+    const GrainSum* row = &sum_[crossing[k].first * (columns_ + 1)];
+    all.add(row[column(crossing[k + 1].second)]);
+    all.add(row[column(crossing[k].second)], -1);
   }
   if (!(all.area > 0)) return {0, 1};
   std::vector<Point2> outline;
@@ -112,13 +141,11 @@ ChartShape PanelPlan::shape_of(const std::vector<uint32_t>& piece, const Point2&
   const auto rounded = [](double x) { return static_cast<uint32_t>(std::lround(x)); };
   ChartShape shape{rounded(high[0]) + 1, rounded(high[1]) + 1, {}};
   for (const Point2& p : corner) shape.run.push_back({rounded(p[1]), rounded(p[0]), rounded(p[0])});
-  std::vector<double> crossing;
   const auto place = [&](size_t i) { return corner[i]; };
-  for (uint32_t y = 0; y < shape.height; ++y) {
-    find_crossings(corner.size(), place, y, crossing);
-    for (size_t k = 0; k + 1 < crossing.size(); k += 2) {
-      shape.run.push_back({y, rounded(crossing[k]), rounded(crossing[k + 1])});
-    }
+  const auto crossing = find_crossings(corner.size(), place, 0, 1, shape.height);
+  for (size_t k = 0; k + 1 < crossing.size(); k += 2) {
+    const auto row = static_cast<uint32_t>(crossing[k].first);
+    shape.run.push_back({row, rounded(crossing[k].second), rounded(crossing[k + 1].second)});
   }
   return shape;
 }

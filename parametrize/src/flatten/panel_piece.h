@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -31,6 +32,8 @@ class PanelPlan {
   [[nodiscard]] ChartShape shape_of(const std::vector<uint32_t>& piece, const Point2& up, double pixel) const;
 
  private:
+  void add_grain(const std::array<Point3, 3>& p, const std::array<Point2, 3>& uv, int halvings);
+
   std::vector<uint32_t> loop_;
   std::vector<Point2> place_;
   std::vector<uint8_t> has_inner_edge_;
