@@ -220,15 +220,19 @@ class FarMender {
   /// plane need not be what is nearest in space.
   [[nodiscard]] std::vector<uint32_t> far_points(const std::vector<Suspect>& suspects) const {
     std::vector<double> farthest(asset_.pixel_count(), 0);
-    for (const Suspect& s : suspects) {
-      const TriangleTree::Place found = image_->nearest(s.surface);
-      double d = distance(found.point, s.surface);
-      if (s.image) d = std::max(d, distance(surface_->nearest(*s.image).point, *s.image));
-      const Triangle& t = points_[found.triangle];
+    const auto note = [&](const Point3& place, const TriangleTree::Place& in_image, double d) {
+      const Triangle& t = points_[in_image.triangle];
       const uint32_t point = *std::min_element(t.begin(), t.end(), [&](uint32_t a, uint32_t b) {
-        return distance(place_[a], s.surface) < distance(place_[b], s.surface);
+        return distance(place_[a], place) < distance(place_[b], place);
       });
       farthest[point] = std::max(farthest[point], d);
+    };
+    for (const Suspect& s : suspects) {
+      const TriangleTree::Place found = image_->nearest(s.surface);
+      note(s.surface, found, distance(found.point, s.surface));
+      if (!s.image) continue;
+      const double away = distance(surface_->nearest(*s.image).point, *s.image);
+      if (away > goal_) note(*s.image, image_->nearest(*s.image), away);
     }
     std::vector<uint32_t> points;
     for (uint32_t p = 0; p < farthest.size(); ++p) {
