@@ -304,6 +304,7 @@ ChartedSurface parted_where_that_pays(const CutSurface& cut, const Sheet& sheet,
                                       const DevelopOptions& options) {
   constexpr double kLeastGain = 0.02, kBetter = 1e-3;  // less may be rounding's choice
   constexpr double kUnknown = 0.0015;                  // of the border, before pixels are found for it
+  constexpr double kEnough = 0.75;                     // utilisation that is worth seams longer than they should be
   constexpr double kBent = 1;                          // [degrees]
   const PartingOptions& parting = options.parting;
   const ChartedSurface loose = straightened(cut, sheet, charts, options);
@@ -328,7 +329,8 @@ ChartedSurface parted_where_that_pays(const CutSurface& cut, const Sheet& sheet,
       const Filling f = filling(trial);
       filled = f.utilisation;
       const bool too_much_border = f.border > parting.most_border - kUnknown && !sparse;
-      const bool too_much_seam = f.seam > parting.most_seam && whole.seam <= parting.most_seam;
+      const bool too_much_seam = f.seam > std::max(parting.most_seam, whole.seam) &&
+                                 (whole.seam <= parting.most_seam || (f.utilisation < kEnough && !sparse));
       if (too_much_border || too_much_seam || f.utilisation < whole.utilisation + kLeastGain) continue;
       if (worth_of(f, whole, parting) <= best_worth + kBetter) continue;
       best_worth = worth_of(f, whole, parting);
