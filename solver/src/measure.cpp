@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "geocloth/solver/solver.h"
-#include "upload.h"
+#include "rest/upload.h"
 
 namespace geocloth {
 namespace {

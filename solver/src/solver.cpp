@@ -13,11 +13,11 @@
 #include <utility>
 
 #include "check_input.h"
-#include "cut_asset.h"
 #include "geocloth/asset/error.h"
-#include "self_points.h"
+#include "rest/cut_asset.h"
+#include "rest/self_points.h"
+#include "rest/upload.h"
 #include "solver_impl.h"
-#include "upload.h"
 
 namespace geocloth {
 namespace {

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "backend.h"
+#include "colliders/reach.h"
 #include "frame_input.h"
 #include "geocloth/solver/solver.h"
-#include "reach.h"
-#include "upload.h"
+#include "rest/upload.h"
 
 namespace geocloth {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The atlas: charts must not touch, must not be turned but by half a turn, and must not waste the image's memory.
-#include "flatten/pack.h"
+#include "pack/pack.h"
 
 #include <cmath>
 #include <random>

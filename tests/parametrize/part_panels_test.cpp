@@ -10,7 +10,7 @@
 #include "develop/chart_overlap.h"
 #include "develop/develop.h"
 #include "develop/grain.h"
-#include "flatten/panel_piece.h"
+#include "pack/panel_piece.h"
 #include "parametrize/clean_surfaces.h"
 
 namespace geocloth {

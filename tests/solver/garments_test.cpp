@@ -12,7 +12,7 @@
 #include "geocloth/parametrize/convert.h"
 #include "geocloth/solver/scene.h"
 #include "geocloth/solver/solver.h"
-#include "upload.h"
+#include "rest/upload.h"
 
 namespace geocloth {
 namespace {

@@ -9,9 +9,9 @@
 #include <gtest/gtest.h>
 
 #include "lib/span.h"
+#include "rest/upload.h"
 #include "solver_fixture.h"
 #include "support/swing.h"
-#include "upload.h"
 
 namespace geocloth {
 namespace {

@@ -3,7 +3,8 @@
 // Pieces that fit into each other leave less of the image empty than one wide-spread chart. Candidates are chords
 // between two vertices of an outline, short ones first; sets of them are built up one by one, a few best sets at a time
 // (beam search), and judged by packing the pieces' outlines; then the chords' ends are moved to where that is best. The
-// mesh is cut along its edges near the chosen chords only in the end; straight_layout.cpp then draws the seams straight.
+// mesh is cut along its edges near the chosen chords only in the end; straight_layout.cpp then draws the seams
+// straight.
 #include "develop/part_panels.h"
 
 #include <algorithm>
@@ -16,11 +17,11 @@
 
 #include <tbb/parallel_for.h>
 
-#include "flatten/pack.h"
-#include "flatten/panel_piece.h"
 #include "geocloth/asset/error.h"
 #include "mesh/point_math.h"
 #include "mesh/predicates.h"
+#include "pack/pack.h"
+#include "pack/panel_piece.h"
 
 namespace geocloth {
 namespace {

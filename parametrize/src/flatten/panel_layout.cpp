@@ -16,7 +16,6 @@
 
 #include "develop/develop.h"
 #include "develop/round_chart.h"
-#include "flatten/pack.h"
 #include "geocloth/asset/error.h"
 #include "image/chain_targets.h"
 #include "image/chart_chain.h"
@@ -28,6 +27,7 @@
 #include "image/seam_steps.h"
 #include "mesh/point_math.h"
 #include "mesh/refined_mesh.h"
+#include "pack/pack.h"
 
 namespace geocloth {
 namespace {

@@ -15,7 +15,6 @@
 #include "develop/disk_embedding.h"
 #include "develop/extend_cut.h"
 #include "develop/symmetric_dirichlet.h"
-#include "flatten/pack.h"
 #include "flatten/square_plan.h"
 #include "geocloth/asset/error.h"
 #include "image/seam_samples.h"
@@ -24,6 +23,7 @@
 #include "mesh/predicates.h"
 #include "mesh/refined_mesh.h"
 #include "mesh/subdivide.h"
+#include "pack/pack.h"
 
 namespace geocloth {
 namespace {

@@ -8,9 +8,9 @@
 #include <cmath>
 #include <limits>
 
+#include "colliders/reach.h"
 #include "cpu/collider_set.h"
 #include "lib/collide.h"
-#include "reach.h"
 
 namespace geocloth::cpu {
 namespace {

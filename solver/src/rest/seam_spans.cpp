@@ -4,7 +4,7 @@
 // straightest. The way over the seam is a way along the surface, so a span never holds two points closer than they can
 // be; where the lines meet at an angle it pulls a little late.
 
-#include "seam_spans.h"
+#include "rest/seam_spans.h"
 
 #include <array>
 #include <cstdlib>
@@ -14,7 +14,7 @@
 
 #include "geocloth/asset/grid_mesh.h"
 #include "lib/span.h"
-#include "seam_list.h"
+#include "rest/seam_list.h"
 
 namespace geocloth {
 namespace {

@@ -4,7 +4,7 @@
 // row at once: the columns that one of its runs forbids are a window over the bits taken, and windows whose length is a
 // power of two are kept per row. Several widths, orders, half turns and corners to fill from are tried and the best
 // kept; large atlases are packed in blocks of pixels, so that the work stays bounded.
-#include "flatten/pack.h"
+#include "pack/pack.h"
 
 #include <algorithm>
 #include <bit>

@@ -3,7 +3,7 @@
 // the surface at rest, found by a short walk with Dijkstra's order. Those never push each other: a sheet may bend,
 // shear and be compressed as if it had no self-collision, and only layers meet.
 
-#include "self_points.h"
+#include "rest/self_points.h"
 
 #include <algorithm>
 #include <bit>
@@ -13,7 +13,7 @@
 #include "geocloth/asset/error.h"
 #include "geocloth/asset/grid_mesh.h"
 #include "lib/self_words.h"
-#include "surface_graph.h"
+#include "rest/surface_graph.h"
 
 namespace geocloth {
 namespace {

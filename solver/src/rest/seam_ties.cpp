@@ -5,7 +5,7 @@
 // points are joined by a spring, their other copies, as far as both have some, are tied to each other as well; together
 // they move the points as one spring between whole points would, or a little less.
 
-#include "seam_ties.h"
+#include "rest/seam_ties.h"
 
 #include <algorithm>
 #include <map>
@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "geocloth/asset/grid_mesh.h"
-#include "seam_list.h"
+#include "rest/seam_list.h"
 
 namespace geocloth {
 namespace {

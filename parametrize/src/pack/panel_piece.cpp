@@ -2,7 +2,7 @@
 //
 // Many ways to part a chart are compared, so that a piece must cost little: the chart's upward directions are summed
 // along rows of coarse cells, and what an outline encloses is a difference of sums per row.
-#include "flatten/panel_piece.h"
+#include "pack/panel_piece.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // JSON with a path on every complaint. nlohmann-json's own exceptions are translated here and nowhere else.
 
-#include "json_reader.h"
+#include "scene/json_reader.h"
 
 #include <algorithm>
 #include <cmath>

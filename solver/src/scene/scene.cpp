@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "check_input.h"
-#include "json_reader.h"
-#include "surface_bounds.h"
+#include "colliders/surface_bounds.h"
+#include "scene/json_reader.h"
 
 namespace geocloth {
 namespace {

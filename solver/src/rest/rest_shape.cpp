@@ -3,7 +3,7 @@
 // from the triangles on the spring's own side: a spring on a seam exists once for each copy and the copies' stiffnesses
 // add up.
 
-#include "rest_shape.h"
+#include "rest/rest_shape.h"
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
-#include "seam_list.h"
+#include "rest/seam_list.h"
 
 #include <algorithm>
 #include <array>

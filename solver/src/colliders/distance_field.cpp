@@ -14,10 +14,10 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include "colliders/surface_bounds.h"
 #include "geocloth/asset/error.h"
 #include "geocloth/asset/vec3d.h"
 #include "geocloth/solver/solid.h"
-#include "surface_bounds.h"
 
 namespace geocloth {
 namespace {

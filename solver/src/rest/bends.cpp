@@ -6,7 +6,7 @@
 // four share the rigidity (bend_directions.cpp). At rest only what bends out of the surface counts: a grid line that
 // curves within a flat sheet leaves it flat.
 
-#include "bends.h"
+#include "rest/bends.h"
 
 #include <algorithm>
 #include <array>
@@ -16,9 +16,9 @@
 #include <span>
 #include <vector>
 
-#include "bend_directions.h"
 #include "geocloth/asset/grid_mesh.h"
-#include "seam_list.h"
+#include "rest/bend_directions.h"
+#include "rest/seam_list.h"
 
 namespace geocloth {
 namespace {

@@ -3,7 +3,7 @@
 // world at each of its poses and widened by the way to the next pose, against the box about the cloth (the overlap of
 // boxes in Ericson, Real-Time Collision Detection, 2005, 4.2). Planes are half-spaces against the box's nearest corner.
 
-#include "reach.h"
+#include "colliders/reach.h"
 
 #include <algorithm>
 #include <array>

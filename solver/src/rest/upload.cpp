@@ -4,7 +4,7 @@
 // Masses: a pixel's own share of area x density, so that a copy carries the cloth of its side. What stiffness the
 // springs get is told in rest_shape.cpp, and what the bends get in bends.cpp.
 
-#include "upload.h"
+#include "rest/upload.h"
 
 #include <algorithm>
 #include <array>
@@ -15,15 +15,15 @@
 #include <queue>
 #include <utility>
 
-#include "bends.h"
+#include "colliders/reach.h"
 #include "frame_input.h"
 #include "geocloth/asset/grid_mesh.h"
-#include "reach.h"
-#include "rest_shape.h"
-#include "seam_spans.h"
-#include "seam_ties.h"
-#include "self_points.h"
-#include "surface_graph.h"
+#include "rest/bends.h"
+#include "rest/rest_shape.h"
+#include "rest/seam_spans.h"
+#include "rest/seam_ties.h"
+#include "rest/self_points.h"
+#include "rest/surface_graph.h"
 
 namespace geocloth {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "develop/chart.h"
 #include "develop/grain.h"
-#include "flatten/pack.h"
+#include "pack/pack.h"
 
 namespace geocloth {
 

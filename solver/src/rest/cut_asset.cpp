@@ -4,7 +4,7 @@
 // split-vertex table. Every point has one side of the blade's plane, also one that lies on it, so that each element is
 // judged by the same sides: a point on the plane belongs to where its springs lead, if they all lead one way.
 
-#include "cut_asset.h"
+#include "rest/cut_asset.h"
 
 #include <algorithm>
 #include <cmath>

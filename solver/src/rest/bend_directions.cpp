@@ -5,7 +5,7 @@
 // w cos^4(t - d) = w (3/8 + cos 2(t - d) / 2 + cos 4(t - d) / 8). So the weights come from five coefficients, by least
 // squares with no weight below 0 (a row of springs that pushes would buckle), by coordinate descent.
 
-#include "bend_directions.h"
+#include "rest/bend_directions.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "backend.h"
-#include "rest_shape.h"
+#include "rest/rest_shape.h"
 
 namespace geocloth {
 
