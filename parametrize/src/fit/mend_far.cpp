@@ -37,7 +37,7 @@ constexpr std::size_t kFewPlaces = 50;
 constexpr int kFewRings = 2, kMoreRings = 3;  // around a point that move
 constexpr int kIterations = 25, kMostInVain = 4;
 constexpr int kIterationsInAll = 400;  // where much is far, mending a part of it is of little use
-constexpr double kLongestStep = 1.3, kShortestStep = 0.3, kShorter = 0.5;
+constexpr double kLongestStep = 1.3, kShortestStep = 0.05, kShorter = 0.5;
 constexpr double kShortest = 0.35, kLongest = 1.85;  // [spacing] springs, as everywhere in the image
 constexpr double kLeastArea = 0.2;                   // of a triangle, beside what it was
 constexpr double kLeastTurn = 0.3;                   // cosine between a triangle's normals before and after
