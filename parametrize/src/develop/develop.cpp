@@ -357,7 +357,7 @@ DevelopedSurface develop(std::span<const CutSurface> cuts, const DevelopOptions&
     }
   }
   const CutSurface cut = put_together(cuts, choice, charts);
-  const ChartedSurface result = parted_where_that_pays(cut, find_sheet(cut), std::move(charts), options);
+  const ChartedSurface result = parted_where_that_pays(cut, find_sheet(cut), charts, options);
   return assembled(result.cut, result.charts);
 }
 

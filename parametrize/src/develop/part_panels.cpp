@@ -583,6 +583,7 @@ Filling filling_of(const std::vector<Chart>& charts, const Sheet& sheet, double 
   for (const Chart& c : charts) area += total_area(c);
   const double side = std::sqrt(area);
   std::vector<PanelPlan> plan;
+  plan.reserve(charts.size());
   for (const Chart& c : charts) plan.emplace_back(c, side / kCells);
   const Filled filled(plan, side, pixel);
   return {filled.utilisation(pixel), filled.border_share(), seam_length(charts, sheet) / side};

@@ -209,7 +209,7 @@ class MeshBuilder {
 
   std::string name_of(const Placement& placement) const {
     const aiString& own = mesh_of(placement).mName;
-    const std::string name = own.length > 0 ? own.C_Str() : placement.node->mName.C_Str();
+    std::string name = own.length > 0 ? own.C_Str() : placement.node->mName.C_Str();
     if (format_ != Format::obj) return name;
     size_t number = obj_part_name_.size();
     std::from_chars(name.data(), name.data() + name.size(), number);
