@@ -305,6 +305,7 @@ ChartedSurface parted_where_that_pays(const CutSurface& cut, const Sheet& sheet,
   constexpr double kLeastGain = 0.02, kBetter = 1e-3;  // less may be rounding's choice
   constexpr double kUnknown = 0.0015;                  // of the border, before pixels are found for it
   constexpr double kEnough = 0.75;                     // utilisation that is worth seams longer than they should be
+  constexpr double kDoubt = 0.02;                      // of a promise
   constexpr double kBent = 1;                          // [degrees]
   const PartingOptions& parting = options.parting;
   const ChartedSurface loose = straightened(cut, sheet, charts, options);
@@ -316,8 +317,10 @@ ChartedSurface parted_where_that_pays(const CutSurface& cut, const Sheet& sheet,
   const bool sparse = whole.utilisation < kSparse;
   const ThreadMeasure before = measure_threads(best.charts);
   double best_worth = worth_of(whole, whole, parting);
+  const bool dear = whole.seam > parting.most_seam && !sparse;
   for (const PartedPanels& way : ways) {
     if (way.promise <= best_worth + kBetter) continue;
+    if (dear && way.promise < kEnough - kDoubt) continue;  // to finish one takes as long as to flatten the garment
     const ChartedSurface parted = straightened(loose.cut, way.sheet, way.charts, options);
     const bool bent = measure_threads(parted.charts).angle_p95 > kBent;
     double filled = 0;
