@@ -9,6 +9,7 @@
 #endif
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "cpu/lanes_inl.h"
@@ -67,11 +68,11 @@ HWY_INLINE Points<D> way_out(D d, const Points<D>& normal, Vec<D> depth, Vec<D> 
                    scale(d, normal, depth), slid);
 }
 
-/// respond() of lib/collide.h.
+/// respond() of lib/collide.h, for the lanes that touch.
 template <class D>
-HWY_INLINE PointStates<D> respond(D d, const PointStates<D>& point, const shader::ColliderPose& before,
-                                  const shader::ColliderPose& after, const Points<D>& local, const Contacts<D>& contact,
-                                  const Points<D>& n, const Points<D>& out_of_it, Vec<D> friction) {
+HWY_INLINE void respond(D d, PointStates<D>& point, const shader::ColliderPose& before,
+                        const shader::ColliderPose& after, const Points<D>& local, const Contacts<D>& contact,
+                        const Points<D>& n, const Points<D>& out_of_it, Vec<D> friction) {
   const auto one = hn::Set(d, 1.F), zero = hn::Zero(d);
   const Points<D> on_surface = add(local, scale(d, contact.normal, contact.depth));
   const Points<D> carried = sub(to_world(d, after, on_surface), to_world(d, before, on_surface));
@@ -87,7 +88,9 @@ HWY_INLINE PointStates<D> respond(D d, const PointStates<D>& point, const shader
   const Points<D> kept = add(add(carried, scale(d, sliding, hn::Sub(one, held))),
                              scale(d, n, hn::IfThenElse(hn::Lt(along, zero), zero, along)));
   const Points<D> previous = sub(position, kept);
-  return {position, previous, sub(kept, sub(position, previous))};
+  replace(contact.touches, position, point.position);
+  replace(contact.touches, previous, point.previous);
+  replace(contact.touches, sub(kept, sub(position, previous)), point.carry);
 }
 
 /// The colliders of a substep, from which most points are too far.
@@ -169,14 +172,16 @@ HWY_INLINE Contacts<D> find_contacts(D d, const Meeting& meeting, const shader::
                                      bool swept) {
   const auto way = length(d, sub(local, first));
   const auto met = hn::AndNot(hn::Gt(gap, way), lanes);
-  Contacts<D> r{hn::And(met, hn::Lt(gap, hn::Zero(d))), near.normal, hn::Neg(gap)};
+  Contacts<D> r{hn::And(met, hn::Lt(gap, hn::Zero(d))), {near.normal.x, near.normal.y, near.normal.z}, hn::Neg(gap)};
   if (!swept) return r;
   const auto far = hn::And(met, hn::Gt(way, hn::Set(d, 0.5F * shape.core)));
   if (hn::AllFalse(d, far)) return r;
   const Contacts<D> entry =
       sweep_points(d, meeting.numbers, shape, far, first, local, way, hn::Set(d, meeting.params.thickness));
-  return {hn::Or(r.touches, entry.touches), choose<D>(entry.touches, entry.normal, r.normal),
-          hn::IfThenElse(entry.touches, entry.depth, r.depth)};
+  r.touches = hn::Or(r.touches, entry.touches);
+  replace(entry.touches, entry.normal, r.normal);
+  r.depth = hn::IfThenElse(entry.touches, entry.depth, r.depth);
+  return r;
 }
 
 /// push_out() of lib/collide.h.
@@ -184,42 +189,39 @@ template <class D>
 HWY_INLINE void push_out(D d, const Meeting& meeting, Mask<D> lanes, PointStates<D>& points) {
   const size_t count = meeting.frame.shapes.size();
   const auto thickness = hn::Set(d, meeting.params.thickness);
-  const Points<D> start = points.previous;
+  const Points<D> start{points.previous.x, points.previous.y, points.previous.z};
   const Points<D> none = set(d, 0, 0, 0);
-  Points<D> last = none;
-  PointStates<D> state = points;
+  Points<D> last = set(d, 0, 0, 0);
   Mask<D> again = lanes;
   for (uint32_t round = 0; round < shader::kContactRounds && !hn::AllFalse(d, again); ++round) {
     Mask<D> touched = hn::Gt(hn::Zero(d), hn::Zero(d));
-    auto way = length(d, sub(state.position, start));
+    auto way = length(d, sub(points.position, start));
     for (size_t i = 0; i < count; ++i) {
-      const auto near_guard = Guards::near(d, meeting.guards.guards[i], state.position, hn::Add(way, way));
+      const auto near_guard = Guards::near(d, meeting.guards.guards[i], points.position, hn::Add(way, way));
       if (hn::AllFalse(d, hn::And(again, near_guard))) continue;
       const shader::ColliderShape& shape = meeting.frame.shapes[i];
       const shader::ColliderPose &before = meeting.poses[i], &after = meeting.poses[count + i];
-      const Points<D> local = to_local(d, after, state.position);
+      const Points<D> local = to_local(d, after, points.position);
       const Nearest<D> near = nearest_of_shape(d, meeting.numbers, shape, local);
       const auto gap = hn::Sub(near.distance, thickness);
       const auto reach = hn::Mul(hn::Set(d, 2.F), hn::Add(way, hn::Set(d, shape.way)));
       const auto in_reach = hn::AndNot(hn::Gt(gap, reach), again);
       if (hn::AllFalse(d, in_reach)) continue;
-      const Contacts<D> contact =
+      Contacts<D> contact =
           find_contacts(d, meeting, shape, in_reach, to_local(d, before, start), local, near, gap, round == 0);
-      auto touches = contact.touches;
-      if (round > 0) touches = hn::And(touches, hn::Gt(contact.depth, hn::Set(d, shader::kContactSlack)));
-      if (hn::AllFalse(d, touches)) continue;
+      if (round > 0)
+        contact.touches = hn::And(contact.touches, hn::Gt(contact.depth, hn::Set(d, shader::kContactSlack)));
+      if (hn::AllFalse(d, contact.touches)) continue;
       const float friction = round == 0 ? std::sqrt(meeting.params.friction * shape.friction) : 0.F;
       const Points<D> n = rotate_to_world(d, after, contact.normal);
       const Points<D> out_of_it = way_out(d, n, contact.depth, thickness, shader::slides_out(round) ? last : none);
-      const PointStates<D> moved = respond(d, state, before, after, local, contact, n, out_of_it, hn::Set(d, friction));
-      state = choose<D>(touches, moved, state);
-      last = choose<D>(touches, n, last);
-      way = length(d, sub(state.position, start));
-      if (count > 1 || shape.kind == shader::kShapeMesh) touched = hn::Or(touched, touches);
+      respond(d, points, before, after, local, contact, n, out_of_it, hn::Set(d, friction));
+      replace(contact.touches, n, last);
+      way = length(d, sub(points.position, start));
+      if (count > 1 || shape.kind == shader::kShapeMesh) touched = hn::Or(touched, contact.touches);
     }
     again = touched;
   }
-  points = state;
 }
 
 /// limit_speed() of lib/collide.h.
@@ -296,6 +298,28 @@ HWY_INLINE Mask<D> all_counted(D d, FirstLanes lanes) {
   return hn::FirstN(d, lanes.count);
 }
 
+/// As many vectors as a word has bits.
+constexpr uint32_t kWordVectors = 64;
+
+/// A bit for each of some vectors in a row: a collider may touch one of its points. One collider after the other, so
+/// that nothing is read and chosen anew for each vector.
+template <class D>
+HWY_INLINE uint64_t near_vectors(D d, const Guards& guards, const PointRow& positions, const PointRow& before,
+                                 uint32_t count) {
+  uint64_t bits = 0;
+  for (size_t c = 0; c < guards.count; ++c) {
+    const ColliderGuard guard = guards.guards[c];
+    for (uint32_t k = 0; k < count; ++k) {
+      const size_t i = k * hn::Lanes(d);
+      const Points<D> p = load(d, after(positions, i));
+      const auto way = at_most(d, sub(p, load(d, after(before, i))));
+      const bool near = !hn::AllFalse(d, Guards::near(d, guard, p, hn::Add(way, way)));
+      bits |= uint64_t{near} << k;
+    }
+  }
+  return bits;
+}
+
 /// Where no collider can reach, collide.h leaves a point as it is.
 template <class D>
 HWY_NOINLINE void collide(D d, const SweepFrame& frame, uint32_t substep, std::span<const Run> runs) {
@@ -306,14 +330,19 @@ HWY_NOINLINE void collide(D d, const SweepFrame& frame, uint32_t substep, std::s
     });
     return;
   }
+  const auto lanes = static_cast<uint32_t>(hn::Lanes(d));
   const Guards guards(frame, substep);
-  const PointRow position = at(state.position, 0), previous = at(state.previous, 0);
-  for_runs(d, runs, [&](uint32_t i, auto lanes) GEOCLOTH_LANES {
-    const Points<D> p = load(d, after(position, i));
-    const auto way = at_most(d, sub(p, load(d, after(previous, i))));
-    const auto near = counted(d, lanes, guards.near(d, p, way));
-    if (!hn::AllFalse(d, near)) collide_from<false>(d, frame, substep, i, near);
-  });
+  const PointRow positions = at(state.position, 0), before = at(state.previous, 0);
+  for (const Run& run : runs) {
+    for (uint32_t first = run.first; first < run.last; first += kWordVectors * lanes) {
+      const uint32_t count = std::min(kWordVectors, (run.last - first + lanes - 1) / lanes);
+      uint64_t near = near_vectors(d, guards, after(positions, first), after(before, first), count);
+      for (; near != 0; near &= near - 1) {
+        const uint32_t i = first + static_cast<uint32_t>(std::countr_zero(near)) * lanes;
+        collide_from<false>(d, frame, substep, i, hn::FirstN(d, std::min(lanes, run.last - i)));
+      }
+    }
+  }
 }
 
 /// depth_in_colliders() of lib/collide.h from pixel i on, the largest of some lanes.

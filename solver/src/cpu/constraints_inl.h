@@ -47,6 +47,15 @@ HWY_INLINE Vec<D> change_over_length(D d, Vec<D> l, Vec<D> rest, Vec<D> inverse,
   return hn::IfThenElseZero(exists, hn::Mul(change, hn::Div(hn::Set(d, 1.F), l)));
 }
 
+/// The same index, but the compiler does not know that: it addresses what it writes by it, as it did what it read. Else
+/// it keeps six addresses between the two, in registers that it has not got.
+HWY_INLINE size_t again(size_t i) {
+#ifdef __GNUC__
+  asm("" : "+r"(i));
+#endif
+  return i;
+}
+
 /// Where the points are, as values of their own: behind a reference the compiler would have to read every pointer again
 /// after each store.
 struct PointBase {
@@ -104,37 +113,24 @@ template <class D, class Length, class Factor, class Apply>
 HWY_INLINE void in_turn(D d, const RowStream& stream, uint32_t first, uint32_t last, const Length& length,
                         const Factor& factor, const Apply& apply) {
   const uint32_t* const pixels = stream.pixel.data();
-  // A pixel's number is read once and handed on: to find it and its addresses again is a quarter of the instructions.
-  size_t k = first, at = pixels[k], at_next = 0, at_after_next = 0;
+  size_t k = first;
   const size_t end = last;
-  Vec<D> now = factor(k, length(k, at)), next = hn::Zero(d), after_next = hn::Zero(d);
-  if (k + 1 < end) {
-    at_next = pixels[k + 1];
-    next = length(k + 1, at_next);
-  }
-  if (k + 2 < end) {
-    at_after_next = pixels[k + 2];
-    after_next = length(k + 2, at_after_next);
-  }
+  Vec<D> now = factor(k, length(k, pixels[k])), next = hn::Zero(d), after_next = hn::Zero(d);
+  if (k + 1 < end) next = length(k + 1, pixels[k + 1]);
+  if (k + 2 < end) after_next = length(k + 2, pixels[k + 2]);
   for (; k + 3 < end; ++k) {
-    const size_t at_newest = pixels[k + 3];
-    const Vec<D> newest = length(k + 3, at_newest);
+    const Vec<D> newest = length(k + 3, pixels[k + 3]);
     const Vec<D> soon = factor(k + 1, next);
-    apply(k, at, now);
-    at = at_next;
-    at_next = at_after_next;
-    at_after_next = at_newest;
+    apply(k, pixels[k], now);
     next = after_next;
     after_next = newest;
     now = soon;
   }
   for (;;) {
-    apply(k, at, now);
+    apply(k, pixels[k], now);
     if (++k >= end) return;
     now = factor(k, next);
     next = after_next;
-    at = at_next;
-    at_next = at_after_next;
   }
 }
 
@@ -192,18 +188,21 @@ HWY_INLINE void put_together(D d, Vec<D> a, Vec<D> b, float* p) {
 
 template <class Kind, class D>
 HWY_NOINLINE void springs_across(D d, const SweepOp& op, ClothState& state, uint32_t first, uint32_t last) {
-  const PointBase up(state, 0), down(state, op.offset);
+  const PointBase points(state, 0);
   const float* const constants = op.stream->constants.data();
+  const size_t offset = op.offset;
   const auto share = hn::Set(d, op.share);
   in_turn(
       d, *op.stream, first, last,
-      [&](size_t, size_t i) GEOCLOTH_LANES { return length(d, sub(load(d, down.at(i)), load(d, up.at(i)))); },
+      [&](size_t, size_t i)
+          GEOCLOTH_LANES { return length(d, sub(load(d, points.at(i + offset)), load(d, points.at(i)))); },
       [&](size_t block, Vec<D> l) GEOCLOTH_LANES { return spring_factor<Kind>(d, op, constants, block, l, share); },
       [&](size_t, size_t i, Vec<D> factor) GEOCLOTH_LANES {
-        Points<D> a = load(d, up.at(i)), b = load(d, down.at(i));
-        apply_spring(d, factor, a, hn::LoadU(d, up.inverse_mass + i), b, hn::LoadU(d, down.inverse_mass + i));
-        store(d, a, up.at(i));
-        store(d, b, down.at(i));
+        const size_t j = i + offset;
+        Points<D> a = load(d, points.at(i)), b = load(d, points.at(j));
+        apply_spring(d, factor, a, hn::LoadU(d, points.inverse_mass + i), b, hn::LoadU(d, points.inverse_mass + j));
+        store(d, a, points.at(again(i)));
+        store(d, b, points.at(again(j)));
       });
 }
 
@@ -228,9 +227,10 @@ HWY_NOINLINE void springs_along(D d, const SweepOp& op, ClothState& state, uint3
         const Ends<D> w = take_apart<kColumns>(d, points.inverse_mass + i);
         Points<D> a{x.a, y.a, z.a}, b{x.b, y.b, z.b};
         apply_spring(d, factor, a, w.a, b, w.b);
-        put_together<kColumns>(d, a.x, b.x, p.x);
-        put_together<kColumns>(d, a.y, b.y, p.y);
-        put_together<kColumns>(d, a.z, b.z, p.z);
+        const PointRow q = points.at(again(i));
+        put_together<kColumns>(d, a.x, b.x, q.x);
+        put_together<kColumns>(d, a.y, b.y, q.y);
+        put_together<kColumns>(d, a.z, b.z, q.z);
       });
 }
 
@@ -252,7 +252,7 @@ struct AnchorsBeside {
 
 /// lib/limit.h.
 template <class Anchors, class D>
-HWY_NOINLINE void limit(D d, const SweepOp& op, ClothState& state, const float* all_anchors, uint32_t count,
+HWY_NOINLINE void limit(D d, const SweepOp& op, ClothState& state, const float* all_anchors, uint32_t line,
                         uint32_t first, uint32_t last) {
   const RowStream& stream = *op.stream;
   const PointBase points(state, 0);
@@ -261,8 +261,8 @@ HWY_NOINLINE void limit(D d, const SweepOp& op, ClothState& state, const float* 
   const auto one = hn::Set(d, 1.F), within = hn::Set(d, -1.F);
   const auto anchor_of = [&](size_t block) GEOCLOTH_LANES {
     const float* const x = all_anchors + first_anchor[block];
-    return Points<D>{Anchors::from(d, stream, block, x), Anchors::from(d, stream, block, x + count),
-                     Anchors::from(d, stream, block, x + size_t{2} * count)};
+    return Points<D>{Anchors::from(d, stream, block, x), Anchors::from(d, stream, block, x + line),
+                     Anchors::from(d, stream, block, x + size_t{2} * line)};
   };
   in_turn(
       d, stream, first, last,
@@ -278,7 +278,7 @@ HWY_NOINLINE void limit(D d, const SweepOp& op, ClothState& state, const float* 
         const PointRow p = points.at(i);
         const Points<D> position = load(d, p), anchor = anchor_of(block);
         const Points<D> pulled = add(anchor, scale(d, sub(position, anchor), factor));
-        store(d, choose<D>(far, pulled, position), p);
+        store(d, choose<D>(far, pulled, position), points.at(again(i)));
       });
 }
 

@@ -146,6 +146,14 @@ template <class D>
 HWY_INLINE Points<D> choose(Mask<D> mask, const Points<D>& yes, const Points<D>& no) {
   return {hn::IfThenElse(mask, yes.x, no.x), hn::IfThenElse(mask, yes.y, no.y), hn::IfThenElse(mask, yes.z, no.z)};
 }
+/// Instead of points those of some lanes, coordinate by coordinate: GCC copies a struct in pieces of 16 bytes, and to
+/// read them as a whole vector then waits until they are written.
+template <class D>
+HWY_INLINE void replace(Mask<D> mask, const Points<D>& by, Points<D>& points) {
+  points.x = hn::IfThenElse(mask, by.x, points.x);
+  points.y = hn::IfThenElse(mask, by.y, points.y);
+  points.z = hn::IfThenElse(mask, by.z, points.z);
+}
 /// Points of the lanes that count, and others of the rest.
 template <class D>
 HWY_INLINE Points<D> counted_or(D, AllLanes, const Points<D>& points, const Points<D>&) {

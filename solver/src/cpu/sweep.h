@@ -108,8 +108,8 @@ struct SweepFrame {
   const PassContext* contexts = nullptr;  ///< one for each substep
   ClothState* state = nullptr;
   const Sweep* sweep = nullptr;
-  const float* anchors = nullptr;  ///< for each substep x, y, z of every anchor, each `anchor_count` long
-  uint32_t anchor_count = 0;
+  const float* anchors = nullptr;         ///< for each substep x, y, z of every anchor, each `anchor_line` long
+  uint32_t anchor_line = 0;               ///< whole lines of the cache
   const ColliderGuard* guards = nullptr;  ///< for each substep one for each collider
   bool collide_all = false;               ///< no point is certainly untouched, or points change without being touched
   float* penetration = nullptr;           ///< [m] of each substep, raised by check_colliders

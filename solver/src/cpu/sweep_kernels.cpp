@@ -106,11 +106,11 @@ HWY_INLINE void run_rows(D d, const SweepFrame& frame, const SweepOp& op, uint32
       several ? bends_along<true>(d, op, state, frame, rows) : bends_along<false>(d, op, state, frame, rows);
       break;
     case RowKernel::limit: {
-      const float* const anchors = frame.anchors + size_t{3} * frame.anchor_count * substep;
+      const float* const anchors = frame.anchors + size_t{3} * frame.anchor_line * substep;
       const bool beside = std::find(stream.beside.begin() + rows.first, stream.beside.begin() + rows.last, 0) ==
                           stream.beside.begin() + rows.last;
-      beside ? limit<AnchorsBeside>(d, op, state, anchors, frame.anchor_count, first, last)
-             : limit<ChosenAnchors>(d, op, state, anchors, frame.anchor_count, first, last);
+      beside ? limit<AnchorsBeside>(d, op, state, anchors, frame.anchor_line, first, last)
+             : limit<ChosenAnchors>(d, op, state, anchors, frame.anchor_line, first, last);
       break;
     }
     case RowKernel::collide:

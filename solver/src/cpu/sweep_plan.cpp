@@ -162,7 +162,7 @@ class SweepPlanner {
   /// A pass begins with what has to wait for roots and divisions: it should go on for so many pixels then. More would
   /// be out of the nearest cache when the next pass comes.
   static uint32_t rows_at_once(const std::vector<Run>& runs, uint32_t height) {
-    constexpr uint32_t kPixels = 1000, kLeast = 4, kMost = 16;
+    constexpr uint32_t kPixels = 1400, kLeast = 4, kMost = 16;
     uint64_t pixels = 0;
     for (const Run& run : runs) pixels += run.last - run.first;
     return static_cast<uint32_t>(

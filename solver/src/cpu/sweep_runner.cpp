@@ -104,21 +104,23 @@ void SweepRunner::run_in_bands(const Plan& plan, const SweepFrame& frame, uint32
   });
 }
 
-void SweepRunner::place_anchors(const ClothState& state) {
+uint32_t SweepRunner::place_anchors(const ClothState& state) {
+  constexpr size_t kLine = 16;  // floats of a cache line
   const std::vector<shader::PinTarget>& pins = contexts_.front().cloth.pins;
   const std::vector<uint32_t>& anchor_of_pin = substep_.sweeps->anchor_of_pin();
-  const size_t count = anchor_of_pin.size();
-  anchors_.resize(3 * count * contexts_.size() + substep_.sweeps->lanes());  // vectors reach over the last one
+  const size_t count = anchor_of_pin.size(), line = (count + kLine - 1) / kLine * kLine;
+  anchors_.resize(3 * line * contexts_.size() + substep_.sweeps->lanes());  // vectors reach over the last one
   for (size_t k = 0; k < count; ++k) {
     shader::vec3 position = state.position.at(pins[k].pixel.x);
     for (size_t s = 0; s < contexts_.size(); ++s) {
       position = pinned_position(contexts_[s], pins[k], position, position);
-      float* const of_substep = &anchors_[3 * count * s + anchor_of_pin[k]];
+      float* const of_substep = &anchors_[3 * line * s + anchor_of_pin[k]];
       of_substep[0] = position.x;
-      of_substep[count] = position.y;
-      of_substep[2 * count] = position.z;
+      of_substep[line] = position.y;
+      of_substep[2 * line] = position.z;
     }
   }
+  return static_cast<uint32_t>(line);
 }
 
 void SweepRunner::run_substeps(SweepFrame& frame, const Sweep& sweep, uint32_t first, uint32_t last,
@@ -196,13 +198,13 @@ bool SweepRunner::run(const FrameInput& frame, const ClothFrame& cloth, const Sc
   const auto substeps = static_cast<uint32_t>(frame.substeps.size());
   contexts_.clear();
   for (uint32_t s = 0; s < substeps; ++s) contexts_.push_back({frame, cloth, threads, s, options.relaxation_steps});
-  place_anchors(state);
+  const uint32_t anchor_line = place_anchors(state);
   guard_colliders(frame, cloth.params, guards_);
   SweepFrame sweep{contexts_.data(),
                    &state,
                    nullptr,
                    anchors_.data(),
-                   static_cast<uint32_t>(substep_.sweeps->anchor_of_pin().size()),
+                   anchor_line,
                    guards_.data(),
                    cloth.params.max_step > 0 || cloth.params.moving != 0};
 

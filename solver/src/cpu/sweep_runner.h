@@ -55,7 +55,8 @@ class SweepRunner {
   void prepare(const ClothState& state, const ClothFrame& cloth, const ScheduleOptions& options, uint32_t threads);
   void make_scratch(uint32_t threads);
   [[nodiscard]] float* scratch_of(uint32_t thread) { return scratch_.data() + thread * scratch_length_; }
-  void place_anchors(const ClothState& state);
+  /// @return length of a line of them
+  uint32_t place_anchors(const ClothState& state);
   /// One thread's share of what does not go by rows; with the guards of colliders where they help.
   void run_step(const PassStep& step, const SweepFrame& frame, const PassContext& context, const Measuring& measuring,
                 const RunPass& pass) const;
@@ -76,7 +77,7 @@ class SweepRunner {
   std::vector<uint32_t> first_tasks_;
   Threads alone_{1};
   std::vector<PassContext> contexts_;
-  std::vector<float> anchors_;
+  Floats anchors_;  ///< see SweepFrame
   std::vector<ColliderGuard> guards_;
   std::vector<float> penetration_;
   Floats scratch_;  ///< see SweepFrame, for each thread
