@@ -298,7 +298,9 @@ void Solver::Impl::fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const {
     set_frame_motion(frame.params, *cloth.parent_from, *cloth.parent_to, cloth.inertia_scale, substeps_, origin_);
   }
   frame.pins.clear();
+  cloth.pin_targets.clear();
   for (auto& [pixel, pin] : cloth.pins) {
+    cloth.pin_targets.push_back(pin.target);
     frame.pins.push_back(pin_target(pixel, pin.from - origin_, pin.target - origin_, pin.frequency, clock().dt));
     pin.from = pin.target;
   }
@@ -309,8 +311,7 @@ void Solver::Impl::fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const {
 
 bool Solver::Impl::is_pulled_apart(const Cloth& cloth, float stretch_limit) {
   return std::any_of(cloth.pin_ways.begin(), cloth.pin_ways.end(), [&](const PinWay& way) {
-    const Vec3 &a = cloth.pins.at(way.a).target, &b = cloth.pins.at(way.b).target;
-    return length(b - a) > stretch_limit * way.length;
+    return length(cloth.pin_targets[way.b] - cloth.pin_targets[way.a]) > stretch_limit * way.length;
   });
 }
 
@@ -318,8 +319,9 @@ bool Solver::Impl::is_pulled_apart(const Cloth& cloth, float stretch_limit) {
 void Solver::Impl::change_pins(Cloth& cloth, ClothFrame& frame) const {
   cloth.pins_changed = false;
   frame.inverse_mass = cloth.free_inverse_mass;
-  std::vector<uint32_t> pinned;
+  std::vector<uint32_t> pixels, pinned;
   for (const auto& [pixel, pin] : cloth.pins) {
+    pixels.push_back(pixel);
     if (!pin.held()) continue;
     frame.inverse_mass[pixel] = 0;
     pinned.push_back(pixel);
@@ -327,6 +329,10 @@ void Solver::Impl::change_pins(Cloth& cloth, ClothFrame& frame) const {
   if (frame.params.stretch_limit > 0) {
     frame.attachments = make_attachments(*cloth.asset, cloth.scale, pinned);
     cloth.pin_ways = ways_between_pins(*cloth.asset, cloth.scale, frame.attachments, pinned);
+    const auto number_of = [&](uint32_t pixel) {
+      return static_cast<uint32_t>(std::lower_bound(pixels.begin(), pixels.end(), pixel) - pixels.begin());
+    };
+    for (PinWay& way : cloth.pin_ways) way = {number_of(way.a), number_of(way.b), way.length};
     cloth.reach = pinned.empty() ? rest_size(*cloth.asset, cloth.scale) : 0;
     for (const shader::Attachment& a : frame.attachments) cloth.reach = std::max(cloth.reach, a.reach);
     frame.params.stretch_limit = stretch_limit(cloth);

@@ -62,7 +62,8 @@ class Solver::Impl {
       return pin != pins.end() && pin->second.held();
     }
     bool pins_changed = false;                        ///< since the last step
-    std::vector<PinWay> pin_ways;                     ///< of the pins that are held
+    std::vector<PinWay> pin_ways;                     ///< of the pins that are held, by number instead of pixel
+    std::vector<Vec3> pin_targets;                    ///< of all pins in their order, for a frame
     std::optional<Transform> parent_from, parent_to;  ///< at the start and the end of the next frame
     Vec3 inertia_scale{1, 1, 1};
     std::optional<SelfCollision> self_collision;

@@ -47,15 +47,6 @@ HWY_INLINE Vec<D> change_over_length(D d, Vec<D> l, Vec<D> rest, Vec<D> inverse,
   return hn::IfThenElseZero(exists, hn::Mul(change, hn::Div(hn::Set(d, 1.F), l)));
 }
 
-/// The same index, but the compiler does not know that: it addresses what it writes by it, as it did what it read. Else
-/// it keeps six addresses between the two, in registers that it has not got.
-HWY_INLINE size_t again(size_t i) {
-#ifdef __GNUC__
-  asm("" : "+r"(i));
-#endif
-  return i;
-}
-
 /// Where the points are, as values of their own: behind a reference the compiler would have to read every pointer again
 /// after each store.
 struct PointBase {
@@ -201,8 +192,8 @@ HWY_NOINLINE void springs_across(D d, const SweepOp& op, ClothState& state, uint
         const size_t j = i + offset;
         Points<D> a = load(d, points.at(i)), b = load(d, points.at(j));
         apply_spring(d, factor, a, hn::LoadU(d, points.inverse_mass + i), b, hn::LoadU(d, points.inverse_mass + j));
-        store(d, a, points.at(again(i)));
-        store(d, b, points.at(again(j)));
+        store(d, a, points.at(anew(i)));
+        store(d, b, points.at(anew(j)));
       });
 }
 
@@ -227,7 +218,7 @@ HWY_NOINLINE void springs_along(D d, const SweepOp& op, ClothState& state, uint3
         const Ends<D> w = take_apart<kColumns>(d, points.inverse_mass + i);
         Points<D> a{x.a, y.a, z.a}, b{x.b, y.b, z.b};
         apply_spring(d, factor, a, w.a, b, w.b);
-        const PointRow q = points.at(again(i));
+        const PointRow q = points.at(anew(i));
         put_together<kColumns>(d, a.x, b.x, q.x);
         put_together<kColumns>(d, a.y, b.y, q.y);
         put_together<kColumns>(d, a.z, b.z, q.z);
@@ -278,7 +269,7 @@ HWY_NOINLINE void limit(D d, const SweepOp& op, ClothState& state, const float* 
         const PointRow p = points.at(i);
         const Points<D> position = load(d, p), anchor = anchor_of(block);
         const Points<D> pulled = add(anchor, scale(d, sub(position, anchor), factor));
-        store(d, choose<D>(far, pulled, position), points.at(again(i)));
+        store(d, choose<D>(far, pulled, position), points.at(anew(i)));
       });
 }
 

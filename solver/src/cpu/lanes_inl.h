@@ -31,6 +31,15 @@ using Vec = hn::VFromD<D>;
 template <class D>
 using Mask = hn::Mask<D>;
 
+/// The same index, but the compiler does not know that: it addresses what it writes by it, as it did what it read. Else
+/// it keeps six addresses between the two, in registers that it has not got.
+HWY_INLINE size_t anew(size_t i) {
+#ifdef __GNUC__
+  asm("" : "+r"(i));
+#endif
+  return i;
+}
+
 /// Three components of as many points as a vector has lanes.
 template <class D>
 struct Points {

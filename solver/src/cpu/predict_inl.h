@@ -93,14 +93,15 @@ HWY_INLINE FramedSteps<D> take_along(D d, const shader::ClothParams& params, flo
 /// lib/predict.h where nothing is pinned and only gravity acts: each coordinate by itself, so that few addresses and
 /// vectors are in use at a time.
 template <class D>
-HWY_INLINE void fall(D d, float* position, float* previous, float* carry, Vec<D> keep, Vec<D> gravity) {
-  const auto start = hn::LoadU(d, position);
-  const auto way = hn::Add(hn::Sub(start, hn::LoadU(d, previous)), hn::LoadU(d, carry));
+HWY_INLINE void fall(D d, float* positions, float* previous, float* carry, size_t i, Vec<D> keep, Vec<D> gravity) {
+  const auto start = hn::LoadU(d, positions + i);
+  const auto way = hn::Add(hn::Sub(start, hn::LoadU(d, previous + i)), hn::LoadU(d, carry + i));
   const auto increment = hn::Add(hn::Add(hn::Mul(way, keep), gravity), hn::Zero(d));
   const auto next = hn::Add(start, increment);
-  hn::StoreU(start, d, previous);
-  hn::StoreU(next, d, position);
-  hn::StoreU(hn::Sub(increment, hn::Sub(next, start)), d, carry);
+  const size_t k = anew(i);
+  hn::StoreU(start, d, previous + k);
+  hn::StoreU(next, d, positions + k);
+  hn::StoreU(hn::Sub(increment, hn::Sub(next, start)), d, carry + k);
 }
 
 /// lib/predict.h. What is pinned stays.
@@ -114,13 +115,14 @@ HWY_NOINLINE void predict(D d, const PassContext& context, ClothState& state, st
   const float* const inverse_mass = state.inverse_mass.data();
   // Masked stores are slow: the last vector of a run gives back what follows the run as it was.
   for_runs(d, runs, [&](uint32_t i, auto lanes) GEOCLOTH_LANES {
-    const PointRow p = after(positions, i), pp = after(before, i), pc = after(carried, i);
     const auto free = counted(d, lanes, hn::Gt(hn::LoadU(d, inverse_mass + i), hn::Zero(d)));
     if (!kForces && hn::AllTrue(d, free)) {
-      fall(d, p.x, pp.x, pc.x, keep, gravity.x);
-      fall(d, p.y, pp.y, pc.y, keep, gravity.y);
-      return fall(d, p.z, pp.z, pc.z, keep, gravity.z);
+      fall(d, positions.x, before.x, carried.x, i, keep, gravity.x);
+      fall(d, positions.y, before.y, carried.y, i, keep, gravity.y);
+      return fall(d, positions.z, before.z, carried.z, i, keep, gravity.z);
     }
+    const size_t k = anew(i);
+    const PointRow p = after(positions, k), pp = after(before, k), pc = after(carried, k);
     const Points<D> position = load(d, p), previous = load(d, pp), carry = load(d, pc);
     const Points<D> way = add(sub(position, previous), carry);
     const auto zero = hn::Zero(d);
