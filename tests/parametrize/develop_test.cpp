@@ -122,6 +122,44 @@ void expect_simple_charts(const DevelopedSurface& developed) {
   }
 }
 
+/// What is flat in space, tilted and far from the origin.
+CleanSurface tilted(CleanSurface sheet) {
+  for (Point3& p : sheet.position) p = {5 + 0.6 * p[0], 3 + 0.8 * p[0], p[1] - 2};
+  return sheet;
+}
+
+// From a circle a belt does not find its way back: it comes out wavy, and its image is mostly empty.
+TEST(Develop, ABeltThatLiesStraightStaysStraight) {
+  const DevelopedSurface flat = develop(cut_to_disks(tilted(test::disk(1001, 2, 10, 0.01))));
+  ASSERT_EQ(flat.cut.component_count, 1U);
+  EXPECT_LT(flat.energy[0], 4 + 1e-9);
+  Point2 low = flat.uv[0], high = flat.uv[0];
+  for (const Point2& p : flat.uv) {
+    for (size_t k = 0; k < 2; ++k) {
+      low[k] = std::min(low[k], p[k]);
+      high[k] = std::max(high[k], p[k]);
+    }
+  }
+  EXPECT_NEAR(std::max(high[0] - low[0], high[1] - low[1]), 10, 1e-6);
+  EXPECT_NEAR(std::min(high[0] - low[0], high[1] - low[1]), 0.01, 1e-5);
+}
+
+// Folded up it is flat too, but lies over itself.
+TEST(Develop, WhatIsFoldedFlatIsLaidOut) {
+  CleanSurface sheet = test::disk(21, 5, 2, 0.5);
+  for (Point3& p : sheet.position) p = {std::abs(p[0] - 1), p[1], 0};
+  const DevelopedSurface flat = develop(cut_to_disks(sheet));
+  EXPECT_EQ(flat.cut.component_count, 1U);
+  EXPECT_LT(flat.energy[0], 4.0001);
+  // Round a corner four times, without a fold.
+  CleanSurface coil = test::disk(161, 4, 1, 1);
+  for (Point3& p : coil.position) {
+    const double a = 8 * std::acos(-1.0) * p[0], r = 1 + 0.5 * p[1];
+    p = {r * std::cos(a), r * std::sin(a), 0};
+  }
+  EXPECT_GE(develop(cut_to_disks(coil)).cut.component_count, 4U) << "each turn lies over the others";
+}
+
 // A chart that lies over itself has two places of the garment on one pixel.
 TEST(Develop, NoChartLiesOverItself) {
   for (const test::NamedSurface& named : test::surfaces_of_every_topology()) {

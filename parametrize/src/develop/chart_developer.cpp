@@ -73,6 +73,7 @@ class Developer {
   /// A component in the plane without cuts of its own: where all tastes start.
   static Chart laid_out(const CutSurface& cut, std::vector<uint32_t> triangles) {
     Chart chart = extract_chart(cut, std::move(triangles));
+    if (embed_flat(chart)) return chart;
     embed(chart);
     minimise(chart, kStartSteps, kStartTolerance);
     return chart;

@@ -12,6 +12,8 @@
 
 #include <Eigen/SparseCholesky>
 
+#include "develop/chart_overlap.h"
+#include "develop/symmetric_dirichlet.h"
 #include "geocloth/asset/error.h"
 #include "mesh/point_math.h"
 
@@ -85,6 +87,29 @@ Farthest farthest_from_outline(const Chart& c) {
 bool flip_free(const Chart& c) {
   return std::all_of(c.triangle.begin(), c.triangle.end(),
                      [&](const Triangle& t) { return signed_area(c.uv[t[0]], c.uv[t[1]], c.uv[t[2]]) > 0; });
+}
+
+bool embed_flat(Chart& c) {
+  constexpr double kFlat = 1e-6;  // of the energy, which grows with the fourth power of how steep a triangle stands
+  Point3 normal{0, 0, 0};
+  for (const Triangle& t : c.triangle) {
+    normal = normal + cross(c.position[t[1]] - c.position[t[0]], c.position[t[2]] - c.position[t[0]]);
+  }
+  if (!(length(normal) > 0)) return false;
+  normal = normal * (1 / length(normal));
+  Point3 across{0, 0, 0};
+  across[std::abs(normal[0]) < 0.6 ? 0 : 1] = 1;
+  Point3 x = cross(across, normal);
+  x = x * (1 / length(x));
+  const Point3 y = cross(normal, x);
+  for (const Point3& p : c.position) {
+    const Point3 from = p - c.position[0];
+    c.uv.push_back({dot(from, x), dot(from, y)});
+  }
+  const bool flat = flip_free(c) && SymmetricDirichlet(c.position, c.triangle, {}).energy(c.uv) < 4 + kFlat &&
+                    !crossing_edges(c, outline_loop(c));
+  if (!flat) c.uv.clear();
+  return flat;
 }
 
 bool embed_on_circle(Chart& c) {
