@@ -15,6 +15,7 @@
 #include "geocloth/parametrize/quality.h"
 #include "geocloth/parametrize/seams.h"
 #include "image/chain_conflicts.h"
+#include "image/lattice_shift.h"
 #include "image/limit_springs.h"
 #include "image/pixel_chain.h"
 #include "image/seam_measure.h"
@@ -319,6 +320,45 @@ TEST(SeamMeasureTest, ASquareTurnsAtItsCornersAndARoundNeckNowhere) {
   std::vector<Point2> round;
   for (int i = 0; i <= 60; ++i) round.push_back({10 * std::cos(i * 0.05), 10 * std::sin(i * 0.05)});
   EXPECT_TRUE(sharp_turns(round).empty());
+}
+
+/// A polygon of so many corners about a circle.
+std::vector<Point2> round_outline(const Point2& middle, double radius, int corners) {
+  std::vector<Point2> outline;
+  for (int i = 0; i < corners; ++i) {
+    const double a = 2 * std::acos(-1.0) * i / corners;
+    outline.push_back({middle[0] + radius * std::cos(a), middle[1] + radius * std::sin(a)});
+  }
+  return outline;
+}
+
+uint32_t columns_met(std::span<const Point2> outline, double shift) {
+  long low = 1000, high = -1000;
+  for (const Point2& p : outline) {
+    low = std::min(low, std::lround(p[0] + shift));
+    high = std::max(high, std::lround(p[0] + shift));
+  }
+  return static_cast<uint32_t>(high - low + 1);
+}
+
+// A row and a column more are more than one per cent of a usual image, all of it empty for a round skirt.
+TEST(LatticeShift, ARoundChartTakesUpNoMoreColumnsThanItNeeds) {
+  for (const double at : {0.0, 0.2, 0.4, 0.6, 0.8}) {
+    const std::vector<Point2> outline = round_outline({100 + at, 100}, 70.3, 400);  // 140.6 wide
+    EXPECT_EQ(columns_met(outline, shift_to_lattice(outline)[0]), 141U) << at;
+  }
+}
+
+// Pixels beside a straight side make it a staircase, or the cloth wider than it is.
+TEST(LatticeShift, StraightSidesComeToLieOnPixels) {
+  std::vector<Point2> outline;
+  for (int i = 0; i < 40; ++i) outline.push_back({i + 0.25, 0.3125});
+  for (int i = 0; i < 20; ++i) outline.push_back({40.25, i + 0.3125});
+  for (int i = 40; i > 0; --i) outline.push_back({i + 0.25, 20.3125});
+  for (int i = 20; i > 0; --i) outline.push_back({0.25, i + 0.3125});
+  const Point2 shift = shift_to_lattice(outline);
+  EXPECT_DOUBLE_EQ(shift[0], 0.75);
+  EXPECT_DOUBLE_EQ(shift[1], 0.6875);
 }
 
 // Cut nodes closer together than a pixel leave springs of no length: they are given some, copies stay one point.
