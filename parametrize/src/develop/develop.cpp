@@ -292,11 +292,6 @@ bool lie_well(const ThreadMeasure& now, const ThreadMeasure& before) {
          now.anisotropy_p95 <= std::max(kAnisotropy, before.anisotropy_p95);
 }
 
-/// How much a way to part charts brings, on the scale of PartedPanels::promise.
-double worth_of(const Filling& filling, const Filling& whole, const PartingOptions& options) {
-  return std::min(filling.utilisation, options.wanted) - options.least_gain * (filling.seam - whole.seam);
-}
-
 /// The same, with charts parted that are packed closer then. What that brings in the end is measured on the finished
 /// charts: a piece may come to hang otherwise than was thought, and threads drawn straight bend charts that were to
 /// lie in each other's hollows, so that pieces keep more of their own shape where angles allow that.
@@ -304,8 +299,6 @@ ChartedSurface parted_where_that_pays(const CutSurface& cut, const Sheet& sheet,
                                       const DevelopOptions& options) {
   constexpr double kLeastGain = 0.02, kBetter = 1e-3;  // less may be rounding's choice
   constexpr double kUnknown = 0.0015;                  // of the border, before pixels are found for it
-  constexpr double kEnough = 0.75;                     // utilisation that is worth seams longer than they should be
-  constexpr double kDoubt = 0.02;                      // of a promise
   constexpr double kBent = 1;                          // [degrees]
   const PartingOptions& parting = options.parting;
   const ChartedSurface loose = straightened(cut, sheet, charts, options);
@@ -314,13 +307,10 @@ ChartedSurface parted_where_that_pays(const CutSurface& cut, const Sheet& sheet,
   if (ways.empty()) return best;
   const auto filling = [&](const ChartedSurface& s) { return filling_of(s.charts, find_sheet(s.cut), parting.pixel); };
   const Filling whole = filling(best);
-  const bool sparse = whole.utilisation < kSparse;
   const ThreadMeasure before = measure_threads(best.charts);
-  double best_worth = worth_of(whole, whole, parting);
-  const bool dear = whole.seam > parting.most_seam && !sparse;
+  double best_worth = worth_of(whole.utilisation, 0, parting) + kLeastGain - kBetter;
   for (const PartedPanels& way : ways) {
     if (way.promise <= best_worth + kBetter) continue;
-    if (dear && way.promise < kEnough - kDoubt) continue;  // to finish one takes as long as to flatten the garment
     const ChartedSurface parted = straightened(loose.cut, way.sheet, way.charts, options);
     const bool bent = measure_threads(parted.charts).angle_p95 > kBent;
     double filled = 0;
@@ -331,12 +321,10 @@ ChartedSurface parted_where_that_pays(const CutSurface& cut, const Sheet& sheet,
       if (!lie_well(now, before)) continue;
       const Filling f = filling(trial);
       filled = f.utilisation;
-      const bool too_much_border = f.border > parting.most_border - kUnknown && !sparse;
-      const bool too_much_seam = f.seam > std::max(parting.most_seam, whole.seam) &&
-                                 (whole.seam <= parting.most_seam || (f.utilisation < kEnough && !sparse));
-      if (too_much_border || too_much_seam || f.utilisation < whole.utilisation + kLeastGain) continue;
-      if (worth_of(f, whole, parting) <= best_worth + kBetter) continue;
-      best_worth = worth_of(f, whole, parting);
+      const double worth = worth_of(f.utilisation, f.seam - whole.seam, parting);
+      if (f.border > most_border(whole, parting) - kUnknown || f.seam > most_seam(whole, parting)) continue;
+      if (worth <= best_worth + kBetter) continue;
+      best_worth = worth;
       best = std::move(trial);
     }
   }

@@ -27,6 +27,7 @@ namespace geocloth {
 namespace {
 
 constexpr double kCells = 80;            // cells in which outlines are compared, by the root of the area
+constexpr double kFineCells = 128;       // and where chords are moved
 constexpr double kChordStep = 1.0 / 20;  // between outline vertices where chords may end, by the root of the area
 constexpr double kSeamPixels = 2.35;     // on borders, per pixel of new seam, on both its sides
 constexpr double kStraightened = 0.985;  // of the length of seams that follow the mesh's edges still
@@ -58,6 +59,7 @@ struct Piece {
 struct Parting {
   std::vector<Piece> piece;
   std::vector<Chord> chord;
+  double cell = 0;   // [m] of the shapes
   double added = 0;  // [m] of seam
   double utilisation = 0;
 
@@ -328,23 +330,22 @@ class PanelParter {
       : options_(options), seam_(seam) {
     for (const Chart& c : charts) area_ += total_area(c);
     side_ = std::sqrt(area_);
-    cell_ = std::max(options.pixel, side_ / kCells);
     for (const Chart& c : charts) {
-      plan_.emplace_back(c, cell_);
+      plan_.emplace_back(c, std::max(options.pixel, side_ / kCells));
       outline_ += plan_.back().outline();
     }
-    border_ = Filled(plan_, side_, options.pixel).border_pixels();
-    if (seam_ > options_.most_seam * side_) options_.most_seam = std::numeric_limits<double>::infinity();
+    const Filled filled(plan_, side_, options.pixel);
+    border_ = filled.border_pixels();
+    whole_ = {filled.utilisation(options.pixel), filled.border_share(), seam_ / side_};
+    most_seam_ = most_seam(whole_, options_);
+    most_border_ = most_border(whole_, options_);
   }
 
   /// The best ways to part the charts, none like another.
   [[nodiscard]] std::vector<Choice> choose() {
-    Parting whole;
-    for (uint32_t c = 0; c < plan_.size(); ++c) whole.piece.push_back(make_piece(c, whole_loop(plan_[c])));
-    measure(whole);
+    const Parting whole = unparted(kCells);
     if (whole.utilisation >= options_.wanted) return {};
-    const bool sparse = whole.utilisation < kSparse;  // such as ribbons: every trial takes long
-    if (sparse) options_.most_border = 1;             // they are mostly border as it is
+    const bool sparse = whole_.utilisation < kSparse;  // such as ribbons: every trial takes long
     const ChordFinder finder(plan_, area_);
     const std::vector<Chord> chord = finder.find(forbidden_);
     std::vector<Parting> beam{whole}, best;
@@ -354,11 +355,12 @@ class PanelParter {
       for (size_t i = 0; i < std::min(beam.size(), kWaysPerDepth); ++i) best.push_back(beam[i]);
     }
     shorten(best, sparse ? 1 : kShifted);
-    for (Parting& p : best) shift(whole, finder, p);
+    const Parting fine = unparted(kFineCells);
+    for (Parting& p : best) shift(fine, finder, p);
     shorten(best, best.size());
     std::vector<Choice> result;
     for (Parting& p : best) {
-      if (result.size() == kWays || rounded(worth(p)) <= rounded(worth(whole))) break;
+      if (result.size() == kWays || rounded(worth(p)) <= rounded(worth(fine))) break;
       const auto is_like = [&](const Choice& other) {
         return other.chord.size() == p.chord.size() && std::all_of(p.chord.begin(), p.chord.end(), [&](const Chord& c) {
                  return finder.is_near(other.chord, c);
@@ -376,6 +378,17 @@ class PanelParter {
   [[nodiscard]] uint32_t vertex(uint32_t chart, uint32_t place) const { return plan_[chart].loop()[place]; }
 
  private:
+  /// Nothing parted, in so many cells by the root of the area.
+  [[nodiscard]] Parting unparted(double cells) const {
+    Parting result;
+    result.cell = std::max(options_.pixel, side_ / cells);
+    for (uint32_t c = 0; c < plan_.size(); ++c) {
+      result.piece.push_back(make_piece(c, whole_loop(plan_[c]), result.cell));
+    }
+    measure(result);
+    return result;
+  }
+
   /// Every parting of a beam with every chord more, each once.
   [[nodiscard]] static std::vector<std::pair<const Parting*, std::vector<Chord>>> parted_further(
       const std::vector<Parting>& beam, const std::vector<Chord>& chord) {
@@ -383,7 +396,8 @@ class PanelParter {
     std::set<std::vector<std::array<uint32_t, 3>>> known;
     for (const Parting& from : beam) {
       for (const Chord& c : chord) {
-        Parting further{{}, from.chord};
+        Parting further;
+        further.chord = from.chord;
         further.chord.push_back(c);
         if (known.insert(further.name()).second) trial.push_back({&from, {c}});
       }
@@ -420,6 +434,7 @@ class PanelParter {
   void shift(const Parting& whole, const ChordFinder& finder, Parting& parting) const {
     constexpr int kRounds = 8;
     double step = kChordStep;
+    if (std::vector<Parting> finer = measured({{&whole, parting.chord}}); !finer.empty()) parting = std::move(finer[0]);
     for (int round = 0; round < kRounds && step > kChordStep / 3; ++round) {
       std::vector<std::pair<const Parting*, std::vector<Chord>>> trial;
       for (size_t k = 0; k < parting.chord.size(); ++k) {
@@ -438,12 +453,10 @@ class PanelParter {
     }
   }
 
-  [[nodiscard]] double worth(const Parting& p) const {
-    return std::min(p.utilisation, options_.wanted) - options_.least_gain * p.added / side_;
-  }
+  [[nodiscard]] double worth(const Parting& p) const { return worth_of(p.utilisation, p.added / side_, options_); }
 
-  [[nodiscard]] Piece make_piece(uint32_t chart, std::vector<uint32_t> loop) const {
-    ChartShape shape = plan_[chart].shape_of(loop, plan_[chart].up_of(loop), cell_);
+  [[nodiscard]] Piece make_piece(uint32_t chart, std::vector<uint32_t> loop, double cell) const {
+    ChartShape shape = plan_[chart].shape_of(loop, plan_[chart].up_of(loop), cell);
     return {chart, std::move(loop), std::move(shape)};
   }
 
@@ -462,7 +475,7 @@ class PanelParter {
     shape.reserve(p.piece.size());
     for (const Piece& piece : p.piece) shape.push_back(piece.shape);
     const Packing packing = pack_shapes(shape, PackEffort::quick);
-    const double scale = cell_ / options_.pixel;
+    const double scale = p.cell / options_.pixel;
     p.utilisation = pixels(p.added) / (((packing.width - 1) * scale + 1) * ((packing.height - 1) * scale + 1));
   }
 
@@ -470,8 +483,7 @@ class PanelParter {
   [[nodiscard]] std::optional<Parting> parted(const Parting& from, const Chord& chord) const {
     const double added = from.added + chord.length;
     if (forbidden_.contains(chord.name())) return std::nullopt;
-    if (kStraightened * (seam_ + added) > options_.most_seam * side_ ||
-        border_share(added) > kHopeful * options_.most_border)
+    if (kStraightened * (seam_ + added) > most_seam_ * side_ || border_share(added) > kHopeful * most_border_)
       return std::nullopt;
     for (size_t i = 0; i < from.piece.size(); ++i) {
       const Piece& piece = from.piece[i];
@@ -487,8 +499,8 @@ class PanelParter {
       Parting result = from;
       result.chord.push_back(chord);
       result.added = added;
-      result.piece[i] = make_piece(piece.chart, std::move(inner));
-      result.piece.push_back(make_piece(piece.chart, std::move(outer)));
+      result.piece[i] = make_piece(piece.chart, std::move(inner), from.cell);
+      result.piece.push_back(make_piece(piece.chart, std::move(outer), from.cell));
       return result;
     }
     return std::nullopt;
@@ -499,7 +511,9 @@ class PanelParter {
   std::set<std::array<uint32_t, 3>> forbidden_;
   double seam_ = 0, outline_ = 0;  // [m]
   double border_ = 0;              // [pixels]
-  double area_ = 0, side_ = 0, cell_ = 0;
+  double area_ = 0, side_ = 0;
+  Filling whole_;
+  double most_seam_ = 0, most_border_ = 0;
 };
 
 /// The length of outlines that have a mate, once each.
@@ -587,6 +601,20 @@ Filling filling_of(const std::vector<Chart>& charts, const Sheet& sheet, double 
   for (const Chart& c : charts) plan.emplace_back(c, side / kCells);
   const Filled filled(plan, side, pixel);
   return {filled.utilisation(pixel), filled.border_share(), seam_length(charts, sheet) / side};
+}
+
+double most_seam(const Filling& whole, const PartingOptions& options) {
+  return std::max(options.most_seam, whole.seam > options.most_seam ? options.most_longer * whole.seam : 0);
+}
+
+double most_border(const Filling& whole, const PartingOptions& options) {
+  if (whole.utilisation < kSparse) return 1;
+  return whole.border > options.most_border ? options.most_crowded : options.most_border;
+}
+
+double worth_of(double utilisation, double new_seam, const PartingOptions& options) {
+  const double reached = std::clamp((utilisation - options.enough) / (options.wanted - options.enough), 0.0, 1.0);
+  return std::min(utilisation, options.wanted) + options.reaching * reached - options.seam_price * new_seam;
 }
 
 std::vector<PartedPanels> ways_to_part(const std::vector<Chart>& charts, const Sheet& sheet,

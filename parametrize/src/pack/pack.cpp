@@ -209,7 +209,7 @@ void expect_side(uint32_t side) {
 /// Tries arrangements and keeps the best.
 class Packer {
  public:
-  explicit Packer(std::span<const ChartShape> shape) : shape_(shape) {
+  Packer(std::span<const ChartShape> shape, PackEffort effort) : shape_(shape) {
     double area = 0;
     uint32_t widest = 0, highest = 0;
     for (const ChartShape& s : shape) {
@@ -219,7 +219,8 @@ class Packer {
     }
     expect_side(std::max(widest, highest));
     block_ = static_cast<uint32_t>(std::ceil(std::sqrt(area / kMostBlocks)));
-    for (size_t f = 0; f < kFills.size(); ++f) {
+    const size_t fills = effort == PackEffort::quick ? 1 : kFills.size();
+    for (size_t f = 0; f < fills; ++f) {
       Seen& seen = seen_[f];
       seen.widest = kFills[f].is_transposed ? highest : widest;
       for (const ChartShape& s : shape) {
@@ -436,7 +437,8 @@ ChartShape chart_shape(const FlatChart& chart) {
 }
 
 Packing pack_shapes(std::span<const ChartShape> shape, PackEffort effort) {
-  return effort == PackEffort::quick ? Packer(shape).pack_quickly() : Packer(shape).pack();
+  Packer packer(shape, effort);
+  return effort == PackEffort::quick ? packer.pack_quickly() : packer.pack();
 }
 
 void pack_charts(FlatSurface& flat) {
