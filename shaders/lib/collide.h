@@ -25,6 +25,10 @@ const uint kContactRounds = 12u;
 const uint kSlidingRound = 5u;      // the first one of slides_out()
 const float kContactSlack = 1e-6f;  // [m] overlap between colliders that is not worth another round
 const float kNarrowest = 0.02f;     // squared sine between two colliders' surfaces: in a narrower wedge none slides
+const float kFarthestOut = 32.0f;   // in depths: how far a point is moved when nothing else helped
+const uint kNormalsOfCleft = 24u;
+const uint kWaySteps = 20u;
+const uint kWayHalvings = 6u;
 
 struct Contact {
   bool touches;
@@ -154,6 +158,100 @@ inline bool out_of_reach(ColliderShape shape, float gap, float way) {
   return gap > reach;
 }
 
+// What holds a point: how deep it is in the deepest collider and its normal, the normal of the one that it touches
+// which leads least along a direction, and how far along that it is out of each, at most, where they are convex.
+struct Held {
+  float depth;
+  vec3 normal;
+  vec3 steepest;
+  float way;
+};
+
+inline Held held_by(ColliderSet set, ClothParams params, uint substep, vec3 p, vec3 direction) {
+  Held r;
+  r.depth = 0.0f;
+  r.normal = vec3(0.0f, 0.0f, 0.0f);
+  r.steepest = vec3(0.0f, 0.0f, 0.0f);
+  r.way = 0.0f;
+  float least = 1e30f;
+  for (uint i = 0u; i < params.collider_count; ++i) {
+    ColliderPose pose = collider_pose(set, substep + 1u, i);
+    Nearest near = nearest_of_shape(set, collider_shape(set, i), to_local(pose, p));
+    if (near.distance > params.thickness + 10.0f * kContactSlack) continue;
+    vec3 n = rotate_to_world(pose, near.normal);
+    float slope = dot3(n, direction);
+    if (slope < least) {
+      least = slope;
+      r.steepest = n;
+    }
+    if (near.distance >= -kContactSlack) continue;
+    precise float way = -near.distance * (1.0f / max(slope, 1.0f / kFarthestOut));
+    r.way = max(r.way, way);
+    if (-near.distance <= r.depth) continue;
+    r.depth = -near.distance;
+    r.normal = n;
+  }
+  return r;
+}
+
+// Where the rounds were not enough, as in the cleft of two solids that lean on each other or close on cloth: straight
+// out of the cleft from its middle, or back towards where the point was, whichever is shorter. Where neither leads out
+// the point stays. Straight out is nearly towards the point of the normals' hull that is nearest to the origin (Gilbert
+// 1966; the mean of the steepest one, again and again); how far is found by Newton's method and halving. All in one
+// loop, so that shaders hold the shapes' distances once more and not six times.
+inline vec3 out_of_cleft(ColliderSet set, ClothParams params, uint substep, vec3 start, vec3 position) {
+  vec4 back = unit_and_length(start - position);
+  vec3 out_of_it = position;
+  vec3 from = position;
+  vec3 direction = vec3(0.0f, 0.0f, 0.0f);
+  float t = 0.0f;
+  float inside = 0.0f;
+  float outside = -1.0f;
+  float most = 0.0f;
+  uint ways = 0u;
+  uint steps = 0u;
+  uint halvings = 0u;
+  for (uint i = 0u; ways < 2u; ++i) {
+    Held held = held_by(set, params, substep, shifted(from, direction, t), direction);
+    if (i == 0u) {
+      if (held.depth == 0.0f) ways = 2u;
+      from = shifted(position, held.normal, 0.5f * held.depth);
+      most = kFarthestOut * held.depth;
+    } else if (i <= kNormalsOfCleft) {
+      direction = shifted(direction, held.steepest, 1.0f);
+      if (i == kNormalsOfCleft) direction = xyz(unit_and_length(direction));
+    } else {
+      bool none = false;
+      if (held.depth == 0.0f) {
+        outside = t;
+      } else {
+        inside = t;
+        none = t >= most;
+      }
+      ++steps;
+      if (outside >= 0.0f) {
+        t = 0.5f * (inside + outside);
+        ++halvings;
+      } else {
+        t = min(t + held.way, most);
+      }
+      if (none || steps == kWaySteps || halvings == kWayHalvings) {
+        if (outside >= 0.0f) out_of_it = shifted(from, direction, outside);
+        most = outside >= 0.0f ? min(outside, back.w) : back.w;
+        from = position;
+        direction = xyz(back);
+        t = 0.0f;
+        inside = 0.0f;
+        outside = -1.0f;
+        steps = 0u;
+        halvings = 0u;
+        ++ways;
+      }
+    }
+  }
+  return out_of_it;
+}
+
 // All colliders in their order, with sweep and friction; then, while the point is still in one of several, it is only
 // pushed out, until all agree or the rounds are used up.
 inline PointState push_out(ColliderSet set, ClothParams params, uint substep, PointState point) {
@@ -183,7 +281,8 @@ inline PointState push_out(ColliderSet set, ClothParams params, uint substep, Po
       }
     }
   }
-  return state;
+  if (!again) return state;
+  return arrived(out_of_cleft(set, params, substep, start, state.position), way_of(state));
 }
 
 // On a moving parent the stored displacement leaves out `taken`, what the cloth was taken along with in this substep;

@@ -23,7 +23,7 @@ inline PointState way_held(PointState point) {
   return r;
 }
 
-// Where colliders, as they are at the end of the substep, let a point go from `start`.
+// Where colliders, as they are at the end of the substep, let a point go from `start`; nowhere if they do not agree.
 inline vec3 kept_out(ColliderSet set, ClothParams params, uint substep, vec3 start, vec3 moved) {
   vec3 position = moved;
   vec3 last = vec3(0.0f, 0.0f, 0.0f);
@@ -45,7 +45,7 @@ inline vec3 kept_out(ColliderSet set, ClothParams params, uint substep, vec3 sta
       again = params.collider_count > 1u || shape.kind == kShapeMesh;  // its field is not quite a distance
     }
   }
-  return position;
+  return again ? start : position;
 }
 
 inline PointState way_given(ColliderSet set, ClothParams params, uint substep, PointState held) {

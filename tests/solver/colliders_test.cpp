@@ -137,22 +137,46 @@ TEST(Collider, ClothBetweenBallAndFloorIsInNeither) {
   for (const Vec3& v : test::velocities_of(solver)) EXPECT_LT(length(v), 10);
 }
 
-// Pushed out of one side and then the other, in twelve rounds, it is still deep in both.
-TEST(Collider, ClothDeepInANarrowWedgeOfTwoSolidsIsOutOfBothAfterOneSubstep) {
+/// Two planes that lean on each other, so many degrees apart, open towards +x.
+std::vector<Collider> cleft(float degrees) {
+  const float half = degrees * std::numbers::pi_v<float> / 360;
+  const float s = std::sin(half), c = std::cos(half);
+  return {{"below", Plane{{}, {s, c, 0}}, 0.3F, {}}, {"above", Plane{{}, {s, -c, 0}}, 0.3F, {}}};
+}
+
+/// A little cloth at (x, 0, 0), after one substep.
+Solver cloth_between(const std::vector<Collider>& solids, float x) {
   SheetOptions options;
   options.nx = options.ny = 3;
   options.width = options.height = 0.01F;
   options.horizontal = true;
-  options.center = {-0.2F, 0, 0};
+  options.center = {x, 0, 0};
   SolverSettings settings = test::cpu_settings();
   settings.substeps = 1;
   settings.gravity = {};
   Solver solver(std::vector{test::describe(make_sheet(options))}, settings);
-  const float s = std::sin(std::numbers::pi_v<float> / 18), c = std::cos(std::numbers::pi_v<float> / 18);
-  solver.set_colliders(std::vector<Collider>{{"below", Plane{{}, {s, c, 0}}, 0.3F, {}},  // 20 degrees apart
-                                             {"above", Plane{{}, {s, -c, 0}}, 0.3F, {}}});
+  solver.set_colliders(solids);
   solver.step();
-  EXPECT_LE(solver.statistics().penetration, 0.0);
+  return solver;
+}
+
+// Pushed out of one side and then the other, in twelve rounds, it is still deep in both.
+TEST(Collider, ClothDeepInANarrowCleftOfTwoSolidsIsOutOfBothAfterOneSubstep) {
+  for (const float degrees : {20.F, 12.F, 6.F, 4.F}) {
+    Solver solver = cloth_between(cleft(degrees), -0.2F);
+    EXPECT_LE(solver.statistics().penetration, 1e-5) << degrees;
+    for (const Vec3& p : test::positions_of(solver)) EXPECT_LT(p.x, 0.05F) << degrees;  // no farther than needs be
+  }
+}
+
+TEST(Collider, ClothDeepInACleftUnderABallIsOutAlongTheCleft) {
+  for (const float degrees : {20.F, 12.F}) {
+    std::vector<Collider> solids = cleft(degrees);
+    solids.push_back({"ball", Sphere{{0.16F, 0, -0.1F}, 0.2F}, 0.3F, {}});
+    Solver solver = cloth_between(solids, -0.02F);
+    EXPECT_LE(solver.statistics().penetration, 1e-5) << degrees;
+    for (const Vec3& p : test::positions_of(solver)) EXPECT_LT(length(p), 0.3F) << degrees;
+  }
 }
 
 TEST(Collider, PointsThatStartDeepInsideComeOutWithoutAnExplosion) {

@@ -186,6 +186,16 @@ std::vector<Case> cases() {
                   {},
                   "top"});
   list.push_back({"all colliders", make_sheet({.nx = 53, .ny = 55}), attached(), few_substeps(), all_shapes(), breeze});
+  // Four degrees apart: half of the sheet begins deep in both.
+  list.push_back({"cleft",
+                  make_sheet({.nx = 45, .ny = 20, .width = 0.1F, .charts_x = 2, .horizontal = true}),
+                  attached(),
+                  few_substeps(),
+                  {{"below", Plane{{}, {0.0349F, 0.99939F, 0}}, 0.3F, {}},
+                   {"above", Plane{{}, {0.0349F, -0.99939F, 0}}, 0.3F, {}},
+                   {"ball", Sphere{{0.1F, 0, 0.3F}, 0.1F}, 0.3F, {}}},
+                  {}});
+  list.back().collider_step = 0.001F;
   list.push_back({"wind", make_sheet({.nx = 80, .ny = 20}), {}, few_substeps(), {}, breeze, "top"});
   list.push_back({"seams", make_sheet({.nx = 60, .ny = 45, .charts_x = 3, .charts_y = 2, .gap = 3}), attached(),
                   few_substeps(), all_shapes(), breeze});

@@ -167,6 +167,23 @@ TEST_F(VulkanBackendTest, SheetOverAMovingSphereAgreesAfterSixtyFrames) {
   EXPECT_LE(outcome.statistics.penetration, double{Material{}.thickness});
 }
 
+TEST_F(VulkanBackendTest, ClothThatIsDeepInTheCleftOfTwoSolidsAgreesOnEveryPath) {
+  SheetOptions options = kCut;
+  options.horizontal = true;
+  options.width = 0.1F;
+  for (const SolverPath path : {SolverPath::plain, SolverPath::tiled, SolverPath::tiny}) {
+    Play scene{.cloths = {cloth_of(options)}, .settings = settings_of(4), .frames = 3};
+    scene.settings.path = path;
+    scene.settings.check_copies = true;
+    scene.before_frame = [](Solver& solver, uint32_t) {
+      solver.set_colliders(std::vector<Collider>{{"below", Plane{{}, {0.0349F, 0.99939F, 0}}, 0.3F, {}},
+                                                 {"above", Plane{{}, {0.0349F, -0.99939F, 0}}, 0.3F, {}}});
+    };
+    const Outcome outcome = expect_same_as_cpu(scene);
+    EXPECT_LE(outcome.statistics.penetration, double{Material{}.thickness});
+  }
+}
+
 TEST_F(VulkanBackendTest, ManyCollidersOfChangingNumberAgree) {
   Play scene = over_collider(Sphere{{}, 0.2F}, 12);
   scene.before_frame = [](Solver& solver, uint32_t frame) {

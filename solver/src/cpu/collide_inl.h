@@ -9,6 +9,7 @@
 #endif
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 
@@ -151,6 +152,7 @@ HWY_NOINLINE Contacts<D> sweep_points(D d, const float* numbers, const shader::C
 
 /// What all points of a substep meet.
 struct Meeting {
+  const PassContext& context;
   const FrameInput& frame;
   const shader::ClothParams& params;
   const shader::ColliderPose* poses;
@@ -158,8 +160,9 @@ struct Meeting {
   Guards guards;
 
   Meeting(const SweepFrame& sweep, uint32_t substep)
-      : frame(sweep.contexts[substep].frame),
-        params(sweep.contexts[substep].cloth.params),
+      : context(sweep.contexts[substep]),
+        frame(context.frame),
+        params(context.cloth.params),
         poses(frame.poses.data() + substep * frame.shapes.size()),
         numbers(frame.collider_numbers ? frame.collider_numbers->data() : nullptr),
         guards(sweep, substep) {}
@@ -182,6 +185,27 @@ HWY_INLINE Contacts<D> find_contacts(D d, const Meeting& meeting, const shader::
   replace(entry.touches, entry.normal, r.normal);
   r.depth = hn::IfThenElse(entry.touches, entry.depth, r.depth);
   return r;
+}
+
+/// out_of_cleft() of lib/collide.h, lane by lane.
+template <class D>
+HWY_NOINLINE Points<D> out_of_cleft(D d, const Meeting& meeting, Mask<D> lanes, Points<D> start, Points<D> position) {
+  using Coordinates = std::array<float, hn::MaxLanes(D())>;
+  std::array<uint8_t, 8> bits{};
+  hn::StoreMaskBits(d, lanes, bits.data());
+  Coordinates x{}, y{}, z{}, start_x{}, start_y{}, start_z{};
+  const PointRow row{x.data(), y.data(), z.data()};
+  store(d, position, row);
+  store(d, start, {start_x.data(), start_y.data(), start_z.data()});
+  for (size_t k = 0; k < hn::Lanes(d); ++k) {
+    if ((bits[k / 8] >> k % 8 & 1) == 0) continue;
+    const shader::vec3 out =
+        cpu::out_of_cleft(meeting.context, {start_x[k], start_y[k], start_z[k]}, {x[k], y[k], z[k]});
+    x[k] = out.x;
+    y[k] = out.y;
+    z[k] = out.z;
+  }
+  return load(d, row);
 }
 
 /// push_out() of lib/collide.h.
@@ -222,6 +246,14 @@ HWY_INLINE void push_out(D d, const Meeting& meeting, Mask<D> lanes, PointStates
     }
     again = touched;
   }
+  if (hn::AllFalse(d, again)) return;
+  const Points<D> way = add(sub(points.position, points.previous), points.carry);
+  const Points<D> position = out_of_cleft(d, meeting, again, {start.x, start.y, start.z},
+                                          {points.position.x, points.position.y, points.position.z});
+  const Points<D> previous = sub(position, way);
+  replace(again, position, points.position);
+  replace(again, previous, points.previous);
+  replace(again, sub(way, sub(position, previous)), points.carry);
 }
 
 /// limit_speed() of lib/collide.h.

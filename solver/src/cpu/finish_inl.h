@@ -59,7 +59,7 @@ HWY_INLINE void keep_out(D d, const Meeting& meeting, Mask<D> lanes, const Point
     }
     again = touched;
   }
-  moved = position;
+  moved = choose<D>(again, start, position);
 }
 
 template <class D>

@@ -296,6 +296,10 @@ void move_pins(const PassContext& context, ClothState& state, uint32_t first, ui
   }
 }
 
+vec3 out_of_cleft(const PassContext& context, const vec3& start, const vec3& position) {
+  return shader::out_of_cleft(colliders_of(context.frame), context.cloth.params, context.substep, start, position);
+}
+
 void collide_cell(const PassContext& context, ClothState& state, uint32_t x, uint32_t y) {
   const shader::ColliderSet set = colliders_of(context.frame);
   const auto triangle = [&](uint32_t a, uint32_t b, uint32_t c) {

@@ -31,6 +31,9 @@ struct PassContext {
 /// Parts of passes, for whoever goes through a cloth in another order: the result is the same.
 void move_pins(const PassContext& context, ClothState& state, uint32_t first, uint32_t last);  ///< entries of the list
 void collide_cell(const PassContext& context, ClothState& state, uint32_t x, uint32_t y);      ///< its triangles
+/// out_of_cleft() of lib/collide.h, which few points need.
+[[nodiscard]] shader::vec3 out_of_cleft(const PassContext& context, const shader::vec3& start,
+                                        const shader::vec3& position);
 void normal_pixels(ClothState& state, uint32_t first, uint32_t last);
 /// Where the pins pass puts a pin that is at `position`; a held one from wherever it was before.
 [[nodiscard]] shader::vec3 pinned_position(const PassContext& context, const shader::PinTarget& pin,
