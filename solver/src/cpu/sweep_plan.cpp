@@ -76,7 +76,7 @@ class SweepPlanner {
         lanes_(lanes),
         width_(state.data.width),
         height_(state.data.height),
-        strip_(rows_at_once(runs, state.data.height)) {
+        strip_(rows_at_once(runs, state.data.height, in_bands && state.data.split_rows() == 0)) {
     plan_->lanes_ = lanes;
   }
 
@@ -160,13 +160,14 @@ class SweepPlanner {
   }
 
   /// A pass begins with what has to wait for roots and divisions: it should go on for so many pixels then. More would
-  /// be out of the nearest cache when the next pass comes.
-  static uint32_t rows_at_once(const std::vector<Run>& runs, uint32_t height) {
-    constexpr uint32_t kPixels = 1400, kLeast = 4, kMost = 16;
+  /// be out of the nearest cache when the next pass comes. Threads that follow each other from substep to substep do so
+  /// strip by strip, and wait less where these are short.
+  static uint32_t rows_at_once(const std::vector<Run>& runs, uint32_t height, bool followed) {
+    constexpr uint32_t kPixels = 1400, kPixelsFollowed = 700, kLeast = 4, kMost = 16;
     uint64_t pixels = 0;
     for (const Run& run : runs) pixels += run.last - run.first;
-    return static_cast<uint32_t>(
-        std::clamp<uint64_t>(uint64_t{kPixels} * height / std::max<uint64_t>(pixels, 1), kLeast, kMost));
+    const uint64_t wanted = uint64_t{followed ? kPixelsFollowed : kPixels} * height;
+    return static_cast<uint32_t>(std::clamp<uint64_t>(wanted / std::max<uint64_t>(pixels, 1), kLeast, kMost));
   }
 
   /// Groups that bends_along() does with the first one.
