@@ -195,14 +195,14 @@ HWY_INLINE void project_bends(D d, const SweepOp& op, const BendLines& lines, ui
       },
       [&](uint32_t k, const Ways<D>& ways) GEOCLOTH_LANES {
         const size_t i = pixel[k];
-        const PointRow pa = lines.a.at(i), pm = lines.middle.at(i), pb = lines.b.at(i);
-        Points<D> a = load(d, pa), middle = load(d, pm), b = load(d, pb);
+        Points<D> a = load(d, lines.a.at(i)), middle = load(d, lines.middle.at(i)), b = load(d, lines.b.at(i));
         project_bend(d, ways, a, hn::LoadU(d, lines.a.inverse_mass + i), middle,
                      hn::LoadU(d, lines.middle.inverse_mass + i), b, hn::LoadU(d, lines.b.inverse_mass + i),
                      constants + k * floats, Multipliers<kSeveral, D>(op, k, lanes));
-        store(d, a, pa);
-        store(d, middle, pm);
-        store(d, b, pb);
+        const size_t j = anew(i);
+        store(d, a, lines.a.at(j));
+        store(d, middle, lines.middle.at(j));
+        store(d, b, lines.b.at(j));
       });
 }
 
