@@ -3,6 +3,7 @@
 #include "constraints.glsl"
 #include "contacts.glsl"
 #include "limit.glsl"
+#include "lines.glsl"
 #include "normals.glsl"
 #include "predict.glsl"
 #include "stitch.glsl"
@@ -94,6 +95,14 @@ void run_pixels(uint pass, bool pins_too) {
   }
 }
 
+// Only of whole cloths: what one end of a line does, the other one needs.
+void run_lines() {
+  for (uint n = gl_LocalInvocationIndex; n < (constants.group == 0u ? params.height : params.width);
+       n += gl_WorkGroupSize.x) {
+    line_at(n);
+  }
+}
+
 void run_list(uint pass) {
   for (uint i = gl_LocalInvocationIndex; i < constants.count; i += gl_WorkGroupSize.x) {
     switch (pass) {
@@ -135,6 +144,8 @@ void run_steps() {
       run_bends();
     } else if (next.pass == kTileSpans) {
       run_spans();
+    } else if (next.pass == kTileLines) {
+      run_lines();
     } else if (next.pass == kTileNormals || next.pass == kTilePredict || next.pass == kTileLimit ||
                next.pass == kTileCollide || next.pass == kTileHoldWay || next.pass == kTileGiveWay ||
                next.pass == kTileCheckColliders) {

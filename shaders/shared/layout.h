@@ -12,7 +12,7 @@
 //                        structural: right, down; shear: down-right, down-left; bending: right two, down two
 //                        bending with a rigidity (lib/bend.h): rest and compliance of the bends over the same pixels;
 //                        compliance 0: no bend
-//   cell       r32ui     CellBit of cloth_asset.h
+//   cell       r32ui     CellBit of cloth_asset.h, and kCellCopyBit of lib/lines.h
 //   offset     rgba32f   xyz what position lacks, w = inverse mass; only with ClothParams::fine, see lib/fine.h
 // clang-format on
 // Buffers: see the structs below. `pixel` is always y * width + x.

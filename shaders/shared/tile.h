@@ -35,6 +35,7 @@ const uint kTileSeamSpans = 13u;
 const uint kTileHoldWay = 14u;
 const uint kTileTies = 15u;
 const uint kTileGiveWay = 16u;
+const uint kTileLines = 17u;
 
 // One pass, with what it would get as PassConstants.
 struct TileStep {

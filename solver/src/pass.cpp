@@ -90,6 +90,7 @@ std::vector<PassStep> finish_schedule(const ScheduleOptions& options) {
   std::vector<PassStep> steps;
   if (!options.ties) return steps;
   steps.push_back({Pass::hold_way});
+  for (uint32_t direction = 0; direction < 2; ++direction) steps.push_back({Pass::lines, direction});
   for (uint32_t r = 0; r < kRounds; ++r) {
     for (uint32_t g = 0; g < kGroupsPerFamily; ++g)
       steps.push_back({Pass::ties, g, r + 1 == kRounds && g % 2 == 1 ? 1U : 0U});

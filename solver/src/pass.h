@@ -37,6 +37,7 @@ enum class Pass : uint8_t {
   stitch_contacts,  ///< per split row, after it: as stitch, of the copies' velocities too
   collide,          ///< per pixel: largest speed, then colliders with friction; writes position and previous
   hold_way,         ///< per pixel, at a frame's end: its way is put aside, for lib/finish.h
+  lines,            ///< per row (group 0) or column (group 1): runs of structural springs at once, lib/lines.h
   ties,             ///< per structural spring, groups 0..3: pulled to its longest length; relaxation 1: by kTieShare
   give_way,         ///< per pixel: out of colliders, and the way that was put aside
   check_copies,     ///< per split row: largest distance between copies
@@ -49,7 +50,7 @@ struct PassInfo {
   std::string_view name;
   std::string_view shader;  ///< file in shaders/cloth/
 };
-inline constexpr std::array<PassInfo, 31> kPasses{{
+inline constexpr std::array<PassInfo, 32> kPasses{{
     {Pass::normals, "normals", "normals.comp"},
     {Pass::normals_stitch, "normals_stitch", "normals_stitch.comp"},
     {Pass::rescale, "rescale", "rescale.comp"},
@@ -76,6 +77,7 @@ inline constexpr std::array<PassInfo, 31> kPasses{{
     {Pass::stitch_contacts, "stitch_contacts", "stitch_contacts.comp"},
     {Pass::collide, "collide", "collide.comp"},
     {Pass::hold_way, "hold_way", "hold_way.comp"},
+    {Pass::lines, "lines", "lines.comp"},
     {Pass::ties, "ties", "ties.comp"},
     {Pass::give_way, "give_way", "give_way.comp"},
     {Pass::check_copies, "check_copies", "check_copies.comp"},
@@ -120,7 +122,7 @@ struct ScheduleOptions {
   /// Like the spans, and where uneven springs hang from pins; but not on offsets, not where a triangle may be pulled
   /// over a thin collider, not between pins that are pulled apart, and not for cloth that is to fall asleep: what ties
   /// pull together sinks back at a centimetre a second.
-  bool ties = false;
+  bool ties = false;  ///< and lines
   bool self_collision = false;
   bool collide = false;      ///< colliders, or max_speed > 0
   uint32_t cell_rounds = 0;  ///< over the cells, where a collider is so thin or so fast that it may slip through
@@ -139,8 +141,8 @@ struct ScheduleOptions {
 ///   { collide_cells, stitch_contacts } x rounds, collide [check]
 [[nodiscard]] std::vector<PassStep> substep_schedule(const ScheduleOptions& options);
 
-/// The passes after those of a frame's last substep, which belong to it: hold_way { ties, [ties on seams, stitch] } x
-/// 3, give_way [check], or none.
+/// The passes after those of a frame's last substep, which belong to it: hold_way, lines x 2, { ties, [ties on seams,
+/// stitch] } x 3, give_way [check], or none.
 [[nodiscard]] std::vector<PassStep> finish_schedule(const ScheduleOptions& options);
 
 /// The passes after all of a frame: normals [measure_motion].

@@ -93,13 +93,14 @@ TEST(Sleeping, AMovingColliderWakesItAndItGoesOnAsIfAwake) {
   SolverSettings settings = sleepy();
   settings.sleep_speed = 0.001F;
   Solver sleeper = hanging(settings);
-  settings.sleep_speed = 0;
+  settings.sleep_speed = 1e-9F;  // has the same passes and never sleeps
   Solver awake = hanging(settings);
   for (Solver* solver : {&sleeper, &awake}) solver->set_colliders(std::vector{ball_at(0.4F)});
   const uint32_t frames = run_to_sleep(sleeper);
   run(awake, frames);
   run(sleeper, 60);
   run(awake, 60);
+  EXPECT_FALSE(awake.asleep(0));
   const std::vector<Vec3> before = positions_of(sleeper);
   for (int f = 1; f <= 60; ++f) {
     const float z = 0.4F - 0.007F * static_cast<float>(f);

@@ -9,6 +9,7 @@
 
 #include "cpu/collider_set.h"
 #include "cpu/curvature.h"
+#include "cpu/lines.h"
 #include "cpu/self_passes.h"
 #include "cpu/spans.h"
 #include "cpu/springs.h"
@@ -376,6 +377,8 @@ void run_pass(const PassStep& step, const PassContext& context, ClothState& stat
       return collide(context, state);
     case Pass::hold_way:
       return hold_way(context, state);
+    case Pass::lines:
+      return lines(context, state, step);
     case Pass::ties:
       return ties(context, state, step);
     case Pass::give_way:

@@ -68,6 +68,25 @@ struct RowStream {
   std::vector<Run> thirds;  ///< bends_along: of each row, that its blocks reach
 };
 
+/// Floats for each point and lane in a LineStream, and as many in what goes from its sweep forth to the one back.
+inline constexpr uint32_t kLineFloats = 2;
+
+/// As many rows or columns side by side as a vector has lanes, and of those the points that a spring leads to.
+struct LineBlock {
+  uint32_t first;    ///< pixel of the first lane's first point
+  uint32_t points;   ///< along rows a multiple of four
+  uint32_t lines;    ///< along rows: that the image has of a vector's
+  size_t constants;  ///< place of the first point's
+};
+
+/// What line relaxation works through in one direction. Blocks share no point.
+struct LineStream {
+  std::vector<LineBlock> blocks;
+  float diagonal = 1;  ///< line_diagonal() of lib/lines.h
+  Floats
+      constants;  ///< of each point: for each lane its weight, 0 where it stays, and its spring's longest length or 0
+};
+
 /// One pass in a sweep: from the time t to t + n of the sweep it works on the rows t - lag .. t + n - 1 - lag.
 struct SweepOp {
   RowKernel kernel;
@@ -159,6 +178,11 @@ void run_normals(uint32_t lanes, ClothState& state, std::span<const Run> runs);
 
 /// The pass collide_cells: one group's cells of a row, without those that no collider can reach.
 void run_cells(uint32_t lanes, const SweepFrame& frame, uint32_t substep, uint32_t group, uint32_t y);
+
+/// The pass lines: some blocks along rows (group 0) or columns.
+/// @param kept  memory as long as the stream's constants, of blocks that nobody else works on
+void run_lines(uint32_t lanes, ClothState& state, const LineStream& stream, uint32_t group, uint32_t first,
+               uint32_t last, float* kept);
 
 /// Lanes of this processor's vectors.
 [[nodiscard]] uint32_t vector_lanes();

@@ -24,6 +24,7 @@
 #include "cpu/collide_inl.h"
 #include "cpu/constraints_inl.h"
 #include "cpu/finish_inl.h"
+#include "cpu/lines_inl.h"
 #include "cpu/normals_inl.h"
 #include "cpu/predict_inl.h"
 
@@ -37,6 +38,7 @@ void run_normals_here(uint32_t, ClothState& state, std::span<const Run> runs) {
   for (const Run& run : runs) normal_pixels(state, run.first, run.last);
 }
 void run_cells_here(uint32_t, const SweepFrame&, uint32_t, uint32_t, uint32_t) {}
+void run_lines_here(uint32_t, ClothState&, const LineStream&, uint32_t, uint32_t, uint32_t, float*) {}
 uint32_t lanes_here() {
   return 1;
 }
@@ -194,6 +196,16 @@ void run_cells_here(uint32_t lanes, const SweepFrame& frame, uint32_t substep, u
   with_lanes(lanes, [&](auto d) GEOCLOTH_LANES { collide_cells(d, frame, substep, group, y); });
 }
 
+void run_lines_here(uint32_t lanes, ClothState& state, const LineStream& stream, uint32_t group, uint32_t first,
+                    uint32_t last, float* kept) {
+  with_lanes(lanes, [&](auto d) GEOCLOTH_LANES {
+    for (uint32_t k = first; k < last; ++k) {
+      group == 0 ? rows_of(d, stream, state, kept, stream.blocks[k])
+                 : columns_of(d, stream, state, kept, stream.blocks[k]);
+    }
+  });
+}
+
 uint32_t lanes_here() {
   return static_cast<uint32_t>(hn::Lanes(hn::ScalableTag<float>()));
 }
@@ -212,6 +224,7 @@ namespace geocloth::cpu {
 HWY_EXPORT(run_sweep_here);
 HWY_EXPORT(run_normals_here);
 HWY_EXPORT(run_cells_here);
+HWY_EXPORT(run_lines_here);
 HWY_EXPORT(lanes_here);
 HWY_EXPORT(target_here);
 
@@ -224,6 +237,10 @@ void run_normals(uint32_t lanes, ClothState& state, std::span<const Run> runs) {
 }
 void run_cells(uint32_t lanes, const SweepFrame& frame, uint32_t substep, uint32_t group, uint32_t y) {
   HWY_DYNAMIC_DISPATCH(run_cells_here)(lanes, frame, substep, group, y);
+}
+void run_lines(uint32_t lanes, ClothState& state, const LineStream& stream, uint32_t group, uint32_t first,
+               uint32_t last, float* kept) {
+  HWY_DYNAMIC_DISPATCH(run_lines_here)(lanes, state, stream, group, first, last, kept);
 }
 uint32_t vector_lanes() {
   return HWY_DYNAMIC_DISPATCH(lanes_here)();

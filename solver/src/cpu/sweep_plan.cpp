@@ -19,6 +19,7 @@
 #include "cpu/springs.h"
 #include "lib/bend.h"
 #include "lib/bend_groups.h"
+#include "lib/lines.h"
 #include "lib/spring_groups.h"
 
 namespace geocloth::cpu {
@@ -88,6 +89,7 @@ class SweepPlanner {
         std::all_of(substep.begin(), substep.end(), [](const PassStep& s) { return goes_by_rows(s.pass); });
     for (const PassStep& step : substep) {
       if (is_with_first_group(step)) continue;
+      if (step.pass == Pass::lines) lay_out_lines(step.group);
       if (!goes_by_rows(step.pass)) {
         plan_->parts_.emplace_back(step);
         continue;
@@ -486,6 +488,52 @@ class SweepPlanner {
     return {.kernel = kernel, .offset = offset, .stream = &stream};
   }
 
+  /// Lines along rows (group 0) go as far as some point of them has a spring, in fours that are turned at once.
+  void lay_out_lines(uint32_t group) {
+    constexpr uint32_t kTurned = 4;
+    LineStream& stream = plan_->lines_[group];
+    stream.diagonal = shader::line_diagonal(cloth_.params.inverse_dt2);
+    const bool along = group == 0;
+    const uint32_t lines = along ? height_ : width_, length = along ? width_ : height_, at_once = along ? kTurned : 1;
+    for (uint32_t line = 0; line < lines; line += lanes_) {
+      const uint32_t count = std::min(lanes_, lines - line);
+      bool goes_on = false;
+      for (uint32_t k = 0; k < length; k += at_once) {
+        bool any = false;
+        for (uint32_t n = 0; n < at_once * count; ++n) any = any || is_in_line(group, line + n % count, k + n / count);
+        if (any && !goes_on) {
+          const uint32_t first = along ? line * width_ + k : k * width_ + line;
+          stream.blocks.push_back({first, 0, count, stream.constants.size()});
+        }
+        goes_on = any;
+        if (!any) continue;
+        stream.blocks.back().points += at_once;
+        for (uint32_t i = k; i < k + at_once; ++i) add_line_points(stream, group, line, count, i);
+      }
+    }
+  }
+
+  void add_line_points(LineStream& stream, uint32_t group, uint32_t line, uint32_t count, uint32_t k) const {
+    const size_t place = stream.constants.size();
+    stream.constants.resize(place + size_t{kLineFloats} * lanes_, 0.F);
+    for (uint32_t lane = 0; lane < count; ++lane) {
+      if (!is_in_line(group, line + lane, k)) continue;
+      const size_t pixel = pixel_of_line(group, line + lane, k);
+      stream.constants[place + lane] = shader::line_weight(state_.inverse_mass[pixel], state_.data.cell[pixel]);
+      stream.constants[place + lanes_ + lane] = state_.rest[group][pixel] * cloth_.params.stretch_limit;
+    }
+  }
+
+  [[nodiscard]] size_t pixel_of_line(uint32_t group, uint32_t line, uint32_t k) const {
+    return group == 0 ? size_t{line} * width_ + k : size_t{k} * width_ + line;
+  }
+
+  /// A spring begins or ends there.
+  [[nodiscard]] bool is_in_line(uint32_t group, uint32_t line, uint32_t k) const {
+    const std::vector<float>& rest = state_.rest[group];
+    return rest[pixel_of_line(group, line, k)] > 0 || (k > 0 && rest[pixel_of_line(group, line, k - 1)] > 0);
+  }
+
   /// Pixels of a row are held by anchors of neighbouring columns, more or less: in that order a vector's lanes choose
   /// from as many anchors as it has lanes.
   void order_anchors() {
@@ -606,6 +654,7 @@ size_t SweepPlan::memory_bytes() const {
     sum += bytes(s->row_first) + bytes(s->group_first) + bytes(s->pixel) + bytes(s->beside) + bytes(s->constants) +
            bytes(s->multipliers) + bytes(s->anchors) + bytes(s->first_anchor) + bytes(s->runs) + bytes(s->thirds);
   }
+  for (const LineStream& s : lines_) sum += bytes(s.blocks) + bytes(s.constants);
   return sum;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <memory>
 #include <variant>
 #include <vector>
@@ -23,6 +24,8 @@ class SweepPlan {
 
   [[nodiscard]] uint32_t lanes() const { return lanes_; }
   [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
+  /// Of the pass lines, along rows and along columns; empty without it.
+  [[nodiscard]] const LineStream& lines(uint32_t group) const { return lines_[group]; }
   /// Place of each pin among the anchors; none without attachments.
   [[nodiscard]] const std::vector<uint32_t>& anchor_of_pin() const { return anchor_of_pin_; }
   [[nodiscard]] size_t memory_bytes() const;
@@ -34,6 +37,7 @@ class SweepPlan {
   uint32_t lanes_ = 0;
   std::vector<std::unique_ptr<RowStream>> streams_;
   std::vector<Part> parts_;
+  std::array<LineStream, 2> lines_;
   std::vector<uint32_t> anchor_of_pin_;
 };
 

@@ -18,7 +18,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr uint32_t kCellRowGrain = 16;  ///< rows of cells that are worth a thread of their own
+constexpr uint32_t kCellRowGrain = 16;   ///< rows of cells that are worth a thread of their own
+constexpr uint32_t kLineBlockGrain = 2;  ///< blocks of lines
 
 }  // namespace
 
@@ -58,18 +59,39 @@ void SweepRunner::make_scratch(uint32_t threads) {
     }
   }
   scratch_.assign(threads * scratch_length_, 0.F);
+  size_t line_floats = 0;
+  for (uint32_t group = 0; group < 2 && finish_.sweeps; ++group)
+    line_floats = std::max(line_floats, finish_.sweeps->lines(group).constants.size());
+  line_scratch_.assign(line_floats, 0.F);
 }
 
-void SweepRunner::run_step(const PassStep& step, const SweepFrame& frame, const PassContext& context,
-                           const Measuring& measuring, const RunPass& pass) const {
-  if (step.pass != Pass::collide_cells) return pass(step, context);
-  const auto start = Clock::now();
-  const uint32_t height = frame.state->data.height, odd = shader::cell_corner(step.group, 0, 0).y;
+void SweepRunner::run_cell_rows(const SweepFrame& frame, const PassContext& context, uint32_t group) const {
+  const uint32_t height = frame.state->data.height, odd = shader::cell_corner(group, 0, 0).y;
   const uint32_t rows = (height - odd) / 2;
   context.threads.for_range(rows, kCellRowGrain, [&](uint32_t first, uint32_t last) {
     for (uint32_t j = first; j < last; ++j)
-      run_cells(substep_.sweeps->lanes(), frame, context.substep, step.group, 2 * j + odd);
+      run_cells(substep_.sweeps->lanes(), frame, context.substep, group, 2 * j + odd);
   });
+}
+
+void SweepRunner::run_line_blocks(const SweepPlan& plan, const SweepFrame& frame, const PassContext& context,
+                                  uint32_t group) {
+  const LineStream& stream = plan.lines(group);
+  const auto count = static_cast<uint32_t>(stream.blocks.size());
+  context.threads.for_range(count, kLineBlockGrain, [&](uint32_t first, uint32_t last) {
+    run_lines(plan.lanes(), *frame.state, stream, group, first, last, line_scratch_.data());
+  });
+}
+
+void SweepRunner::run_step(const Plan& plan, const PassStep& step, const SweepFrame& frame, const PassContext& context,
+                           const Measuring& measuring, const RunPass& pass) {
+  if (step.pass != Pass::collide_cells && step.pass != Pass::lines) return pass(step, context);
+  const auto start = Clock::now();
+  if (step.pass == Pass::lines) {
+    run_line_blocks(*plan.sweeps, frame, context, step.group);
+  } else {
+    run_cell_rows(frame, context, step.group);
+  }
   if (measuring.seconds == nullptr) return;
   (*measuring.seconds)[static_cast<size_t>(step.pass)] += std::chrono::duration<double>(Clock::now() - start).count();
 }
@@ -91,7 +113,7 @@ void SweepRunner::run_in_bands(const Plan& plan, const SweepFrame& frame, uint32
       if (const auto* step = std::get_if<PassStep>(&parts[n])) {
         const PassContext& all = contexts_[substep];
         const Threads& share = phase.kind == BandPhase::Kind::alone ? alone_ : plan.shares[task];
-        run_step(*step, frame, {all.frame, all.cloth, share, substep, all.relaxation_steps}, {}, pass);
+        run_step(plan, *step, frame, {all.frame, all.cloth, share, substep, all.relaxation_steps}, {}, pass);
         continue;
       }
       SweepFrame own = frame;
@@ -172,7 +194,7 @@ void SweepRunner::run_plan(Plan& plan, SweepFrame frame, uint32_t first, uint32_
     for (uint32_t s = first; s < last; ++s) {
       for (const SweepPlan::Part& part : parts) {
         if (const auto* step = std::get_if<PassStep>(&part)) {
-          run_step(*step, frame, contexts_[s], measuring, pass);
+          run_step(plan, *step, frame, contexts_[s], measuring, pass);
         } else {
           run_substeps(frame, std::get<Sweep>(part), s, s + 1, threads, measuring);
         }

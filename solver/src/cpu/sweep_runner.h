@@ -34,7 +34,9 @@ class SweepRunner {
   /// Unit normals of all pixels from their own cells.
   void normals(const Threads& threads, ClothState& state) const;
 
-  [[nodiscard]] size_t memory_bytes() const { return substep_.memory_bytes() + finish_.memory_bytes(); }
+  [[nodiscard]] size_t memory_bytes() const {
+    return substep_.memory_bytes() + finish_.memory_bytes() + line_scratch_.capacity() * sizeof(float);
+  }
 
  private:
   /// What the constants in the plan follow from, besides the cloth itself.
@@ -58,8 +60,10 @@ class SweepRunner {
   /// @return length of a line of them
   uint32_t place_anchors(const ClothState& state);
   /// One thread's share of what does not go by rows; with the guards of colliders where they help.
-  void run_step(const PassStep& step, const SweepFrame& frame, const PassContext& context, const Measuring& measuring,
-                const RunPass& pass) const;
+  void run_step(const Plan& plan, const PassStep& step, const SweepFrame& frame, const PassContext& context,
+                const Measuring& measuring, const RunPass& pass);
+  void run_cell_rows(const SweepFrame& frame, const PassContext& context, uint32_t group) const;
+  void run_line_blocks(const SweepPlan& plan, const SweepFrame& frame, const PassContext& context, uint32_t group);
   /// Runs a plan in the substeps first .. last - 1.
   void run_plan(Plan& plan, SweepFrame frame, uint32_t first, uint32_t last, const Threads& threads,
                 const Measuring& measuring, const RunPass& pass);
@@ -82,6 +86,7 @@ class SweepRunner {
   std::vector<float> penetration_;
   Floats scratch_;  ///< see SweepFrame, for each thread
   size_t scratch_length_ = 0;
+  Floats line_scratch_;  ///< for the blocks of LineStream
   std::vector<double> seconds_;
   std::vector<Progress> progress_;
 };

@@ -18,6 +18,7 @@
 #include "colliders/reach.h"
 #include "frame_input.h"
 #include "geocloth/asset/grid_mesh.h"
+#include "lib/lines.h"
 #include "rest/bends.h"
 #include "rest/rest_shape.h"
 #include "rest/seam_spans.h"
@@ -127,6 +128,7 @@ ClothData make_cloth_data(const ClothDesc& cloth, const Vec3& origin) {
   data.cell.assign(asset.cell.begin(), asset.cell.end());
   data.split_offset = asset.splits.offset;
   data.split_pixel = asset.splits.pixel;
+  for (const uint32_t p : data.split_pixel) data.cell[p] |= shader::kCellCopyBit;
   data.attachments = largest_stretch(cloth.material, {}, 0) > 0;
   data.uneven = has_uneven_springs(asset);
   if (data.attachments) {

@@ -43,6 +43,8 @@ std::optional<uint32_t> tile_pass(Pass pass) {
       return shader::kTileStitch;
     case Pass::hold_way:
       return shader::kTileHoldWay;
+    case Pass::lines:
+      return shader::kTileLines;
     case Pass::ties:
       return shader::kTileTies;
     case Pass::give_way:
@@ -85,10 +87,10 @@ Way way_of(const PassStep& step) {
 }
 
 /// Passes that only need points near their own, before and after the stitch of the shear springs and the spans, which
-/// reach too far for a tile; at a frame's end before and after the stitch of the ties.
+/// reach too far for a tile; at a frame's end, after the lines, which reach through all of the cloth, before and after
+/// the stitch of the ties.
 bool is_in_first_tile(Pass pass) {
-  return pass == Pass::predict || pass == Pass::pins || pass == Pass::shear || pass == Pass::hold_way ||
-         pass == Pass::ties;
+  return pass == Pass::predict || pass == Pass::pins || pass == Pass::shear || pass == Pass::ties;
 }
 bool is_in_second_tile(Pass pass) {
   return pass == Pass::bending || pass == Pass::curvature || pass == Pass::structural || pass == Pass::limit ||
@@ -101,7 +103,7 @@ bool writes_history(Pass pass) {
 }
 
 bool starts_tile(Pass pass) {
-  return pass == Pass::predict || pass == Pass::hold_way;
+  return pass == Pass::predict || pass == Pass::ties;
 }
 
 class Planner {

@@ -16,6 +16,7 @@
 #include "lib/span.h"
 #include "lib/spring_groups.h"
 #include "limit_comp.h"
+#include "lines_comp.h"
 #include "measure_motion_comp.h"
 #include "normals_comp.h"
 #include "normals_stitch_comp.h"
@@ -94,6 +95,8 @@ std::span<const uint32_t> spirv(Pass pass) {
       return collide_comp;
     case Pass::hold_way:
       return hold_way_comp;
+    case Pass::lines:
+      return lines_comp;
     case Pass::ties:
       return ties_comp;
     case Pass::give_way:
@@ -140,6 +143,7 @@ constexpr uint32_t groups(uint32_t count, uint32_t size) {
 /// Number of entries of a pass that runs over a list.
 uint32_t list_count(const ClothResources& cloth, const PassStep& step, uint32_t pins) {
   if (step.pass == Pass::pins) return pins;
+  if (step.pass == Pass::lines) return step.group == 0 ? cloth.height : cloth.width;
   if (step.pass == Pass::self_clear) return cloth.self.buckets;
   if (step.pass >= Pass::self_drift && step.pass <= Pass::self_push) return cloth.self.points;
   if (is_over_seams(step.pass)) return cloth.seam_color_offset[step.group + 1] - cloth.seam_color_offset[step.group];
@@ -225,6 +229,7 @@ void PassKernels::dispatch(const vk::raii::CommandBuffer& commands, const ClothR
     case Pass::self_insert:
     case Pass::self_find:
     case Pass::self_push:
+    case Pass::lines:
     case Pass::check_copies:
       break;
   }
