@@ -207,6 +207,24 @@ TEST(PartPanels, APieceOfACoarseMeshIsThoughtToHangAsItDoes) {
   EXPECT_NEAR(std::atan2(thought[0], thought[1]), std::atan2(true_up[0], true_up[1]), 0.02);
 }
 
+/// Darts that were drawn straight once would lose length each time.
+TEST(PartPanels, SeamsThatThereWereStayWhereTheyAre) {
+  const Laid laid = laid_flat(fan(0.9 * kPi));
+  const double pixel = std::sqrt(area_of(laid.charts)) / 192;
+  const std::vector<PartedPanels> ways = ways_to_part(laid.charts, laid.sheet, {.pixel = pixel, .seam_price = 0.05});
+  ASSERT_FALSE(ways.empty());
+  for (const PartedPanels& way : ways) {
+    for (const uint32_t v : outline_loop(laid.charts[0])) {
+      EXPECT_NE(way.sheet.pinned[laid.sheet.of_vertex[laid.charts[0].cut_vertex[v]]], 0);
+    }
+    size_t free = 0;
+    for (const uint32_t v : outline_loop(way.charts[0])) {
+      if (way.sheet.pinned[laid.sheet.of_vertex[way.charts[0].cut_vertex[v]]] == 0) ++free;
+    }
+    EXPECT_GT(free, 0U) << "the new seam";
+  }
+}
+
 /// The new seams end where they were chosen: if they slid to where they are shortest, the pieces would be others.
 TEST(PartPanels, AWideSkirtFillsTheImageBetter) {
   const CleanSurface skirt = fan(0.9 * kPi, 0.5);

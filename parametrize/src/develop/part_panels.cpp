@@ -623,19 +623,18 @@ std::vector<PartedPanels> ways_to_part(const std::vector<Chart>& charts, const S
   std::vector<PartedPanels> ways;
   if (!(options.pixel > 0) || charts.size() > kMostCharts) return ways;
   PanelParter parter(charts, seam_length(charts, sheet), options);
+  Sheet pinned = sheet;
+  for (const Chart& c : charts) {
+    for (const uint32_t v : outline_loop(c)) pinned.pinned[sheet.of_vertex[c.cut_vertex[v]]] = 1;
+  }
   for (int round = 0; round < kRounds && ways.empty(); ++round) {
     const std::vector<Choice> choice = parter.choose();
     if (choice.empty()) break;
     for (const auto& [chords, worth] : choice) {
-      PartedPanels way{charts, sheet, worth};
+      PartedPanels way{charts, pinned, worth};
       if (const std::optional<Chord> impossible = part_along(way.charts, chords, parter)) {
         parter.forbid(*impossible);
         continue;
-      }
-      for (const Chord& c : chords) {
-        for (const uint32_t place : {c.first, c.second}) {
-          way.sheet.pinned[sheet.of_vertex[charts[c.chart].cut_vertex[parter.vertex(c.chart, place)]]] = 1;
-        }
       }
       ways.push_back(std::move(way));
     }

@@ -36,7 +36,8 @@ struct Filling {
 /// The utilisation, as far as it is wanted, less the price of new seams; the step to what is enough counts more.
 [[nodiscard]] double worth_of(double utilisation, double new_seam, const PartingOptions& options);
 
-/// Charts that keep their places in the plane; the ends of new seams are pinned in the sheet.
+/// Charts that keep their places in the plane; outlines as they were are pinned in the sheet, so that only new seams
+/// are drawn straight: drawn once more, the others would become still shorter, and the cloth more stretched.
 struct PartedPanels {
   std::vector<Chart> charts;
   Sheet sheet;
