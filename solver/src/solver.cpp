@@ -81,9 +81,9 @@ bool blows(const std::optional<Wind>& wind) {
   return wind && length(wind->velocity) > 0 && (wind->drag > 0 || wind->lift > 0);
 }
 
-/// In a shorter step what a position moves by is lost in its rounding.
+constexpr double kShortStep = 1.0 / 5000;  ///< [s] in a shorter one what a position moves by is lost in its rounding
+
 uint32_t fineness(const SolverSettings& settings) {
-  constexpr double kShortStep = 1.0 / 5000;  // [s]
   if (settings.keep_momentum) return shader::kFineMomentum;
   return settings.frame_time / settings.substeps < kShortStep ? shader::kFineOffsets : shader::kFineOff;
 }
@@ -339,17 +339,20 @@ void Solver::Impl::change_pins(Cloth& cloth, ClothFrame& frame) const {
   }
 }
 
-/// 2 to 4 where a collider goes so far in a substep that the cloth in its way could not follow.
+/// 2 to 16 where a collider goes so far in a substep that the cloth in its way could not follow, above 4 only as long
+/// as steps are not short.
 uint32_t Solver::Impl::substeps_factor() {
   constexpr float kFar = 0.2F;  // in spacings
-  constexpr uint32_t kMost = 4, kLargest = 256;
+  constexpr uint32_t kAlways = 4, kMost = 16, kLargest = 256;
   collider_poses(colliders_from_, colliders_to_, settings_.substeps, origin_, frame_.poses);
   measure_ways(frame_.shapes, frame_.poses, settings_.substeps, 0);
   const float way = longest_way(frame_.shapes);
   float spacing = std::numeric_limits<float>::max();
   for (const Cloth& cloth : cloths_) spacing = std::min(spacing, cloth.asset->spacing * cloth.scale);
+  const double long_steps = settings_.frame_time / (kShortStep * settings_.substeps);
+  const auto most = static_cast<uint32_t>(std::clamp(long_steps, double{kAlways}, double{kMost}));
   uint32_t factor = 1;
-  while (factor < kMost && way > kFar * spacing * static_cast<float>(factor)) ++factor;
+  while (factor < most && way > kFar * spacing * static_cast<float>(factor)) ++factor;
   return std::max(1U, std::min(factor, kLargest / settings_.substeps));
 }
 
