@@ -185,30 +185,6 @@ shader::FrameField frame_field(const Vec3& turn, const Vec3& shift, const Vec3& 
 
 constexpr float kAnyWay = 1e30F;  ///< [m] no bound
 
-/// About the local origin.
-double radius_of(const shader::ColliderShape& shape) {
-  switch (shape.kind) {
-    case shader::kShapeSphere:
-      return double{shape.a.x};
-    case shader::kShapeCapsule:
-      return double{shape.a.x} + std::max(shape.a.y, shape.a.z);
-    case shader::kShapeBox:
-    case shader::kShapeEllipsoid:
-      return std::hypot(shape.a.x, shape.a.y, shape.a.z);
-    case shader::kShapeConvex:
-      return shape.a.x > 0 ? double{shape.a.x} : std::numeric_limits<double>::infinity();
-    case shader::kShapeMesh: {
-      const auto farthest = [&](float low, uint32_t nodes) {
-        return std::max(std::abs(low), std::abs(low + shape.a.w * static_cast<float>(nodes - 1)));
-      };
-      return std::hypot(farthest(shape.a.x, shape.data.y), farthest(shape.a.y, shape.data.z),
-                        farthest(shape.a.z, shape.data.w));
-    }
-    default:
-      return std::numeric_limits<double>::infinity();
-  }
-}
-
 /// T + F R of out_of_reach() in collide.h; F is the Frobenius norm of the change of the rotation matrix.
 float way_between(const shader::ColliderPose& a, const shader::ColliderPose& b, double radius) {
   double turn2 = 0, shift2 = 0;
@@ -252,6 +228,29 @@ void add_gusts(shader::Substep& substep, const Wind& wind, double time, const Ve
 }
 
 }  // namespace
+
+double radius_of(const shader::ColliderShape& shape) {
+  switch (shape.kind) {
+    case shader::kShapeSphere:
+      return double{shape.a.x};
+    case shader::kShapeCapsule:
+      return double{shape.a.x} + std::max(shape.a.y, shape.a.z);
+    case shader::kShapeBox:
+    case shader::kShapeEllipsoid:
+      return std::hypot(shape.a.x, shape.a.y, shape.a.z);
+    case shader::kShapeConvex:
+      return shape.a.x > 0 ? double{shape.a.x} : std::numeric_limits<double>::infinity();
+    case shader::kShapeMesh: {
+      const auto farthest = [&](float low, uint32_t nodes) {
+        return std::max(std::abs(low), std::abs(low + shape.a.w * static_cast<float>(nodes - 1)));
+      };
+      return std::hypot(farthest(shape.a.x, shape.data.y), farthest(shape.a.y, shape.data.z),
+                        farthest(shape.a.z, shape.data.w));
+    }
+    default:
+      return std::numeric_limits<double>::infinity();
+  }
+}
 
 Transform collider_frame(const Collider& collider) {
   return compose({collider.pose.translate, collider.pose.rotate, 1}, std::visit(LocalFrame{}, collider.shape));

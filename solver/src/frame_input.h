@@ -29,6 +29,9 @@ struct FrameClock {
 void collider_poses(std::span<const Collider> from, std::span<const Collider> to, uint32_t substeps, const Vec3& origin,
                     std::vector<shader::ColliderPose>& poses);
 
+/// [m] of a ball about the origin of a shape's frame that holds all of it; infinite where none does.
+[[nodiscard]] double radius_of(const shader::ColliderShape& shape);
+
 constexpr double kThickestCloth = 1;  ///< [m]
 /// Sets ColliderShape::way from the poses of the frame: no point within `margin` [m] of the shape goes further with it.
 void measure_ways(std::span<shader::ColliderShape> shapes, std::span<const shader::ColliderPose> poses,

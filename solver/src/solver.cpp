@@ -107,10 +107,12 @@ std::unique_ptr<SolverBackend> make_backend(SimulationData data, const SolverSet
 }
 
 /// [m] that a collider goes in a substep; planes are too thick to slip through anything.
-float longest_way(std::span<const shader::ColliderShape> shapes) {
+/// @param radius  [m] only colliders that are smaller
+float longest_way(std::span<const shader::ColliderShape> shapes,
+                  double radius = std::numeric_limits<double>::infinity()) {
   float way = 0;
   for (const shader::ColliderShape& s : shapes)
-    if (s.kind != shader::kShapePlane) way = std::max(way, s.way);
+    if (s.kind != shader::kShapePlane && radius_of(s) <= radius) way = std::max(way, s.way);
   return way;
 }
 
@@ -339,20 +341,25 @@ void Solver::Impl::change_pins(Cloth& cloth, ClothFrame& frame) const {
   }
 }
 
-/// 2 to 16 where a collider goes so far in a substep that the cloth in its way could not follow, above 4 only as long
-/// as steps are not short.
+/// 2 to 4 where a collider goes so far in a substep that the cloth in its way could not follow. Up to 16, as long as
+/// steps are not short, where it is also so small that it pushes a few cells only: those open before their neighbours
+/// have its speed.
 uint32_t Solver::Impl::substeps_factor() {
-  constexpr float kFar = 0.2F;  // in spacings
+  constexpr float kFar = 0.2F, kSmall = 8;  // in spacings
   constexpr uint32_t kAlways = 4, kMost = 16, kLargest = 256;
   collider_poses(colliders_from_, colliders_to_, settings_.substeps, origin_, frame_.poses);
   measure_ways(frame_.shapes, frame_.poses, settings_.substeps, 0);
-  const float way = longest_way(frame_.shapes);
   float spacing = std::numeric_limits<float>::max();
   for (const Cloth& cloth : cloths_) spacing = std::min(spacing, cloth.asset->spacing * cloth.scale);
+  const auto factor_for = [spacing](float way, uint32_t most) {
+    uint32_t factor = 1;
+    while (factor < most && way > kFar * spacing * static_cast<float>(factor)) ++factor;
+    return factor;
+  };
   const double long_steps = settings_.frame_time / (kShortStep * settings_.substeps);
   const auto most = static_cast<uint32_t>(std::clamp(long_steps, double{kAlways}, double{kMost}));
-  uint32_t factor = 1;
-  while (factor < most && way > kFar * spacing * static_cast<float>(factor)) ++factor;
+  const uint32_t factor = std::max(factor_for(longest_way(frame_.shapes), kAlways),
+                                   factor_for(longest_way(frame_.shapes, double{kSmall * spacing}), most));
   return std::max(1U, std::min(factor, kLargest / settings_.substeps));
 }
 

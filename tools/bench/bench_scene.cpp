@@ -18,7 +18,7 @@ namespace geocloth {
 namespace {
 
 constexpr float kSpacing = 0.01F;      // [m]
-constexpr float kMaxStretch = 0.002F;  // of the attachments
+constexpr float kMaxStretch = 0.001F;  // of the attachments
 constexpr uint32_t kCrowd = 32;
 
 using SheetPtr = std::shared_ptr<const ClothAsset>;
