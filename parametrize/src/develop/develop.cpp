@@ -299,6 +299,7 @@ ChartedSurface parted_where_that_pays(const CutSurface& cut, const Sheet& sheet,
                                       const DevelopOptions& options) {
   constexpr double kLeastGain = 0.02, kBetter = 1e-3;  // less may be rounding's choice
   constexpr double kUnknown = 0.0015;                  // of the border, before pixels are found for it
+  constexpr double kDoubt = 0.001;                     // and of what straight threads make of it
   constexpr double kBent = 1;                          // [degrees]
   const PartingOptions& parting = options.parting;
   const ChartedSurface loose = straightened(cut, sheet, charts, options);
@@ -308,21 +309,24 @@ ChartedSurface parted_where_that_pays(const CutSurface& cut, const Sheet& sheet,
   const auto filling = [&](const ChartedSurface& s) { return filling_of(s.charts, find_sheet(s.cut), parting.pixel); };
   const Filling whole = filling(best);
   const ThreadMeasure before = measure_threads(best.charts);
+  const double most = most_border(whole, parting) - kUnknown;
+  const double more_border = whole.border - filling(loose).border;  // that straight threads make
   double best_worth = worth_of(whole.utilisation, 0, parting) + kLeastGain - kBetter;
   for (const PartedPanels& way : ways) {
     if (way.promise <= best_worth + kBetter) continue;
     const ChartedSurface parted = straightened(loose.cut, way.sheet, way.charts, options);
+    if (filling(parted).border + more_border > most + kDoubt) continue;  // for straight threads take long
     const bool bent = measure_threads(parted.charts).angle_p95 > kBent;
     double filled = 0;
     for (const double share : {1.0, 0.5, 0.25}) {
       if (share < 1 && (!bent || filled >= parting.wanted)) break;
       ChartedSurface trial{parted.cut, with_straight_threads(parted.charts, share)};
-      const ThreadMeasure now = measure_threads(trial.charts);
-      if (!lie_well(now, before)) continue;
       const Filling f = filling(trial);
+      if (f.border > most + kDoubt) break;  // charts that keep more of their shape have no less
+      if (!lie_well(measure_threads(trial.charts), before)) continue;
       filled = f.utilisation;
+      if (f.border > most || f.seam > most_seam(whole, parting)) continue;
       const double worth = worth_of(f.utilisation, f.seam - whole.seam, parting);
-      if (f.border > most_border(whole, parting) - kUnknown || f.seam > most_seam(whole, parting)) continue;
       if (worth <= best_worth + kBetter) continue;
       best_worth = worth;
       best = std::move(trial);

@@ -36,7 +36,7 @@ constexpr double kLeastPiece = 0.05;     // of all area
 constexpr double kLongestChord = 1;      // by the root of the area
 constexpr double kApart = 0.12;          // both ends of two chords of one chart, together, by the root of the area
 constexpr double kBalance = 0.5;         // what parting off a large piece is worth, in length by the root of its area
-constexpr size_t kMostChords = 80, kBeam = 12, kMostPartings = 4;
+constexpr size_t kMostChords = 80, kBeam = 12, kMostPartings = 4, kFewPartings = 2;
 constexpr size_t kWays = 6, kWaysPerDepth = 4, kShifted = 8;  // that are worth to be carried out
 constexpr double kMostDetour = 1.25;                          // of the path of edges beside its chord
 constexpr size_t kMostCharts = 24;  // more are small beside the image, and lie in each other's hollows anyway
@@ -348,8 +348,10 @@ class PanelParter {
     const bool sparse = whole_.utilisation < kSparse;  // such as ribbons: every trial takes long
     const ChordFinder finder(plan_, area_);
     const std::vector<Chord> chord = finder.find(forbidden_);
+    // Where outlines take up more than their share already, no more than a few partings can pay.
+    const size_t most_partings = whole_.border > options_.most_border ? kFewPartings : kMostPartings;
     std::vector<Parting> beam{whole}, best;
-    for (size_t depth = 0; depth < kMostPartings && !beam.empty(); ++depth) {
+    for (size_t depth = 0; depth < most_partings && !beam.empty(); ++depth) {
       beam = measured(parted_further(beam, chord));
       shorten(beam, sparse ? kBeam / 2 : kBeam);
       for (size_t i = 0; i < std::min(beam.size(), kWaysPerDepth); ++i) best.push_back(beam[i]);
