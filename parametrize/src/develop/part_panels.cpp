@@ -349,7 +349,7 @@ class PanelParter {
     const ChordFinder finder(plan_, area_);
     const std::vector<Chord> chord = finder.find(forbidden_);
     // Where outlines take up more than their share already, no more than a few partings can pay.
-    const size_t most_partings = whole_.border > options_.most_border ? kFewPartings : kMostPartings;
+    const size_t most_partings = whole_.border > options_.most_border && !sparse ? kFewPartings : kMostPartings;
     std::vector<Parting> beam{whole}, best;
     for (size_t depth = 0; depth < most_partings && !beam.empty(); ++depth) {
       beam = measured(parted_further(beam, chord));
