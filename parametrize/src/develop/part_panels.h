@@ -18,7 +18,7 @@ struct PartingOptions {
   double most_seam = 1.79;     ///< seams in all, by the root of the area
   double most_longer = 1.22;   ///< where they are longer already: than they are
   double most_border = 0.07;   ///< share of the pixels that may lie on outlines
-  double most_crowded = 0.12;  ///< where more do already, unless the image is mostly empty
+  double most_crowded = 0.10;  ///< where more do already, unless the image is mostly empty
 };
 
 /// How charts that lie as they are fill an image.
