@@ -80,7 +80,7 @@ inline LineSpring line_spring(LineSpring before, vec3 d_before, vec3 d, float wa
   return r;
 }
 
-// @param next, next_multiplier  of the next spring
+// @param multiplier  if it were the run's last
 inline float line_multiplier(float multiplier, float coupling_of_next, float multiplier_of_next) {
   precise float r = multiplier - coupling_of_next * multiplier_of_next;
   return r;

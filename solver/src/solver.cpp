@@ -107,7 +107,7 @@ std::unique_ptr<SolverBackend> make_backend(SimulationData data, const SolverSet
 }
 
 /// [m] that a collider goes in a substep; planes are too thick to slip through anything.
-/// @param radius  [m] only colliders that are smaller
+/// @param radius  [m] only colliders that are no larger
 float longest_way(std::span<const shader::ColliderShape> shapes,
                   double radius = std::numeric_limits<double>::infinity()) {
   float way = 0;

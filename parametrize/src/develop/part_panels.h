@@ -45,6 +45,7 @@ struct PartedPanels {
 };
 
 constexpr double kSparse = 0.25;  ///< utilisation below which pixels on borders cost less than empty ones
+
 /// Ways to part charts so that they can be packed closer: a sleeve at its end, a shirt between its halves, the ring of
 /// a wide skirt into sectors. As few and as short partings as pay, and none that makes more seam and border than
 /// allowed, as far as can be told by outlines cut straight.

@@ -16,6 +16,8 @@ namespace geocloth::cpu {
 
 /// The longest vectors may reach this many pixels over the end of a row, and leave what is there as it is.
 inline constexpr uint32_t kOverhang = 15;
+/// Floats of a cache line.
+inline constexpr uint32_t kLineOfFloats = 16;
 
 /// Memory that begins at a cache line: array `slot` at the 5 * slot-th one of its page, because lines at the same place
 /// of all pages share a few places of the cache.
@@ -23,7 +25,7 @@ template <class T>
 struct LineAllocator {
   using value_type = T;
   using is_always_equal = std::false_type;
-  static constexpr std::align_val_t kLine{64};
+  static constexpr std::align_val_t kLine{kLineOfFloats * sizeof(float)};
 
   uint32_t slot = 0;
 

@@ -116,8 +116,6 @@ HWY_NOINLINE void columns_of(D d, const LineStream& stream, ClothState& state, f
   store(d, back.last(d, b, point(0).weight), all);
 }
 
-/// Columns that are turned at once.
-constexpr size_t kTurned = 4;
 template <class D>
 using Four = std::array<Vec<D>, kTurned>;
 

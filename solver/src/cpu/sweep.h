@@ -68,13 +68,15 @@ struct RowStream {
   std::vector<Run> thirds;  ///< bends_along: of each row, that its blocks reach
 };
 
+/// Columns that lines along rows are turned by at a time.
+inline constexpr uint32_t kTurned = 4;
 /// Floats for each point and lane in a LineStream, and as many in what goes from its sweep forth to the one back.
 inline constexpr uint32_t kLineFloats = 2;
 
 /// As many rows or columns side by side as a vector has lanes, and of those the points that a spring leads to.
 struct LineBlock {
   uint32_t first;    ///< pixel of the first lane's first point
-  uint32_t points;   ///< along rows a multiple of four
+  uint32_t points;   ///< along rows a multiple of kTurned
   uint32_t lines;    ///< along rows: that the image has of a vector's
   size_t constants;  ///< place of the first point's
 };

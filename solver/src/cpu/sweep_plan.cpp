@@ -488,9 +488,8 @@ class SweepPlanner {
     return {.kernel = kernel, .offset = offset, .stream = &stream};
   }
 
-  /// Lines along rows (group 0) go as far as some point of them has a spring, in fours that are turned at once.
+  /// Lines along rows (group 0) go as far as some point of them has a spring, in as many columns as are turned at once.
   void lay_out_lines(uint32_t group) {
-    constexpr uint32_t kTurned = 4;
     LineStream& stream = plan_->lines_[group];
     stream.diagonal = shader::line_diagonal(cloth_.params.inverse_dt2);
     const bool along = group == 0;

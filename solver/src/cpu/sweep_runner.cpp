@@ -127,10 +127,9 @@ void SweepRunner::run_in_bands(const Plan& plan, const SweepFrame& frame, uint32
 }
 
 uint32_t SweepRunner::place_anchors(const ClothState& state) {
-  constexpr size_t kLine = 16;  // floats of a cache line
   const std::vector<shader::PinTarget>& pins = contexts_.front().cloth.pins;
   const std::vector<uint32_t>& anchor_of_pin = substep_.sweeps->anchor_of_pin();
-  const size_t count = anchor_of_pin.size(), line = (count + kLine - 1) / kLine * kLine;
+  const size_t count = anchor_of_pin.size(), line = (count + kLineOfFloats - 1) / kLineOfFloats * kLineOfFloats;
   anchors_.resize(3 * line * contexts_.size() + substep_.sweeps->lanes());  // vectors reach over the last one
   for (size_t k = 0; k < count; ++k) {
     shader::vec3 position = state.position.at(pins[k].pixel.x);

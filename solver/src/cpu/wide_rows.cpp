@@ -6,19 +6,19 @@
 
 #include <algorithm>
 
+#include "cpu/cloth_state.h"
 #include "lib/self_words.h"
 
 namespace geocloth::cpu {
 namespace {
 
-constexpr uint32_t kLine = 16;    ///< floats of a cache line
 constexpr uint32_t kCrowded = 8;  ///< lines
 constexpr uint32_t kThirds = 2;   ///< columns at the end of a row that may not make up a third
 
 uint32_t wide(uint32_t width) {
-  uint32_t lines = (width + kThirds + kLine - 1) / kLine;
+  uint32_t lines = (width + kThirds + kLineOfFloats - 1) / kLineOfFloats;
   if (lines % kCrowded == 0) ++lines;
-  return kLine * lines;
+  return kLineOfFloats * lines;
 }
 
 }  // namespace
