@@ -14,8 +14,9 @@
 
 namespace geocloth::cpu {
 
-/// The longest vectors may reach this many pixels over the end of a row, and leave what is there as it is.
-inline constexpr uint32_t kOverhang = 15;
+/// The longest vectors, two for springs along a row, may reach this many pixels over its end, and leave what is there
+/// as it is.
+inline constexpr uint32_t kOverhang = 31;
 /// Floats of a cache line.
 inline constexpr uint32_t kLineOfFloats = 16;
 

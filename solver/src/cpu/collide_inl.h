@@ -303,11 +303,11 @@ HWY_INLINE void collide_changed(D d, const Meeting& meeting, uint32_t substep, M
 
 /// From pixel i on.
 template <bool kChanged, class D>
-HWY_NOINLINE void collide_from(D d, const SweepFrame& frame, uint32_t substep, uint32_t i, Mask<D> lanes) {
+HWY_NOINLINE void collide_from(D d, const SweepFrame& frame, uint32_t substep, uint32_t i) {
   ClothState& state = *frame.state;
   const PointRow p = at(state.position, i), pp = at(state.previous, i), pc = at(state.carry, i);
   const PointStates<D> before{load(d, p), load(d, pp), load(d, pc)};
-  const auto free = hn::And(lanes, hn::Gt(hn::LoadU(d, &state.inverse_mass[i]), hn::Zero(d)));
+  const auto free = free_lanes(d, &state.inverse_mass[i]);
   const Meeting meeting(frame, substep);
   PointStates<D> points = before;
   if constexpr (kChanged) {
@@ -321,15 +321,6 @@ HWY_NOINLINE void collide_from(D d, const SweepFrame& frame, uint32_t substep, u
   store(d, points.carry, pc);
 }
 
-template <class D>
-HWY_INLINE Mask<D> all_counted(D d, AllLanes) {
-  return hn::Ge(hn::Zero(d), hn::Zero(d));
-}
-template <class D>
-HWY_INLINE Mask<D> all_counted(D d, FirstLanes lanes) {
-  return hn::FirstN(d, lanes.count);
-}
-
 /// As many vectors as a word has bits.
 constexpr uint32_t kWordVectors = 64;
 
@@ -337,7 +328,7 @@ constexpr uint32_t kWordVectors = 64;
 /// that nothing is read and chosen anew for each vector.
 template <class D>
 HWY_INLINE uint64_t near_vectors(D d, const Guards& guards, const PointRow& positions, const PointRow& before,
-                                 uint32_t count) {
+                                 const float* inverse_mass, uint32_t count) {
   uint64_t bits = 0;
   for (size_t c = 0; c < guards.count; ++c) {
     const ColliderGuard guard = guards.guards[c];
@@ -345,7 +336,8 @@ HWY_INLINE uint64_t near_vectors(D d, const Guards& guards, const PointRow& posi
       const size_t i = k * hn::Lanes(d);
       const Points<D> p = load(d, after(positions, i));
       const auto way = at_most(d, sub(p, load(d, after(before, i))));
-      const bool near = !hn::AllFalse(d, Guards::near(d, guard, p, hn::Add(way, way)));
+      const auto near_guard = Guards::near(d, guard, p, hn::Add(way, way));
+      const bool near = !hn::AllFalse(d, hn::And(near_guard, free_lanes(d, inverse_mass + i)));
       bits |= uint64_t{near} << k;
     }
   }
@@ -357,33 +349,30 @@ template <class D>
 HWY_NOINLINE void collide(D d, const SweepFrame& frame, uint32_t substep, std::span<const Run> runs) {
   ClothState& state = *frame.state;
   if (frame.collide_all) {
-    for_runs(d, runs, [&](uint32_t i, auto lanes) GEOCLOTH_LANES {
-      collide_from<true>(d, frame, substep, i, all_counted(d, lanes));
-    });
-    return;
+    return for_vectors(d, runs, [&](uint32_t i) GEOCLOTH_LANES { collide_from<true>(d, frame, substep, i); });
   }
   const auto lanes = static_cast<uint32_t>(hn::Lanes(d));
   const Guards guards(frame, substep);
   const PointRow positions = at(state.position, 0), before = at(state.previous, 0);
   for (const Run& run : runs) {
     for (uint32_t first = run.first; first < run.last; first += kWordVectors * lanes) {
-      const uint32_t count = std::min(kWordVectors, (run.last - first + lanes - 1) / lanes);
-      uint64_t near = near_vectors(d, guards, after(positions, first), after(before, first), count);
+      const uint32_t count = std::min(kWordVectors, (run.last - first) / lanes);
+      uint64_t near =
+          near_vectors(d, guards, after(positions, first), after(before, first), &state.inverse_mass[first], count);
       for (; near != 0; near &= near - 1) {
-        const uint32_t i = first + static_cast<uint32_t>(std::countr_zero(near)) * lanes;
-        collide_from<false>(d, frame, substep, i, hn::FirstN(d, std::min(lanes, run.last - i)));
+        collide_from<false>(d, frame, substep, first + static_cast<uint32_t>(std::countr_zero(near)) * lanes);
       }
     }
   }
 }
 
-/// depth_in_colliders() of lib/collide.h from pixel i on, the largest of some lanes.
+/// depth_in_colliders() of lib/collide.h from pixel i on, the largest of all that move.
 template <class D>
-HWY_NOINLINE float depth_of(D d, const SweepFrame& frame, uint32_t substep, uint32_t i, Mask<D> lanes) {
+HWY_NOINLINE float depth_of(D d, const SweepFrame& frame, uint32_t substep, uint32_t i) {
   const Meeting meeting(frame, substep);
   const size_t count = meeting.frame.shapes.size();
   const Points<D> position = load(d, at(frame.state->position, i));
-  const auto free = hn::And(lanes, hn::Gt(hn::LoadU(d, &frame.state->inverse_mass[i]), hn::Zero(d)));
+  const auto free = free_lanes(d, &frame.state->inverse_mass[i]);
   auto depth = hn::Zero(d);
   for (size_t c = 0; c < count; ++c) {
     const auto near = hn::And(free, Guards::near(d, meeting.guards.guards[c], position, hn::Zero(d)));
@@ -399,9 +388,9 @@ template <class D>
 HWY_NOINLINE void check_colliders(D d, const SweepFrame& frame, uint32_t substep, std::span<const Run> runs) {
   const Guards guards(frame, substep);
   float depth = frame.penetration[substep];
-  for_runs(d, runs, [&](uint32_t i, auto lanes) GEOCLOTH_LANES {
-    const auto near = counted(d, lanes, guards.near(d, load(d, at(frame.state->position, i)), hn::Zero(d)));
-    if (!hn::AllFalse(d, near)) depth = std::max(depth, depth_of(d, frame, substep, i, near));
+  for_vectors(d, runs, [&](uint32_t i) GEOCLOTH_LANES {
+    const auto near = guards.near(d, load(d, at(frame.state->position, i)), hn::Zero(d));
+    if (!hn::AllFalse(d, near)) depth = std::max(depth, depth_of(d, frame, substep, i));
   });
   frame.penetration[substep] = depth;
 }

@@ -17,11 +17,10 @@ template <class D>
 HWY_NOINLINE void hold_way(D d, ClothState& state, std::span<const Run> runs) {
   const PointRow positions = at(state.position, 0), before = at(state.previous, 0), carried = at(state.carry, 0);
   const float* const inverse_mass = state.inverse_mass.data();
-  // The last vector of a run gives back what follows the run as it was, as in predict().
-  for_runs(d, runs, [&](uint32_t i, auto lanes) GEOCLOTH_LANES {
+  for_vectors(d, runs, [&](uint32_t i) GEOCLOTH_LANES {
     const PointRow pp = after(before, i), pc = after(carried, i);
     const Points<D> position = load(d, after(positions, i)), previous = load(d, pp), carry = load(d, pc);
-    const auto free = counted(d, lanes, hn::Gt(hn::LoadU(d, inverse_mass + i), hn::Zero(d)));
+    const auto free = free_lanes(d, inverse_mass + i);
     store(d, choose<D>(free, add(sub(position, previous), carry), previous), pp);
     store(d, choose<D>(free, position, carry), pc);
   });
@@ -67,10 +66,10 @@ HWY_NOINLINE void give_way(D d, const SweepFrame& frame, uint32_t substep, std::
   ClothState& state = *frame.state;
   const Guards guards(frame, substep);
   const float* const inverse_mass = state.inverse_mass.data();
-  for_runs(d, runs, [&](uint32_t i, auto lanes) GEOCLOTH_LANES {
+  for_vectors(d, runs, [&](uint32_t i) GEOCLOTH_LANES {
     const PointRow p = at(state.position, i), pp = at(state.previous, i), pc = at(state.carry, i);
     const Points<D> moved = load(d, p), way = load(d, pp), start = load(d, pc);
-    const auto free = counted(d, lanes, hn::Gt(hn::LoadU(d, inverse_mass + i), hn::Zero(d)));
+    const auto free = free_lanes(d, inverse_mass + i);
     const Points<D> tied = sub(moved, start);
     const auto near = hn::And(free, guards.near(d, moved, at_most(d, tied)));
     Points<D> position = moved;

@@ -142,15 +142,6 @@ HWY_INLINE void store(D d, const Points<D>& v, Lanes lanes, const PointRow& p) {
   store(d, v.y, lanes, p.y);
   store(d, v.z, lanes, p.z);
 }
-/// Of those lanes the ones that count.
-template <class D>
-HWY_INLINE Mask<D> counted(D, AllLanes, Mask<D> mask) {
-  return mask;
-}
-template <class D>
-HWY_INLINE Mask<D> counted(D d, FirstLanes lanes, Mask<D> mask) {
-  return hn::And(mask, hn::FirstN(d, lanes.count));
-}
 template <class D>
 HWY_INLINE Points<D> choose(Mask<D> mask, const Points<D>& yes, const Points<D>& no) {
   return {hn::IfThenElse(mask, yes.x, no.x), hn::IfThenElse(mask, yes.y, no.y), hn::IfThenElse(mask, yes.z, no.z)};
@@ -163,21 +154,12 @@ HWY_INLINE void replace(Mask<D> mask, const Points<D>& by, Points<D>& points) {
   points.y = hn::IfThenElse(mask, by.y, points.y);
   points.z = hn::IfThenElse(mask, by.z, points.z);
 }
-/// Points of the lanes that count, and others of the rest.
-template <class D>
-HWY_INLINE Points<D> counted_or(D, AllLanes, const Points<D>& points, const Points<D>&) {
-  return points;
-}
-template <class D>
-HWY_INLINE Points<D> counted_or(D d, FirstLanes lanes, const Points<D>& points, const Points<D>& others) {
-  return choose<D>(hn::FirstN(d, lanes.count), points, others);
-}
 template <class D>
 HWY_INLINE Points<D> only(Mask<D> mask, const Points<D>& a) {
   return {hn::IfThenElseZero(mask, a.x), hn::IfThenElseZero(mask, a.y), hn::IfThenElseZero(mask, a.z)};
 }
 
-/// Calls body(first pixel, lanes that count) for runs.
+/// Calls body(first pixel, lanes that count) for a run.
 template <class D, class Body>
 HWY_INLINE void for_run(D d, const Run& run, const Body& body) {
   const auto lanes = static_cast<uint32_t>(hn::Lanes(d));
@@ -185,9 +167,16 @@ HWY_INLINE void for_run(D d, const Run& run, const Body& body) {
   for (; i + lanes <= run.last; i += lanes) body(i, AllLanes());
   if (i < run.last) body(i, FirstLanes{run.last - i});
 }
+/// Calls body(first pixel) for runs of whole vectors.
 template <class D, class Body>
-HWY_INLINE void for_runs(D d, std::span<const Run> runs, const Body& body) {
-  for (const Run& run : runs) for_run(d, run, body);
+HWY_INLINE void for_vectors(D d, std::span<const Run> runs, const Body& body) {
+  for (const Run& run : runs)
+    for (uint32_t i = run.first; i < run.last; i += static_cast<uint32_t>(hn::Lanes(d))) body(i);
+}
+/// Lanes whose point moves. What is pinned has no mass here, and no cloth has none either.
+template <class D>
+HWY_INLINE Mask<D> free_lanes(D d, const float* inverse_mass) {
+  return hn::Gt(hn::LoadU(d, inverse_mass), hn::Zero(d));
 }
 
 #endif

@@ -113,9 +113,8 @@ HWY_NOINLINE void predict(D d, const PassContext& context, ClothState& state, st
   const auto keep = hn::Set(d, params.keep), dt2 = hn::Set(d, params.dt * params.dt);
   const PointRow positions = at(state.position, 0), before = at(state.previous, 0), carried = at(state.carry, 0);
   const float* const inverse_mass = state.inverse_mass.data();
-  // Masked stores are slow: the last vector of a run gives back what follows the run as it was.
-  for_runs(d, runs, [&](uint32_t i, auto lanes) GEOCLOTH_LANES {
-    const auto free = counted(d, lanes, hn::Gt(hn::LoadU(d, inverse_mass + i), hn::Zero(d)));
+  for_vectors(d, runs, [&](uint32_t i) GEOCLOTH_LANES {
+    const auto free = free_lanes(d, inverse_mass + i);
     if (!kForces && hn::AllTrue(d, free)) {
       fall(d, positions.x, before.x, carried.x, i, keep, gravity.x);
       fall(d, positions.y, before.y, carried.y, i, keep, gravity.y);
@@ -138,7 +137,7 @@ HWY_NOINLINE void predict(D d, const PassContext& context, ClothState& state, st
     const Points<D> increment = add(add(step.way, gravity), scale(d, acceleration, dt2));
     const Points<D> next = add(step.start, increment);
     const Points<D> lost = sub(increment, sub(next, step.start));
-    store(d, choose<D>(free, step.start, counted_or(d, lanes, position, previous)), pp);
+    store(d, choose<D>(free, step.start, position), pp);
     store(d, choose<D>(free, next, position), p);
     store(d, choose<D>(free, lost, carry), pc);
   });

@@ -18,7 +18,7 @@ namespace geocloth::cpu {
 /// row below and are next to each other, along a row their ends are.
 enum class RowKernel : uint8_t {
   normals,            ///< runs
-  predict,            ///< runs
+  predict,            ///< runs of whole vectors
   pins,               ///< pins of the row
   springs_across,     ///< blocks: rest, inverse, compliance
   springs_along,      ///< blocks over every second column and its neighbour: rest, inverse, compliance
@@ -30,10 +30,10 @@ enum class RowKernel : uint8_t {
                       ///< inverse, chord, compliance
   spans_along,        ///< as ties_across, blocks of kSpanLanes at most
   limit,              ///< blocks: longest; anchors
-  collide,            ///< runs
-  hold_way,           ///< runs
-  give_way,           ///< runs
-  check_colliders     ///< runs
+  collide,            ///< runs of whole vectors
+  hold_way,           ///< runs of whole vectors
+  give_way,           ///< runs of whole vectors
+  check_colliders     ///< runs of whole vectors
 };
 
 /// Springs over so many pixels share none when no more of them than that lie next to each other.

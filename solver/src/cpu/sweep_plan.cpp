@@ -25,13 +25,12 @@
 namespace geocloth::cpu {
 namespace {
 
-/// How the lanes of a block lie in the image.
+/// How the lanes of a block lie in the image. The last one of a row may reach over its end.
 struct BlockShape {
   RowKernel kernel;
   uint32_t span;           ///< columns that a block reads and writes
   uint32_t period, phase;  ///< its first column is `phase` modulo `period`
-  uint32_t low, high;      ///< columns low .. high - 1 have constraints' first ends
-  uint32_t end;            ///< a block ends before this column
+  uint32_t end;            ///< columns before this one may have constraints' first ends
 };
 
 /// Lane of the constraint that starts `column` columns after its block; see even_columns() in constraints_inl.h.
@@ -47,9 +46,6 @@ uint32_t lane_of(RowKernel kernel, uint32_t column, uint32_t lanes) {
       return column;
   }
 }
-
-/// Columns that a block of springs along a row may reach over its end.
-constexpr uint32_t kRowOverhang = 3;
 
 /// Added to a group of ties: those of its springs that take only a share.
 constexpr uint32_t kLastTies = 4;
@@ -139,7 +135,7 @@ class SweepPlanner {
         return {1, 1};
       case RowKernel::springs_across:
       case RowKernel::ties_across:
-        return {0, (op.offset + 1) / width_};  // down-left: width - 1
+        return {0, rows_below(op)};
       case RowKernel::bends_across:
         return {0, 2};
       default:
@@ -147,12 +143,15 @@ class SweepPlanner {
     }
   }
 
+  /// Of the last lane of a block, the constraint there or not.
+  [[nodiscard]] uint32_t rows_below(const SweepOp& op) const {
+    uint32_t column = 0;
+    for (const uint32_t p : op.stream->pixel) column = std::max(column, p % width_);
+    return (column + lanes_ - 1 + op.offset) / width_;
+  }
+
   /// Passes that write what follows a row as they found it.
   [[nodiscard]] bool gives_back(const SweepOp& op) const {
-    if (op.kernel == RowKernel::predict || op.kernel == RowKernel::collide || op.kernel == RowKernel::hold_way ||
-        op.kernel == RowKernel::give_way) {
-      return true;
-    }
     if (op.kernel != RowKernel::springs_along && op.kernel != RowKernel::springs_along_two &&
         op.kernel != RowKernel::ties_along) {
       return false;
@@ -256,12 +255,29 @@ class SweepPlanner {
   RowStream& new_stream() { return *plan_->streams_.emplace_back(std::make_unique<RowStream>()); }
 
   SweepOp over_runs(RowKernel kernel) {
-    if (run_stream_ == nullptr) {
-      run_stream_ = &new_stream();
-      run_stream_->runs = runs_;
-      first_of_rows(*run_stream_, runs_.size(), [&](size_t k) { return runs_[k].first; });
+    const bool whole_vectors = kernel != RowKernel::normals;
+    RowStream*& stream = run_streams_[whole_vectors ? 1 : 0];
+    if (stream == nullptr) {
+      stream = &new_stream();
+      stream->runs = whole_vectors ? vectors_of(runs_) : runs_;
+      first_of_rows(*stream, stream->runs.size(), [&](size_t k) { return stream->runs[k].first; });
     }
-    return {.kernel = kernel, .stream = run_stream_};
+    return {.kernel = kernel, .stream = stream};
+  }
+
+  /// Runs of whole vectors, from multiples of their lanes on, that hold these: rows are such multiples, too.
+  [[nodiscard]] std::vector<Run> vectors_of(const std::vector<Run>& runs) const {
+    std::vector<Run> all;
+    for (const Run& run : runs) {
+      const Run own{run.first / lanes_ * lanes_, (run.last + lanes_ - 1) / lanes_ * lanes_};
+      const uint32_t end = all.empty() ? 0 : all.back().last;  // at most that of a row
+      if (own.first < end || (own.first == end && own.first % width_ != 0)) {
+        all.back().last = own.last;
+      } else {
+        all.push_back(own);
+      }
+    }
+    return all;
   }
 
   SweepOp pins() {
@@ -280,28 +296,26 @@ class SweepPlanner {
     }
   }
 
-  /// First column of the block that covers a column first. Where it may begin anywhere it lies within a cache line:
-  /// that is worth more than the lanes that it leaves idle.
-  static uint32_t start_of_block(const BlockShape& shape, uint32_t x) {
-    const uint32_t latest = shape.end - shape.span;
-    if (shape.period == 1) return std::min(std::max(shape.low, x - x % shape.span), latest);
-    return std::min(x - (x - shape.phase) % shape.period, latest - (latest - shape.phase) % shape.period);
-  }
+  /// Vectors of neighbouring columns. They lie within cache lines: that is worth more than the lanes that it leaves
+  /// idle.
+  static BlockShape vectors(RowKernel kernel, uint32_t lanes, uint32_t end) { return {kernel, lanes, lanes, 0, end}; }
 
-  /// Lays blocks over the constraints of a row that has(x) tells, each from the first one on that is not covered yet.
+  /// Lays blocks over the constraints of a row that has(x) tells, each where the first one is that is not covered yet.
+  /// They do not overlap: what a block has just written and the next one reads in other pieces keeps the processor
+  /// waiting.
   /// fill(block, lane, x) writes a lane's constants.
   template <class Has, class Add, class Fill>
   void cover_row(const BlockShape& shape, uint32_t y, const Has& has, const Add& add, const Fill& fill) {
-    for (uint32_t x = shape.low; x < shape.high;) {
+    for (uint32_t x = shape.phase; x < shape.end;) {
       if (!has(x)) {
         ++x;
         continue;
       }
-      const uint32_t start = start_of_block(shape, x);
+      const uint32_t start = x - (x - shape.phase) % shape.period;
       add(y * width_ + start);
       uint32_t covered = x;
       for (; covered < start + shape.span; ++covered) {
-        if (covered < shape.high && has(covered)) fill(lane_of(shape.kernel, covered - start, lanes_), covered);
+        if (covered < shape.end && has(covered)) fill(lane_of(shape.kernel, covered - start, lanes_), covered);
       }
       x = covered;
     }
@@ -325,12 +339,9 @@ class SweepPlanner {
                                               : RowKernel::springs_along_two;
     const shader::uvec2 end = shader::spring_end(component, 1, 0);
     const uint32_t offset = end.y * width_ + end.x - 1;
-    const uint32_t across_end = width_ - (component == 2 ? 1U : 0U);
-    BlockShape shape{kernel, lanes_, 1, 0, component == 3 ? 1U : 0U, across_end, across_end};
-    // So the last block of a row may begin where the one before ends; of the springs over two columns the last two may
-    // be one, and the block of both reaches over the row's end.
-    if (component == 0) shape = {kernel, 2 * lanes_, 2, odd, odd, width_, width_ + kRowOverhang};
-    if (component == 4) shape = {kernel, 2 * lanes_, 4, 2 * odd, 2 * odd, width_, width_ + kRowOverhang};
+    BlockShape shape = vectors(kernel, lanes_, width_);
+    if (component == 0) shape = {kernel, 2 * lanes_, 2, odd, width_};
+    if (component == 4) shape = {kernel, 2 * lanes_, 4, 2 * odd, width_};
     RowStream& stream = new_stream();
     const auto in_row = [&](uint32_t y) { return along || group_has_line(group, y); };
     const auto in_column = [&](uint32_t x) { return !along || group_has_line(group, x); };
@@ -380,7 +391,7 @@ class SweepPlanner {
   SweepOp bends(uint32_t group) {
     if (shader::bend_component(group) == 4) return bends_along();
     RowStream& stream = new_stream();
-    const BlockShape shape{RowKernel::bends_across, lanes_, 1, 0, 0, width_, width_};
+    const BlockShape shape = vectors(RowKernel::bends_across, lanes_, width_);
     for (uint32_t y = 0; y < height_; ++y) {
       stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
       if (y % 3 == group % 3 && y + 2 < height_)
@@ -394,8 +405,8 @@ class SweepPlanner {
   SweepOp bends_along() {
     RowStream& stream = new_stream();
     const uint32_t thirds = width_ / 3;  // complete ones; WideRows keeps cloth out of the columns behind
-    const BlockShape shape{RowKernel::bends_along, lanes_, 1, 0, 0, thirds, thirds};
-    // A line of the scratch holds the thirds, and where the last block begins at the next one, one more vector.
+    const BlockShape shape = vectors(RowKernel::bends_along, lanes_, thirds);
+    // A line of the scratch holds the vectors of thirds, and where the last block begins at the next one, one more.
     const uint32_t line = (thirds / lanes_ + 2) * lanes_;
     stream.thirds.assign(height_, {thirds, 0});
     stream.row_first.assign(height_ + 1, 0);
@@ -463,8 +474,7 @@ class SweepPlanner {
     const RowKernel kernel = along ? RowKernel::spans_along : RowKernel::ties_across;
     const uint32_t lanes = along ? std::min(lanes_, kSpanLanes) : lanes_;
     const uint32_t offset = shader::kSpanPixels * (along ? 1 : width_);
-    const uint32_t end = width_ - (along ? shader::kSpanPixels : 0);
-    const BlockShape shape{kernel, lanes, 1, 0, 0, end, end};
+    const BlockShape shape = vectors(kernel, lanes, width_ - (along ? shader::kSpanPixels : 0));
     RowStream& stream = new_stream();
     for (uint32_t y = 0; y < height_; ++y) {
       stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
@@ -561,7 +571,7 @@ class SweepPlanner {
       return anchor == shader::kNoAnchor || state_.inverse_mass[i] == 0 ? -1 : anchor_at[anchor];
     };
     RowStream& stream = new_stream();
-    const BlockShape shape{RowKernel::limit, lanes_, 1, 0, 0, width_, width_};
+    const BlockShape shape = vectors(RowKernel::limit, lanes_, width_);
     std::vector<int32_t> anchors(lanes_, -1);  // of the block that is laid out
     for (uint32_t y = 0; y < height_; ++y) {
       stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
@@ -631,7 +641,7 @@ class SweepPlanner {
   uint32_t lanes_, width_, height_;
   uint32_t strip_;
   std::unique_ptr<SweepPlan> plan_ = std::make_unique<SweepPlan>();
-  RowStream* run_stream_ = nullptr;
+  std::array<RowStream*, 2> run_streams_{};                        ///< of pixels, of whole vectors
   std::map<std::pair<Pass, uint32_t>, SweepOp> first_relaxation_;  ///< of what comes again, by pass and group
   std::vector<Reach> reaches_;                                     ///< of the sweep that is being made
 };
