@@ -207,6 +207,16 @@ std::vector<Attempt> plan_attempts(const ConvertOptions& options) {
   return attempts;
 }
 
+constexpr double kOtherSpacing = 0.1;  // apart from what was asked for by this share of it is worth a word
+
+std::string warning_of_spacing(double spacing, double asked) {
+  char text[256];
+  std::snprintf(text, sizeof text,
+                "springs are %.3g m long instead of %.3g m, as the cloth's size and seams want; give another --spacing",
+                spacing, asked);
+  return text;
+}
+
 ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& options, const Progress& progress,
                            Stages& stages, const StageFiles& files) {
   ConvertResult result;
@@ -255,6 +265,11 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& optio
     report.warnings.insert(report.warnings.begin(),
                            "laid out in squares, because panels could not be made: " + panels_failed);
   }
+  const double spacing = result.asset.spacing;
+  if (options.flatten.spacing > 0 && std::abs(spacing / options.flatten.spacing - 1) > kOtherSpacing) {
+    report.warnings.push_back(warning_of_spacing(spacing, options.flatten.spacing));
+  }
+  report.warnings.insert(report.warnings.begin(), mesh.left_out.begin(), mesh.left_out.end());
   report.seconds = stages.seconds();
   report.peak_memory_bytes = peak_memory_bytes();
   return result;

@@ -15,6 +15,7 @@
 #include "geocloth/asset/error.h"
 #include "geocloth/asset/grid_mesh.h"
 #include "report/verify.h"
+#include "report/warnings.h"
 #include "support/temporary_folder.h"
 
 namespace geocloth {
@@ -301,6 +302,33 @@ TEST(ConvertReport, WarnsOfFarMorePixelsThanWereAskedFor) {
   const auto warnings = convert(crumbs, options).report.warnings;
   EXPECT_THAT(warnings, testing::Contains(HasSubstr("where about 144 were asked for")));
   EXPECT_THAT(convert(sheet(), options).report.warnings, testing::IsEmpty());
+}
+
+// Lace or fringe at too few pixels moved badly, and only the numbers said so.
+TEST(ConvertReport, WarnsOfSpringsThatStripsOfAPixelsWidthMakeUneven) {
+  ConvertResult result = convert(sheet(), small(Layout::panels));
+  const auto warnings = [&] { return plain_warnings(result.report, result.asset, 0); };
+  EXPECT_THAT(warnings(), testing::IsEmpty());
+  result.report.quality.shear_deg_p95 = 30;
+  EXPECT_THAT(warnings(), testing::ElementsAre(HasSubstr("30 degrees")));
+  result.report.quality.shear_deg_p95 = 3;
+  result.report.quality.spring_p99_over_p1 = 2.5;
+  EXPECT_THAT(warnings(), testing::ElementsAre(HasSubstr("2.5 times the shortest")));
+  result.report.quality.spring_p99_over_p1 = 1.4;
+  result.report.quality.max_error = 0.02;
+  EXPECT_THAT(warnings(), testing::ElementsAre(HasSubstr("--resolution")));
+}
+
+TEST(ConvertReport, WarnsOfASpacingThatTheClothHasNoRoomFor) {
+  ConvertOptions options = small(Layout::panels);
+  options.flatten.spacing = 10;
+  EXPECT_THAT(convert(sheet(), options).report.warnings, testing::Contains(HasSubstr("instead of 10 m")));
+}
+
+TEST(ConvertReport, SaysWhatTheFileHasAndTheGarmentHasNot) {
+  TriangleMesh mesh = sheet();
+  mesh.left_out = {"two buttons are left out"};
+  EXPECT_THAT(convert(mesh, small()).report.warnings, testing::Contains("two buttons are left out"));
 }
 
 TEST(ConvertReport, NamesThePartThatIsStretched) {

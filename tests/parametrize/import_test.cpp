@@ -363,6 +363,26 @@ TEST_F(Import, GltfThatNeedsWhatCannotBeDecodedIsRefusedWithTheRemedy) {
   EXPECT_THAT(e.what(), HasSubstr("gltf-transform"));
 }
 
+// Forty buttons of which one arrived, or a garment in a scene that is not the first, were dropped without a word.
+TEST_F(Import, GltfSaysWhatOfItIsLeftOut) {
+  EXPECT_THAT(read("a.glb", square().glb()).left_out, testing::IsEmpty());
+
+  Gltf buttons = square();
+  buttons.json["extensionsUsed"] = {"EXT_mesh_gpu_instancing"};
+  buttons.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = Json::object();
+  const TriangleMesh one = read("b.glb", buttons.glb());
+  EXPECT_EQ(one.triangle.size(), 2U);
+  EXPECT_THAT(one.left_out, ElementsAre(HasSubstr("1 node stands for many copies")));
+
+  Gltf scenes = square();
+  scenes.json["nodes"] = {{{"children", {1}}}, {{"mesh", 0}}, {{"mesh", 0}}, {{"mesh", 0}}};
+  scenes.json["scenes"] = {{{"nodes", {2, 3}}}, {{"nodes", {0}}}};
+  scenes.json["scene"] = 1;
+  const TriangleMesh shown = read("c.glb", scenes.glb());
+  EXPECT_EQ(shown.triangle.size(), 2U);
+  EXPECT_THAT(shown.left_out, ElementsAre(HasSubstr("2 meshes of the file are left out")));
+}
+
 TEST_F(Import, GltfWithoutASceneIsReadWhole) {
   Gltf g = square();
   g.json.erase("scene");

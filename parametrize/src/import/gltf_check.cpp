@@ -298,4 +298,49 @@ void check_scene(const GltfFile& gltf, const GltfData& data) {
   SceneCheck(gltf, data).check();
 }
 
+std::vector<std::string> find_left_out(const GltfFile& gltf) {
+  const Json& nodes = gltf.array("nodes");
+  const Json& scenes = gltf.array("scenes");
+  std::vector<bool> shown(nodes.size(), scenes.empty());
+  if (!scenes.empty()) {
+    const Json& scene = scenes[gltf.reference(gltf.json, "scene", "scenes", "glTF").value_or(0)];
+    std::vector<std::size_t> open;
+    const auto add = [&](const Json& of, const char* list) {
+      if (!of.contains(list)) return;
+      for (const Json& node : of[list]) open.push_back(node.get<std::size_t>());
+    };
+    add(scene, "nodes");
+    while (!open.empty()) {
+      const std::size_t node = open.back();
+      open.pop_back();
+      if (shown[node]) continue;
+      shown[node] = true;
+      add(nodes[node], "children");
+    }
+  }
+  std::size_t hidden = 0, repeated = 0;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (!nodes[i].contains("mesh")) continue;
+    if (!shown[i]) {
+      ++hidden;
+    } else if (gltf.extension(nodes[i], "EXT_mesh_gpu_instancing", label("nodes", i)) != nullptr) {
+      ++repeated;
+    }
+  }
+  const auto count = [](std::size_t n, const char* one, const char* many) {
+    return n == 1 ? std::string("1 ") + one : std::to_string(n) + ' ' + many;
+  };
+  std::vector<std::string> out;
+  if (repeated > 0) {
+    out.push_back(count(repeated, "node stands", "nodes stand") +
+                  " for many copies (EXT_mesh_gpu_instancing), of which one is converted, in the node's own place; "
+                  "make the copies real where the file is exported to have all");
+  }
+  if (hidden > 0) {
+    out.push_back(count(hidden, "mesh of the file is", "meshes of the file are") +
+                  " left out: not in the scene with which it opens");
+  }
+  return out;
+}
+
 }  // namespace geocloth::import_detail

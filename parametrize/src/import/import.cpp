@@ -483,15 +483,17 @@ constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 /// What assimp gets to see of a file: the file first, then what goes with it. The name's ending decides the reader.
 /// @param obj           filled when the file is an OBJ
 /// @param applied_unit  metres per unit of the file that assimp applies by itself
+/// @param left_out      filled with what of the file is not in them
 std::vector<MemoryFile> prepare(const std::filesystem::path& file, Format format, std::span<const std::byte> bytes,
-                                ObjText& obj, double& applied_unit) {
+                                ObjText& obj, double& applied_unit, std::vector<std::string>& left_out) {
   std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   if (text.starts_with(kByteOrderMark)) text.erase(0, kByteOrderMark.size());
   switch (format) {
     case Format::gltf:
     case Format::glb:
       // What it is shows in its first byte, whatever the ending says.
-      return read_gltf(file, bytes, format == Format::glb ? !text.starts_with('{') : text.starts_with("glTF"));
+      return read_gltf(file, bytes, format == Format::glb ? !text.starts_with('{') : text.starts_with("glTF"),
+                       left_out);
     case Format::obj:
       obj = read_obj(file, text);
       return {{"mesh.obj", std::move(obj.coded)}};
@@ -518,7 +520,8 @@ TriangleMesh read(const std::filesystem::path& file, const ImportOptions& option
   if (bytes.empty()) fail(file, ErrorCode::invalid_data, "the file is empty");
   ObjText obj;
   double applied_unit = 1;
-  std::vector<MemoryFile> files = prepare(file, format, bytes, obj, applied_unit);
+  std::vector<std::string> left_out;
+  std::vector<MemoryFile> files = prepare(file, format, bytes, obj, applied_unit, left_out);
   const std::string name = files[0].name;
   Assimp::Importer importer;
   importer.SetIOHandler(new MeshFiles(file, std::move(files)));
@@ -532,6 +535,7 @@ TriangleMesh read(const std::filesystem::path& file, const ImportOptions& option
   const double scale = options.scale ? *options.scale / applied_unit : file_unit(*scene, format);
   TriangleMesh mesh = MeshBuilder(file, format, *scene, format == Format::obj ? &obj : nullptr, scale).build();
   if (mesh.triangle.empty()) fail(file, ErrorCode::invalid_data, "has no faces; cloth needs triangles or polygons");
+  mesh.left_out = std::move(left_out);
   return mesh;
 }
 

@@ -45,9 +45,10 @@ struct MemoryFile {
 /// Checks the container, the JSON and every index, offset and size of a glTF file that assimp relies on.
 /// @returns the same scene for assimp, without what geocloth does not use: the JSON, and its buffers as files of their
 ///   own; quantised attributes are floats there
+/// @param left_out  filled with what of the scene is not in them, in plain words
 /// @throws Error(unsupported) when it needs an extension that cannot be decoded
 [[nodiscard]] std::vector<MemoryFile> read_gltf(const std::filesystem::path& file, std::span<const std::byte> bytes,
-                                                bool binary);
+                                                bool binary, std::vector<std::string>& left_out);
 
 /// Checks that the sizes a PLY file announces are the sizes it has.
 void check_ply(const std::filesystem::path& file, std::string_view bytes);

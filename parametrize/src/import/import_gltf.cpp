@@ -118,12 +118,14 @@ std::vector<MemoryFile> rewrite(GltfFile& gltf, GltfData& data) {
 
 }  // namespace
 
-std::vector<MemoryFile> read_gltf(const std::filesystem::path& file, std::span<const std::byte> bytes, bool binary) {
+std::vector<MemoryFile> read_gltf(const std::filesystem::path& file, std::span<const std::byte> bytes, bool binary,
+                                  std::vector<std::string>& left_out) {
   GltfFile gltf(file, bytes, binary);
   check_extensions(gltf);
   GltfData data(gltf);
   decode_draco(gltf, data);
   check_scene(gltf, data);
+  left_out = find_left_out(gltf);
   pose_meshes(gltf, data);
   return rewrite(gltf, data);
 }

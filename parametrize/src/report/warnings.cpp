@@ -77,6 +77,18 @@ void warn_of_stretch(const ConvertReport& report, const ClothAsset& asset, std::
                           "that uneven"));
 }
 
+/// Cells at outlines: they are uneven where strips, holes or teeth are not much wider than a pixel.
+void warn_of_uneven_springs(const Quality& q, double spacing, std::vector<std::string>& out) {
+  // From here on the motion of the cloth shows it (tools/report/targets.cpp calls these missed).
+  constexpr double kLargestRatio = 2, kLargestAngle = 12;
+  if (q.spring_p99_over_p1 <= kLargestRatio && q.shear_deg_p95 <= kLargestAngle) return;
+  out.push_back("springs are uneven (the longest are " + rounded(q.spring_p99_over_p1) +
+                " times the shortest, and a twentieth of the places is " + rounded(q.shear_deg_p95) +
+                " degrees or more off a right angle): the garment has strips, holes or layers that are not much wider "
+                "than a spring (" +
+                size_in_words(spacing) + "); give a larger --resolution, or leave such parts out with --parts");
+}
+
 }  // namespace
 
 std::vector<PartShape> measure_parts(const TriangleMesh& mesh, const CleanSurface& clean, const FlatSurface& flat) {
@@ -127,8 +139,11 @@ std::vector<std::string> plain_warnings(const ConvertReport& report, const Cloth
         " were asked for: it has too many small pieces or narrow strips for so few; --parts leaves pieces out");
   }
   warn_of_stretch(report, asset, out);
-  constexpr double kCoarseDecibel = 50;
-  if (q.psnr_db < kCoarseDecibel) {
+  const bool square = asset.layout == Layout::square;
+  if (!square) warn_of_uneven_springs(q, asset.spacing, out);
+  // A square has few pixels wherever it squeezes: what is said of shapes above is true of places too.
+  constexpr double kCoarseDecibel = 50, kFarOff = 0.01;
+  if (q.psnr_db < kCoarseDecibel || (!square && q.max_error > kFarOff)) {
     out.push_back("the image is coarse for this mesh (it is up to " + size_in_words(q.max_error * size) +
                   " off); give a larger --resolution");
   }

@@ -35,6 +35,7 @@ struct TriangleMesh {
   std::vector<SourceImage> image;
   /// Vertices of each named part, and those that each bone moves more than anything else.
   std::vector<ClothAsset::VertexGroup> vertex_groups;
+  std::vector<std::string> left_out;  ///< what the file has and this mesh has not, in plain words
 };
 
 /// A surface that is manifold and consistently oriented everywhere, together with the ties that repair cut.
