@@ -178,6 +178,7 @@ inline MovedTriangle push_point(ColliderSet set, ClothParams params, ColliderSha
 // @param w  inverse masses of the corners
 inline MovedTriangle collide_triangle(ColliderSet set, ClothParams params, uint substep, MovedTriangle t, vec3 w) {
   MovedTriangle moved = t;
+  if (max(w.x, max(w.y, w.z)) <= 0.0f) return moved;  // all held: nothing gives way
   for (uint i = 0u; i < params.collider_count; ++i) {
     ColliderShape shape = collider_shape(set, i);
     Corners now = corners_of(moved);
