@@ -1,7 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: GPL-3.0-or-later
 # All checks, from a fresh clone on Debian 12: installs what is missing, builds with warnings as errors, runs every test,
-# runs what reads foreign files again under the address and undefined-behaviour sanitizers, checks format and lint.
+# runs what reads foreign files and much of the solver again under the address and undefined-behaviour sanitizers, checks
+# format and lint.
 # The last line is `N passed, N failed`; the exit status says the same.
 set -u
 cd "$(dirname "$0")/.." || exit 1
@@ -55,8 +56,12 @@ lint_holds() {
 check "build release" build release
 check "clang-format" format_holds
 count_tests build/release
-check "build sanitize" build sanitize --target tests/asset/all tests/fuzz/all tests/parametrize/all program_test
-count_tests build/sanitize -L '^(asset|parametrize|fuzz)$' -E '^SharedMeshes'
+# Of the solver those tests that are quick even so.
+solver_tests=$(printf ' solver_%s_test' bending colliders cutting lines motion rough scene sleeping)
+# shellcheck disable=SC2086  # one target a word
+check "build sanitize" build sanitize \
+  --target tests/asset/all tests/fuzz/all tests/parametrize/all $solver_tests program_test
+count_tests build/sanitize -L '^(asset|parametrize|fuzz|solver)$' -E '^SharedMeshes|_NOT_BUILT$'
 # Not where a Vulkan driver is loaded: Mesa's leaks a little when it is unloaded.
 count_tests build/sanitize -R '^(Convert|Inspect|Simulate|Interrupt)[/.]' -E '^Simulate\.UnknownDevice'
 check "clang-tidy" lint_holds

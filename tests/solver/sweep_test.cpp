@@ -2,6 +2,7 @@
 // The fast path of the cpu gives the bits of the plain one, which runs the shaders' own text pass by pass: on sheets,
 // cut cloth and masked charts, with everything that a scene can have, for any number of threads.
 
+#include <array>
 #include <cstring>
 #include <random>
 
@@ -297,9 +298,15 @@ TEST_P(Targets, HaveTheBitsOfThePlainPath) {
   }
 }
 
+/// Of the instruction sets that the solver was built for.
 std::vector<int64_t> targets_here() {
+#ifdef GEOCLOTH_FEW_VECTOR_TARGETS  // said by the build
+  constexpr std::array kBuilt{int64_t{HWY_AVX2}, int64_t{HWY_NEON}};
+#else
+  constexpr std::array kBuilt{int64_t{HWY_SSE4}, int64_t{HWY_AVX2}, int64_t{HWY_AVX3}, int64_t{HWY_NEON}};
+#endif
   std::vector<int64_t> list;
-  for (const int64_t target : {int64_t{HWY_SSE4}, int64_t{HWY_AVX2}, int64_t{HWY_AVX3}, int64_t{HWY_NEON}})
+  for (const int64_t target : kBuilt)
     if ((hwy::SupportedTargets() & target) != 0) list.push_back(target);
   return list;
 }
