@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bends over three pixels in vectors.
+
+#include "cpu/bend_rows.h"
+
+#include <algorithm>
+#include <numeric>
+#include <span>
+
+#include "lib/bend.h"
+#include "lib/bend_groups.h"
+
+namespace geocloth::cpu {
+namespace {
+
+struct BendConstants {
+  float rest = 0, inverse = 0, chord = 0, compliance = 0;
+};
+
+/// The weights as bend.h has them, for a middle point that carries all of its mass.
+BendConstants bend_constants(const RowSource& source, uint32_t component, size_t a, uint32_t offset) {
+  const float compliance = source.scaled_compliance(component, a);
+  if (!(compliance > 0)) return {};
+  const std::vector<float>& along = source.state.rest[component - 4];
+  const float chord = shader::chord_share(along[a], along[a + offset]), back = 1.F - chord;
+  const float wa = source.state.inverse_mass[a], wm = source.state.inverse_mass[a + offset];
+  const float wb = source.state.inverse_mass[a + 2 * size_t{offset}];
+  const float w = wa * back * back + wm * 1.F + wb * chord * chord;
+  return {source.state.rest[component][a], 1.F / (w + compliance), chord, compliance};
+}
+
+/// @param constants_of  of the bend that starts in a column, or with the inverse 0
+template <class ConstantsOf>
+void cover_bends(const RowSource& source, RowStream& stream, const BlockShape& shape, uint32_t y,
+                 const ConstantsOf& constants_of) {
+  cover_row(
+      source, shape, y, [&](uint32_t x) { return constants_of(x).inverse > 0; },
+      [&](uint32_t first) { add_block(stream, first, source.several ? 4 : 3, source.lanes); },
+      [&](uint32_t lane, uint32_t x) {
+        const BendConstants c = constants_of(x);
+        float* block = &stream.constants[stream.constants.size() - size_t{source.several ? 4U : 3U} * source.lanes];
+        block[lane] = c.rest;
+        block[source.lanes + lane] = c.inverse;
+        block[2 * source.lanes + lane] = c.chord;
+        if (source.several) block[3 * source.lanes + lane] = c.compliance;
+      });
+}
+
+/// Lets thirds of a row, from a whole number of vectors on, hold those that blocks reach.
+void reach_thirds(uint32_t lanes, std::span<const uint32_t> blocks, uint32_t thirds, Run& run) {
+  for (const uint32_t first : blocks) {
+    run.first = std::min(run.first, first - first % lanes);
+    run.last = std::max(run.last, std::min(thirds, first + lanes + 1));
+  }
+}
+
+/// Columns of a group are 0 for its first one, 1 for the third one after it, ...
+SweepOp bends_along(const RowSource& source, RowStream& stream) {
+  const uint32_t thirds = source.width / 3;  // complete ones; WideRows keeps cloth out of the columns behind
+  const BlockShape shape = vectors(RowKernel::bends_along, source.lanes, thirds);
+  // A line of the scratch holds the vectors of thirds, and where the last block begins at the next one, one more.
+  const uint32_t line = (thirds / source.lanes + 2) * source.lanes;
+  stream.thirds.assign(source.height, {thirds, 0});
+  stream.row_first.assign(source.height + 1, 0);
+  for (uint32_t group = 0; group < 3; ++group) {
+    for (uint32_t y = 0; y < source.height; ++y) {
+      const size_t before = stream.pixel.size();
+      stream.group_first.push_back(static_cast<uint32_t>(before));
+      cover_bends(source, stream, shape, 0, [&](uint32_t n) {
+        const uint32_t x = 3 * n + group;
+        return x + 2 < 3 * thirds ? bend_constants(source, 4, y * source.width + x, 1) : BendConstants{};
+      });
+      const auto blocks = std::span(stream.pixel).subspan(before);
+      reach_thirds(source.lanes, blocks, thirds, stream.thirds[y]);
+      stream.row_first[y + 1] += static_cast<uint32_t>(blocks.size());
+      for (uint32_t& block : blocks) block += third_row(y, source.strip, line);
+    }
+    stream.group_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
+  }
+  std::partial_sum(stream.row_first.begin(), stream.row_first.end(), stream.row_first.begin());
+  return {.kernel = RowKernel::bends_along, .offset = line, .stream = &stream};
+}
+
+}  // namespace
+
+SweepOp bend_rows(const RowSource& source, uint32_t group, RowStream& stream) {
+  if (shader::bend_component(group) == 4) return bends_along(source, stream);
+  const BlockShape shape = vectors(RowKernel::bends_across, source.lanes, source.width);
+  for (uint32_t y = 0; y < source.height; ++y) {
+    stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
+    if (y % 3 == group % 3 && y + 2 < source.height)
+      cover_bends(source, stream, shape, y,
+                  [&](uint32_t x) { return bend_constants(source, 5, y * source.width + x, source.width); });
+  }
+  stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
+  return {.kernel = RowKernel::bends_across, .offset = source.width, .stream = &stream};
+}
+
+}  // namespace geocloth::cpu

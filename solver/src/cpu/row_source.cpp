@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cpu/row_source.h"
+
+namespace geocloth::cpu {
+
+float RowSource::scaled_compliance(uint32_t component, size_t pixel) const {
+  return state.compliance[component][pixel] * cloth.params.inverse_dt2;
+}
+
+uint32_t lane_of(RowKernel kernel, uint32_t column, uint32_t lanes) {
+  const bool high = column >= lanes;
+  const uint32_t c = high ? column - lanes : column;
+  switch (kernel) {
+    case RowKernel::springs_along:
+      return c / 4 * 4 + c % 4 / 2 + (high ? 2 : 0);
+    case RowKernel::springs_along_two:
+      return c / 4 * 4 + c % 4 + (high ? 2 : 0);
+    default:
+      return column;
+  }
+}
+
+void add_block(RowStream& stream, uint32_t first, uint32_t constants, uint32_t lanes) {
+  stream.pixel.push_back(first);
+  stream.constants.resize(stream.constants.size() + size_t{constants} * lanes, 0.F);
+}
+
+}  // namespace geocloth::cpu

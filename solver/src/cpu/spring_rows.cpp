@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// Structural, diagonal and bending springs in vectors, and those that only pull: ties and spans.
+
+#include "cpu/spring_rows.h"
+
+#include <algorithm>
+
+#include "cpu/row_source.h"
+#include "cpu/spans.h"
+#include "cpu/springs.h"
+#include "lib/spring_groups.h"
+
+namespace geocloth::cpu {
+namespace {
+
+bool group_has_line(uint32_t group, uint32_t line) {
+  const uint32_t odd = group % 2;
+  return (group < 8 ? line % 2 : line / 2 % 2) == odd;
+}
+
+/// 1 / (w + compliance), as spring.h has it; 0 where the spring does not exist or cannot move.
+float spring_inverse(const RowSource& source, uint32_t component, size_t a, uint32_t offset, bool compliant) {
+  if (!(source.state.rest[component][a] > 0)) return 0;
+  const float w = source.state.inverse_mass[a] + source.state.inverse_mass[a + offset];
+  if (!(w > 0)) return 0;
+  return 1.F / (compliant ? w + source.scaled_compliance(component, a) : w);
+}
+
+SweepOp lay_out_springs(const RowSource& source, uint32_t group, bool tie, float tie_share, RowStream& stream) {
+  const uint32_t component = shader::group_component(group), odd = group % 2;
+  const bool along = shader::group_by_column(group) == 1;
+  const RowKernel kernel = !along           ? RowKernel::springs_across
+                           : component == 0 ? RowKernel::springs_along
+                                            : RowKernel::springs_along_two;
+  const shader::uvec2 end = shader::spring_end(component, 1, 0);
+  const uint32_t offset = end.y * source.width + end.x - 1;
+  BlockShape shape = vectors(kernel, source.lanes, source.width);
+  if (component == 0) shape = {kernel, 2 * source.lanes, 2, odd, source.width};
+  if (component == 4) shape = {kernel, 2 * source.lanes, 4, 2 * odd, source.width};
+  const auto in_row = [&](uint32_t y) { return along || group_has_line(group, y); };
+  const auto in_column = [&](uint32_t x) { return !along || group_has_line(group, x); };
+  for (uint32_t y = 0; y < source.height; ++y) {
+    stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
+    if (!in_row(y)) continue;
+    const auto inverse_of = [&](uint32_t x) {
+      return in_column(x) ? tie_share * spring_inverse(source, component, y * source.width + x, offset, !tie) : 0.F;
+    };
+    cover_row(
+        source, shape, y, [&](uint32_t x) { return inverse_of(x) > 0; },
+        [&](uint32_t first) { add_block(stream, first, source.several ? 3 : 2, source.lanes); },
+        [&](uint32_t lane, uint32_t x) {
+          float* block = &stream.constants[stream.constants.size() - size_t{source.several ? 3U : 2U} * source.lanes];
+          block[lane] =
+              source.state.rest[component][y * source.width + x] * (tie ? source.cloth.params.stretch_limit : 1.F);
+          block[source.lanes + lane] = inverse_of(x);
+          if (source.several)
+            block[2 * source.lanes + lane] = source.scaled_compliance(component, y * source.width + x);
+        });
+  }
+  stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
+  return {.kernel = kernel, .offset = offset, .share = share_of(source.cloth.params, component), .stream = &stream};
+}
+
+}  // namespace
+
+SweepOp spring_rows(const RowSource& source, uint32_t group, RowStream& stream) {
+  return lay_out_springs(source, group, false, 1, stream);
+}
+
+SweepOp tie_rows(const RowSource& source, uint32_t group, bool last, RowStream& stream) {
+  SweepOp op = lay_out_springs(source, group, true, last ? shader::kTieShare : 1, stream);
+  op.kernel = op.kernel == RowKernel::springs_along ? RowKernel::ties_along : RowKernel::ties_across;
+  op.share = 1;
+  return op;
+}
+
+SweepOp span_rows(const RowSource& source, uint32_t group, RowStream& stream) {
+  const uint32_t component = shader::span_component(group);
+  const bool along = component == 0;
+  const RowKernel kernel = along ? RowKernel::spans_along : RowKernel::ties_across;
+  const uint32_t lanes = along ? std::min(source.lanes, kSpanLanes) : source.lanes;
+  const uint32_t offset = shader::kSpanPixels * (along ? 1 : source.width);
+  const BlockShape shape = vectors(kernel, lanes, source.width - (along ? shader::kSpanPixels : 0));
+  for (uint32_t y = 0; y < source.height; ++y) {
+    stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
+    if (!along && y + shader::kSpanPixels >= source.height) continue;
+    const auto length_of = [&](uint32_t x) {
+      const size_t a = size_t{y} * source.width + x;
+      const bool moves = source.state.inverse_mass[a] + source.state.inverse_mass[a + offset] > 0;
+      return shader::span_starts(group, x, y) && moves ? span_length(source.state, component, a) : 0.F;
+    };
+    cover_row(
+        source, shape, y, [&](uint32_t x) { return length_of(x) > 0; },
+        [&](uint32_t first) { add_block(stream, first, 2, lanes); },
+        [&](uint32_t lane, uint32_t x) {
+          const size_t a = size_t{y} * source.width + x;
+          float* block = &stream.constants[stream.constants.size() - 2 * size_t{lanes}];
+          block[lane] = length_of(x) * source.cloth.params.stretch_limit;
+          block[lanes + lane] = 1.F / (source.state.inverse_mass[a] + source.state.inverse_mass[a + offset]);
+        });
+  }
+  stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
+  return {.kernel = kernel, .offset = offset, .stream = &stream};
+}
+
+}  // namespace geocloth::cpu
