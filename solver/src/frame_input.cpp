@@ -256,6 +256,11 @@ Transform collider_frame(const Collider& collider) {
   return compose({collider.pose.translate, collider.pose.rotate, 1}, std::visit(LocalFrame{}, collider.shape));
 }
 
+bool same_place(const Collider& a, const Collider& b) {
+  const Transform p = collider_frame(a), q = collider_frame(b);
+  return p.translate == q.translate && p.rotate == q.rotate;
+}
+
 shader::ColliderShape collider_shape_of(const Collider& collider, std::vector<float>& numbers) {
   shader::ColliderShape shape = std::visit(LocalShape{numbers}, collider.shape);
   shape.friction = collider.friction;

@@ -20,6 +20,8 @@ struct FrameClock {
 
 /// Where the local frame of a collider's shape (see shared/layout.h) lies in the world.
 [[nodiscard]] Transform collider_frame(const Collider& collider);
+/// Whether their poses are the same.
+[[nodiscard]] bool same_place(const Collider& a, const Collider& b);
 /// @param numbers  those of convex hulls and meshes are appended
 [[nodiscard]] shader::ColliderShape collider_shape_of(const Collider& collider, std::vector<float>& numbers);
 

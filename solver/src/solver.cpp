@@ -7,8 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
-#include <limits>
 #include <string>
 #include <utility>
 
@@ -72,17 +70,6 @@ bool same_shape(const shader::ColliderShape& a, const shader::ColliderShape& b) 
   return std::bit_cast<Words>(a) == std::bit_cast<Words>(b);
 }
 
-bool same_place(const Collider& a, const Collider& b) {
-  const Transform p = collider_frame(a), q = collider_frame(b);
-  return p.translate == q.translate && p.rotate == q.rotate;
-}
-
-bool blows(const std::optional<Wind>& wind) {
-  return wind && length(wind->velocity) > 0 && (wind->drag > 0 || wind->lift > 0);
-}
-
-constexpr double kShortStep = 1.0 / 5000;  ///< [s] in a shorter one what a position moves by is lost in its rounding
-
 uint32_t fineness(const SolverSettings& settings) {
   if (settings.keep_momentum) return shader::kFineMomentum;
   return settings.frame_time / settings.substeps < kShortStep ? shader::kFineOffsets : shader::kFineOff;
@@ -104,22 +91,6 @@ std::unique_ptr<SolverBackend> make_backend(SimulationData data, const SolverSet
     }
   }
   return make_cpu_backend(std::move(data), settings.threads);
-}
-
-/// [m] that a collider goes in a substep; planes are too thick to slip through anything.
-/// @param radius  [m] only colliders that are no larger
-float longest_way(std::span<const shader::ColliderShape> shapes,
-                  double radius = std::numeric_limits<double>::infinity()) {
-  float way = 0;
-  for (const shader::ColliderShape& s : shapes)
-    if (s.kind != shader::kShapePlane && radius_of(s) <= radius) way = std::max(way, s.way);
-  return way;
-}
-
-/// A fast collider pushes many cells at once, and what one gains the next takes away: several rounds settle it.
-uint32_t cell_rounds(float way, float spacing) {
-  constexpr float kSlow = 0.1F;  // in spacings
-  return way > kSlow * spacing ? 4 : 1;
 }
 
 }  // namespace
@@ -276,171 +247,6 @@ void Solver::Impl::carry_over(uint32_t cloth) {
   backend_->write_state(cloth, position, previous);
   c.parent_from = c.parent_to;
   c.teleport = false;
-}
-
-FrameClock Solver::Impl::clock() const {
-  return {time_, settings_.frame_time / substeps_, substeps_};
-}
-
-float Solver::Impl::stretch_limit(const Cloth& cloth) const {
-  const float stretch = largest_stretch(cloth.material, settings_.gravity, cloth.reach);
-  return stretch > 0 ? 1 + stretch : 0;
-}
-
-void Solver::Impl::fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const {
-  frame.params = cloth_params(cloth.material, clock(), settings_.gravity, wind_);
-  frame.params.gravity_step.w = static_cast<float>(clock().dt / cloth.displaced_in);
-  frame.params.fine = fine_;
-  frame.params.stretch_limit = stretch_limit(cloth);
-  frame.params.width = cloth.asset->width;
-  frame.params.height = cloth.asset->height;
-  frame.params.collider_count = static_cast<uint32_t>(colliders_to_.size());
-  set_self_numbers(cloth.self, frame.params);
-  if (cloth.parent_to) {
-    set_frame_motion(frame.params, *cloth.parent_from, *cloth.parent_to, cloth.inertia_scale, substeps_, origin_);
-  }
-  frame.pins.clear();
-  cloth.pin_targets.clear();
-  for (auto& [pixel, pin] : cloth.pins) {
-    cloth.pin_targets.push_back(pin.target);
-    frame.pins.push_back(pin_target(pixel, pin.from - origin_, pin.target - origin_, pin.frequency, clock().dt));
-    pin.from = pin.target;
-  }
-  frame.pins_changed = cloth.pins_changed;
-  if (cloth.pins_changed) change_pins(cloth, frame);
-  frame.pulled_apart = is_pulled_apart(cloth, frame.params.stretch_limit);
-}
-
-bool Solver::Impl::is_pulled_apart(const Cloth& cloth, float stretch_limit) {
-  return std::any_of(cloth.pin_ways.begin(), cloth.pin_ways.end(), [&](const PinWay& way) {
-    return length(cloth.pin_targets[way.b] - cloth.pin_targets[way.a]) > stretch_limit * way.length;
-  });
-}
-
-/// What a frame says of other pins than the one before had.
-void Solver::Impl::change_pins(Cloth& cloth, ClothFrame& frame) const {
-  cloth.pins_changed = false;
-  frame.inverse_mass = cloth.free_inverse_mass;
-  std::vector<uint32_t> pixels, pinned;
-  for (const auto& [pixel, pin] : cloth.pins) {
-    pixels.push_back(pixel);
-    if (!pin.held()) continue;
-    frame.inverse_mass[pixel] = 0;
-    pinned.push_back(pixel);
-  }
-  if (frame.params.stretch_limit > 0) {
-    frame.attachments = make_attachments(*cloth.asset, cloth.scale, pinned);
-    cloth.pin_ways = ways_between_pins(*cloth.asset, cloth.scale, frame.attachments, pinned);
-    const auto number_of = [&](uint32_t pixel) {
-      return static_cast<uint32_t>(std::lower_bound(pixels.begin(), pixels.end(), pixel) - pixels.begin());
-    };
-    for (PinWay& way : cloth.pin_ways) way = {number_of(way.a), number_of(way.b), way.length};
-    cloth.reach = pinned.empty() ? rest_size(*cloth.asset, cloth.scale) : 0;
-    for (const shader::Attachment& a : frame.attachments) cloth.reach = std::max(cloth.reach, a.reach);
-    frame.params.stretch_limit = stretch_limit(cloth);
-  }
-}
-
-/// 2 to 4 where a collider goes so far in a substep that the cloth in its way could not follow. Up to 16, as long as
-/// steps are not short, where it is also so small that it pushes a few cells only: those open before their neighbours
-/// have its speed.
-uint32_t Solver::Impl::substeps_factor() {
-  constexpr float kFar = 0.2F, kSmall = 8;  // in spacings
-  constexpr uint32_t kAlways = 4, kMost = 16, kLargest = 256;
-  collider_poses(colliders_from_, colliders_to_, settings_.substeps, origin_, frame_.poses);
-  measure_ways(frame_.shapes, frame_.poses, settings_.substeps, 0);
-  float spacing = std::numeric_limits<float>::max();
-  for (const Cloth& cloth : cloths_) spacing = std::min(spacing, cloth.asset->spacing * cloth.scale);
-  const auto factor_for = [spacing](float way, uint32_t most) {
-    uint32_t factor = 1;
-    while (factor < most && way > kFar * spacing * static_cast<float>(factor)) ++factor;
-    return factor;
-  };
-  const double long_steps = settings_.frame_time / (kShortStep * settings_.substeps);
-  const auto most = static_cast<uint32_t>(std::clamp(long_steps, double{kAlways}, double{kMost}));
-  const uint32_t factor = std::max(factor_for(longest_way(frame_.shapes), kAlways),
-                                   factor_for(longest_way(frame_.shapes, double{kSmall * spacing}), most));
-  return std::max(1U, std::min(factor, kLargest / settings_.substeps));
-}
-
-void Solver::Impl::find_movers() {
-  movers_.clear();
-  for (uint32_t i = 0; i < colliders_to_.size(); ++i)
-    if (!same_place(colliders_from_[i], colliders_to_[i])) movers_.push_back(i);
-}
-
-/// Whether a collider that moves in this frame may touch the cloth. Waits for the device, for a sleeping cloth once.
-bool Solver::Impl::is_reached(uint32_t index) {
-  if (movers_.empty()) return false;
-  Cloth& cloth = cloths_[index];
-  if (!cloth.resting) {
-    std::vector<vec4> position;
-    backend_->read_positions(index, position);
-    cloth.resting = box_of(*cloth.asset, position);
-  }
-  const float margin = cloth.material.thickness + cloth.asset->spacing * cloth.scale;
-  return std::any_of(movers_.begin(), movers_.end(),
-                     [&](uint32_t i) { return may_reach(frame_.shapes, frame_.poses, i, *cloth.resting, margin); });
-}
-
-/// Decides by what was measured two frames ago, on both backends, so that none waits and both decide alike.
-void Solver::Impl::fall_asleep() {
-  frame_.measure_motion = settings_.sleep_speed > 0;
-  frame_.motion_word = 1 - frame_.motion_word;
-  const bool stirred = std::exchange(scene_changed_, false) || blows(wind_) || !frame_.measure_motion;
-  for (uint32_t c = 0; c < cloths_.size(); ++c) {
-    Cloth& cloth = cloths_[c];
-    const bool disturbed = std::exchange(cloth.disturbed, false);
-    if (stirred || disturbed || (cloth.asleep && is_reached(c))) {
-      cloth.asleep = false;
-      cloth.calm_frames = 0;
-      cloth.calm_for = 0;
-    }
-    // What was measured is a way in a step that has another length now.
-    if (!cloth.asleep && clock().dt != cloth.displaced_in) cloth.calm_frames = 0;
-    constexpr uint32_t kLatency = 2;  // frames
-    if (!cloth.asleep && cloth.calm_frames >= kLatency) {
-      const double speed = backend_->longest_way(c, frame_.motion_word) / cloth.displaced_in;
-      cloth.calm_for = speed <= settings_.sleep_speed ? cloth.calm_for + settings_.frame_time : 0;
-      if (cloth.calm_for > 0 && cloth.calm_for >= settings_.sleep_time) {
-        cloth.resting.reset();
-        cloth.asleep = !is_reached(c);
-        if (!cloth.asleep) cloth.calm_for = 0;
-      }
-    }
-    if (!cloth.asleep) ++cloth.calm_frames;
-    frame_.cloths[c].asleep = cloth.asleep;
-  }
-}
-
-void Solver::Impl::step() {
-  for (uint32_t c = 0; c < cloths_.size(); ++c)
-    if (cloths_[c].teleport) carry_over(c);
-  frame_.shapes = shapes_;
-  frame_.collider_numbers = collider_numbers_;
-  const uint32_t factor = substeps_factor();
-  substeps_ = settings_.substeps * factor;
-  collider_poses(colliders_from_, colliders_to_, substeps_, origin_, frame_.poses);
-  measure_ways(frame_.shapes, frame_.poses, substeps_, kThickestCloth);
-  substep_inputs(clock(), wind_, origin_, frame_.substeps);
-  const float way = longest_way(frame_.shapes);
-  frame_.cloths.resize(cloths_.size());
-  for (size_t c = 0; c < cloths_.size(); ++c) {
-    Cloth& cloth = cloths_[c];
-    const float spacing = cloth.asset->spacing * cloth.scale;
-    cloth.collide_cells = cloth.collide_cells || factor > 1 || may_slip_through(frame_.shapes, spacing);
-    frame_.cloths[c].cell_rounds = cloth.collide_cells ? cell_rounds(way, spacing) : 0;
-    fill_cloth_frame(cloth, frame_.cloths[c]);
-  }
-  find_movers();
-  fall_asleep();
-  backend_->run_frame(frame_);
-  colliders_from_ = colliders_to_;
-  for (Cloth& cloth : cloths_) {
-    cloth.parent_from = cloth.parent_to;
-    if (!cloth.asleep) cloth.displaced_in = clock().dt;
-  }
-  time_ += settings_.frame_time;
 }
 
 void Solver::Impl::read_positions(uint32_t cloth, std::vector<Vec3>& out) {

@@ -15,6 +15,9 @@
 
 namespace geocloth {
 
+/// [s] In a shorter step what a position moves by is lost in its rounding.
+inline constexpr double kShortStep = 1.0 / 5000;
+
 /// What a Solver is: it checks what the caller says, keeps pins and colliders between frames, and feeds a backend.
 class Solver::Impl {
  public:
