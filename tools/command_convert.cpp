@@ -182,7 +182,7 @@ CommandRun add_convert(CLI::App& app) {
           ->check(ends_with({".glb"}));
   options->layout_option = add_choice<Layout>(
       app, "--layout", options->layout, {{"panels", Layout::panels}, {"square", Layout::square}, {"uv", Layout::uv}},
-      "how the surface lies in the image; panels that are not asked for give way to squares where "
+      "how the surface lies in the image; panels that are not asked for get more pixels, or give way to squares, where "
       "they cannot be made");
   CLI::Option* resolution = add_number<uint32_t>(app, "--resolution", "N", options->resolution, 8, 4096, "pixels",
                                                  "about N x N valid pixels in all");

@@ -181,6 +181,8 @@ void lay_out(const TriangleMesh& mesh, const CarriedSurface& carried, const Flat
   });
 }
 
+constexpr double kLargestResolution = 4096;
+
 struct Attempt {
   FlattenOptions options;
   bool carry;  ///< what is smaller than a pixel
@@ -188,8 +190,15 @@ struct Attempt {
 
 /// What is tried one after the other until one passes the verification. A square gives every part pixels, however small
 /// it is, so nothing needs to be carried unless that fails; panels have one spacing for all parts, and in a part of few
-/// pixels cuts along the edges may fit where straight ones do not.
+/// pixels cuts along the edges may fit where straight ones do not. Where strips are too narrow for panels, a few more
+/// pixels serve better than squares, which stretch such a part beyond use.
 std::vector<Attempt> plan_attempts(const ConvertOptions& options) {
+  const auto finer = [&](double by) {
+    FlattenOptions o = options.flatten;
+    o.spacing /= by;
+    o.resolution = static_cast<uint32_t>(std::lround(std::min(by * o.resolution, kLargestResolution)));
+    return o;
+  };
   const auto with = [&](Layout layout, bool straight_cuts) {
     FlattenOptions o = options.flatten;
     o.layout = layout;
@@ -200,6 +209,9 @@ std::vector<Attempt> plan_attempts(const ConvertOptions& options) {
   std::vector<Attempt> attempts;
   if (layout != Layout::square) attempts.push_back({options.flatten, true});
   if (layout == Layout::panels && options.flatten.straight_cuts) attempts.push_back({with(layout, false), true});
+  if (layout == Layout::panels && options.square_if_panels_fail) {
+    for (const double by : {1.25, 1.6}) attempts.push_back({finer(by), true});
+  }
   if (layout == Layout::square || (layout == Layout::panels && options.square_if_panels_fail)) {
     attempts.push_back({with(Layout::square, false), false});
     attempts.push_back({with(Layout::square, false), true});
@@ -239,13 +251,19 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& optio
   const std::vector<Attempt> attempts = plan_attempts(options);
   std::string panels_failed;
   CarriedSurface carried;
+  bool finer = false;  // than asked for
   for (size_t i = 0; i < attempts.size(); ++i) {
     carried = stages.run("carry", [&] {
-      return attempts[i].carry ? carry_small_pieces(mesh, repaired.surface, options.flatten)
-                               : carry_nothing(repaired.surface);
+      const bool square = attempts[i].options.layout == Layout::square;
+      return attempts[i].carry
+                 ? carry_small_pieces(mesh, repaired.surface, square ? options.flatten : attempts[i].options)
+                 : carry_nothing(repaired.surface);
     });
     try {
       lay_out(mesh, carried, attempts[i].options, progress, stages, files, result);
+      finer = attempts[i].options.layout == Layout::panels &&
+              (attempts[i].options.resolution > options.flatten.resolution ||
+               attempts[i].options.spacing < options.flatten.spacing);
       break;
     } catch (const Error& e) {
       const bool refused = e.code() == ErrorCode::verification || e.code() == ErrorCode::limit;
@@ -264,6 +282,9 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& optio
   if (!panels_failed.empty() && result.asset.layout == Layout::square) {
     report.warnings.insert(report.warnings.begin(),
                            "laid out in squares, because panels could not be made: " + panels_failed);
+  } else if (finer) {
+    report.warnings.insert(report.warnings.begin(),
+                           "more pixels than asked for, because panels could not be made of so few: " + panels_failed);
   }
   const double spacing = result.asset.spacing;
   if (options.flatten.spacing > 0 && std::abs(spacing / options.flatten.spacing - 1) > kOtherSpacing) {

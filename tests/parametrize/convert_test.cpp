@@ -325,6 +325,29 @@ TEST(ConvertReport, WarnsOfASpacingThatTheClothHasNoRoomFor) {
   EXPECT_THAT(convert(sheet(), options).report.warnings, testing::Contains(HasSubstr("instead of 10 m")));
 }
 
+// A fringe whose strips were too narrow for panels became a square, stretched eightfold.
+TEST(ConvertReport, NarrowStripsGetMorePixelsRatherThanASquare) {
+  TriangleMesh fringe = patch("fringe", 80, 30, [](double u, double v) {
+    return Point3{u, -0.6 * v, 0.02 * std::sin(6 * u)};
+  });
+  std::erase_if(fringe.triangle, [&](const Triangle& t) {
+    double x = 0, y = 0;
+    for (const uint32_t v : t) {
+      x += fringe.position[v][0] / 3;
+      y += fringe.position[v][1] / 3;
+    }
+    return y < -0.1 && static_cast<int>(80 * x) % 4 == 3;
+  });
+  fringe = make_mesh("fringe", fringe.position, fringe.triangle);
+  ConvertOptions options = small(Layout::panels);
+  options.flatten.resolution = 32;
+  const ConvertResult result = convert(fringe, options);
+  EXPECT_EQ(result.asset.layout, Layout::panels);
+  EXPECT_LT(result.report.quality.l2_stretch, 1.05);
+  EXPECT_THAT(result.report.warnings, testing::Contains(HasSubstr("more pixels than asked for")));
+  EXPECT_LT(count_valid_pixels(result.asset), 3U * 32 * 32);
+}
+
 TEST(ConvertReport, SaysWhatTheFileHasAndTheGarmentHasNot) {
   TriangleMesh mesh = sheet();
   mesh.left_out = {"two buttons are left out"};
