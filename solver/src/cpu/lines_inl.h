@@ -159,35 +159,48 @@ HWY_INLINE void put_every_fourth(D d, Vec<D> v, const LineRows& rows, size_t fir
   }
 }
 
+/// One coordinate of them, in memory: arrays of vectors are copied in pieces of 16 bytes, and to read them as a whole
+/// vector then waits until they are written.
+template <class D>
+class FourColumnsOfOne {
+ public:
+  [[nodiscard]] HWY_INLINE Vec<D> at(D d, size_t i) const { return hn::Load(d, columns_.data() + i * kLanes); }
+  HWY_INLINE void set(D d, size_t i, Vec<D> v) { hn::Store(v, d, columns_.data() + i * kLanes); }
+  HWY_INLINE void read(D d, const LineRows& rows, const float* from) {
+    Four<D> v{every_fourth(d, rows, 0, from), every_fourth(d, rows, 1, from), every_fourth(d, rows, 2, from),
+              every_fourth(d, rows, 3, from)};
+    turn(d, v);
+    for (size_t i = 0; i < kTurned; ++i) set(d, i, v[i]);
+  }
+  HWY_INLINE void write(D d, const LineRows& rows, float* to) const {
+    Four<D> v{at(d, 0), at(d, 1), at(d, 2), at(d, 3)};
+    turn(d, v);
+    for (size_t i = 0; i < kTurned; ++i) put_every_fourth(d, v[i], rows, i, to);
+  }
+
+ private:
+  static constexpr size_t kLanes = hn::MaxLanes(D());
+  HWY_ALIGN std::array<float, kTurned * kLanes> columns_;
+};
 template <class D>
 struct FourColumns {
-  Four<D> x, y, z;
+  FourColumnsOfOne<D> x, y, z;
 
-  [[nodiscard]] HWY_INLINE Points<D> at(size_t i) const { return {x[i], y[i], z[i]}; }
-  HWY_INLINE void set(size_t i, const Points<D>& p) {
-    x[i] = p.x;
-    y[i] = p.y;
-    z[i] = p.z;
+  [[nodiscard]] HWY_INLINE Points<D> at(D d, size_t i) const { return {x.at(d, i), y.at(d, i), z.at(d, i)}; }
+  HWY_INLINE void set(D d, size_t i, const Points<D>& p) {
+    x.set(d, i, p.x);
+    y.set(d, i, p.y);
+    z.set(d, i, p.z);
   }
   HWY_INLINE void read(D d, const LineRows& rows, const PointRow& from) {
-    for (size_t i = 0; i < kTurned; ++i) {
-      x[i] = every_fourth(d, rows, i, from.x);
-      y[i] = every_fourth(d, rows, i, from.y);
-      z[i] = every_fourth(d, rows, i, from.z);
-    }
-    turn(d, x);
-    turn(d, y);
-    turn(d, z);
+    x.read(d, rows, from.x);
+    y.read(d, rows, from.y);
+    z.read(d, rows, from.z);
   }
-  HWY_INLINE void write(D d, const LineRows& rows, const PointRow& to) {
-    turn(d, x);
-    turn(d, y);
-    turn(d, z);
-    for (size_t i = 0; i < kTurned; ++i) {
-      put_every_fourth(d, x[i], rows, i, to.x);
-      put_every_fourth(d, y[i], rows, i, to.y);
-      put_every_fourth(d, z[i], rows, i, to.z);
-    }
+  HWY_INLINE void write(D d, const LineRows& rows, const PointRow& to) const {
+    x.write(d, rows, to.x);
+    y.write(d, rows, to.y);
+    z.write(d, rows, to.z);
   }
 };
 
@@ -201,24 +214,24 @@ HWY_NOINLINE void rows_of(D d, const LineStream& stream, ClothState& state, floa
   four.read(d, rows, all);
   for (size_t k = 0;; k += kTurned) {
     for (size_t i = 0; i + 1 < kTurned; ++i)
-      forth.next(d, four.at(i), four.at(i + 1), point(k + i), point(k + i + 1).weight);
+      forth.next(d, four.at(d, i), four.at(d, i + 1), point(k + i), point(k + i + 1).weight);
     if (k + kTurned == block.points) break;
-    const Points<D> a = four.at(kTurned - 1);
+    const Points<D> a = four.at(d, kTurned - 1);
     four.read(d, rows, after(all, k + kTurned));
-    forth.next(d, a, four.at(0), point(k + kTurned - 1), point(k + kTurned).weight);
+    forth.next(d, a, four.at(d, 0), point(k + kTurned - 1), point(k + kTurned).weight);
   }
   SweepBack<D> back(d);
   FourColumns<D> moved;
   for (size_t k = block.points - kTurned;; k -= kTurned) {  // `four` are the columns from k on
     for (size_t i = kTurned - 1; i-- > 0;)
-      moved.set(i + 1, back.next(d, four.at(i), four.at(i + 1), point(k + i), point(k + i + 1).weight));
-    const Points<D> b = four.at(0);
+      moved.set(d, i + 1, back.next(d, four.at(d, i), four.at(d, i + 1), point(k + i), point(k + i + 1).weight));
+    const Points<D> b = four.at(d, 0);
     if (k == 0) {
-      moved.set(0, back.last(d, b, point(0).weight));
+      moved.set(d, 0, back.last(d, b, point(0).weight));
       return moved.write(d, rows, all);
     }
     four.read(d, rows, after(all, k - kTurned));
-    moved.set(0, back.next(d, four.at(kTurned - 1), b, point(k - 1), point(k).weight));
+    moved.set(d, 0, back.next(d, four.at(d, kTurned - 1), b, point(k - 1), point(k).weight));
     moved.write(d, rows, after(all, k));
   }
 }
