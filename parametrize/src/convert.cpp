@@ -210,7 +210,7 @@ std::vector<Attempt> plan_attempts(const ConvertOptions& options) {
   if (layout != Layout::square) attempts.push_back({options.flatten, true});
   if (layout == Layout::panels && options.flatten.straight_cuts) attempts.push_back({with(layout, false), true});
   if (layout == Layout::panels && options.square_if_panels_fail) {
-    for (const double by : {1.25, 1.6}) attempts.push_back({finer(by), true});
+    for (const double by : {1.25, 1.6, 2.5}) attempts.push_back({finer(by), true});
   }
   if (layout == Layout::square || (layout == Layout::panels && options.square_if_panels_fail)) {
     attempts.push_back({with(Layout::square, false), false});

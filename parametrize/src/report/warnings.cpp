@@ -133,10 +133,11 @@ std::vector<std::string> plain_warnings(const ConvertReport& report, const Cloth
   constexpr double kManyMore = 1.5;
   const uint64_t pixels = count_valid_pixels(asset);
   if (wanted_pixels > 0 && static_cast<double>(pixels) > kManyMore * wanted_pixels) {
-    out.push_back(
-        "the cloth takes " + std::to_string(pixels) + " pixels where about " +
-        std::to_string(std::llround(wanted_pixels)) +
-        " were asked for: it has too many small pieces or narrow strips for so few; --parts leaves pieces out");
+    out.push_back("the cloth takes " + std::to_string(pixels) + " pixels where about " +
+                  std::to_string(std::llround(wanted_pixels)) +
+                  " were asked for: it has too many small pieces or narrow strips for so few; --parts leaves pieces "
+                  "out, and pieces that should hold together have to be merged in a "
+                  "modelling program");
   }
   warn_of_stretch(report, asset, out);
   const bool square = asset.layout == Layout::square;

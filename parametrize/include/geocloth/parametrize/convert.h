@@ -15,7 +15,7 @@ struct ConvertOptions {
   std::string parts;  ///< which parts to convert, as of select_parts(); empty: all
   RepairOptions repair;
   FlattenOptions flatten;
-  /// Where Layout::panels is refused it gets up to 2.6 times the pixels, and after that falls back to Layout::square,
+  /// Where Layout::panels is refused it gets up to six times the pixels, and after that falls back to Layout::square,
   /// with a warning in the report.
   bool square_if_panels_fail = true;
   std::filesystem::path stages;  ///< folder for every intermediate as a file; empty: none
