@@ -8,11 +8,15 @@
 #include "flatten/panel_layout.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <numeric>
+#include <optional>
 #include <string>
+
+#include <tbb/parallel_for.h>
 
 #include "develop/develop.h"
 #include "develop/round_chart.h"
@@ -277,17 +281,28 @@ std::vector<SeamPlaces> suit_samples(const Plan& plan, const Laid& laid, const s
   return places;
 }
 
-/// Cuts a chart's rectangle out of the plane around its chain, and moves its vertices into it.
-FlatChart make_chart(Laid& laid, size_t c, const std::vector<Pixel>& chain) {
+/// The rectangle around a chart's pixels, and where it begins in the plane.
+struct Frame {
+  Pixel low;
+  uint32_t width, height;
+};
+
+Frame frame_of(const std::vector<Pixel>& chain) {
   Pixel low{std::numeric_limits<int32_t>::max(), std::numeric_limits<int32_t>::max()};
   Pixel high{std::numeric_limits<int32_t>::min(), std::numeric_limits<int32_t>::min()};
   for (const Pixel& p : chain) {
     low = {std::min(low[0], p[0]), std::min(low[1], p[1])};
     high = {std::max(high[0], p[0]), std::max(high[1], p[1])};
   }
+  return {low, static_cast<uint32_t>(high[0] - low[0] + 1), static_cast<uint32_t>(high[1] - low[1] + 1)};
+}
+
+/// Cuts a chart's rectangle out of the plane around its chain, and moves its vertices into it.
+FlatChart make_chart(Laid& laid, size_t c, const std::vector<Pixel>& chain) {
+  const auto [low, width, height] = frame_of(chain);
   FlatChart chart;
-  chart.width = static_cast<uint32_t>(high[0] - low[0] + 1);
-  chart.height = static_cast<uint32_t>(high[1] - low[1] + 1);
+  chart.width = width;
+  chart.height = height;
   const std::vector<uint32_t> samples = sample_vertices(laid.sampled[c]);
   for (size_t i = 0; i < chain.size(); ++i) {
     chart.outline.push_back(
@@ -316,6 +331,79 @@ double rough_spacing(const CutSurface& cut, const FlattenOptions& options) {
   return std::sqrt(total) / options.resolution;
 }
 
+/// A plan and the pixels of its charts.
+struct Placed {
+  Plan plan;
+  Laid laid;
+  std::vector<ChartChain> charts;
+};
+
+/// @throws Error(verification) when no pixels can be found for some chart
+Placed placed_at(Plan plan, const Progress& progress) {
+  Placed placed{std::move(plan), {}, {}};
+  for (int round = 0;; ++round) {
+    if (progress) progress("flatten", 1);
+    placed.laid = lay_out(placed.plan);
+    place_chains(placed.plan, placed.laid, placed.charts);
+    const size_t stuck = give_room(placed.plan, placed.laid, placed.charts);
+    if (stuck == 0) return placed;
+    if (round == kRounds) {
+      throw Error(ErrorCode::verification, "no pixels could be found for the outlines of " + std::to_string(stuck) +
+                                               " charts; raise the resolution");
+    }
+  }
+}
+
+/// The share of an image's pixels that charts fill.
+double utilisation_of(const std::vector<ChartChain>& charts) {
+  std::vector<ChartShape> shape;
+  double pixels = 0;
+  for (const ChartChain& c : charts) {
+    const std::vector<Pixel>& chain = c.chain.pixel;
+    const auto [low, width, height] = frame_of(chain);
+    FlatChart chart;
+    chart.width = width;
+    chart.height = height;
+    double area_twice = 0;
+    for (size_t i = 0; i < chain.size(); ++i) {
+      const Pixel &p = chain[i], &q = chain[(i + 1) % chain.size()];
+      area_twice +=
+          static_cast<double>(p[1] - low[1]) * (q[0] - low[0]) - static_cast<double>(p[0] - low[0]) * (q[1] - low[1]);
+      chart.outline.push_back({static_cast<uint32_t>(p[0] - low[0]), static_cast<uint32_t>(p[1] - low[1]), 0});
+    }
+    pixels += (area_twice + static_cast<double>(chain.size())) / 2 + 1;  // Pick 1899
+    shape.push_back(chart_shape(chart));
+  }
+  const Packing packing = pack_shapes(shape);
+  return pixels / (static_cast<double>(packing.width) * packing.height);
+}
+
+/// Where an image lacks little of being well filled, the nearest spacing is taken, a few tenths of a per cent larger or
+/// smaller, at which it is: charts' rows and columns are whole numbers, and one more may be all but empty.
+void find_fuller_image(Placed& placed, const FlattenOptions& options) {
+  constexpr double kStep = 1e-3, kHopeful = 0.985;  // of the spacing; of the utilisation that is enough
+  constexpr int kSteps = 10, kAtOnce = 4;
+  const double enough = PartingOptions{}.enough;
+  if (const double now = utilisation_of(placed.charts); now >= enough || now < kHopeful * enough) return;
+  for (int first = 1; first <= kSteps; first += kAtOnce / 2) {
+    std::array<std::optional<Placed>, kAtOnce> trial;
+    tbb::parallel_for(0, kAtOnce, [&](int i) {
+      const int steps = first + i / 2;
+      FlattenOptions other = options;
+      other.spacing = placed.plan.spacing * (1 + (i % 2 == 0 ? -steps : steps) * kStep);
+      try {
+        Placed p = placed_at(make_plan(placed.plan.developed, other), {});
+        if (utilisation_of(p.charts) >= enough) trial[static_cast<size_t>(i)] = std::move(p);
+      } catch (const Error&) {  // this one has no room for some chart
+      }
+    });
+    const auto found = std::find_if(trial.begin(), trial.end(), [](const auto& t) { return t.has_value(); });
+    if (found == trial.end()) continue;
+    placed = std::move(**found);
+    return;
+  }
+}
+
 }  // namespace
 
 FlatSurface lay_out_panels(std::span<const CutSurface> cuts, const FlattenOptions& options, const Progress& progress) {
@@ -329,21 +417,9 @@ FlatSurface lay_out_panels(std::span<const CutSurface> cuts, const FlattenOption
 }
 
 FlatSurface lay_out_developed(DevelopedSurface developed, const FlattenOptions& options, const Progress& progress) {
-  Plan plan = make_plan(std::move(developed), options);
-  Laid laid;
-  std::vector<ChartChain> charts;
-  for (int round = 0;; ++round) {
-    if (progress) progress("flatten", 1);
-    laid = lay_out(plan);
-    place_chains(plan, laid, charts);
-    const size_t stuck = give_room(plan, laid, charts);
-    if (stuck == 0) break;
-    if (round == kRounds) {
-      throw Error(ErrorCode::verification, "no pixels could be found for the outlines of " + std::to_string(stuck) +
-                                               " charts; raise the resolution");
-    }
-  }
-
+  Placed placed = placed_at(make_plan(std::move(developed), options), progress);
+  if (!(options.spacing > 0)) find_fuller_image(placed, options);
+  auto& [plan, laid, charts] = placed;
   laid = lay_out(plan, {suit_samples(plan, laid, charts), laid.shift});
 
   FlatSurface flat;

@@ -38,7 +38,8 @@ struct FlatSurface {
 
 struct FlattenOptions {
   Layout layout = Layout::panels;
-  /// Wanted number of valid pixels in all, as the side of a square. [8, 4096]
+  /// Wanted number of valid pixels in all, as the side of a square. [8, 4096] Panels may get 2 % more or fewer where
+  /// that fills an image better that is not quite three quarters full.
   uint32_t resolution = 128;
   /// Spring length [m]; when set it decides the number of pixels instead of `resolution`.
   double spacing = 0;
