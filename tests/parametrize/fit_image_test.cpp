@@ -236,6 +236,18 @@ TEST(MendFar, ATipOfAHemIsReachedToo) {
   expect_tip_is_reached(cone(0), 4e-3);
 }
 
+// The cloth is near the image everywhere, and yet the image is not near the cloth.
+TEST(MendFar, APixelBeyondTheHemIsTakenBack) {
+  const FlatBuilder b = cone();
+  ClothAsset mended = images_of(b, Layout::panels).sampled;
+  mended.rest_position[8].y += 0.45F;
+  const Raster raster = rasterize(b.flat);
+  EXPECT_GT(measure_quality(b.clean, b.flat, raster, mended).max_error, 5e-3);
+  mend_far_places(b.flat, raster, {}, mended);
+  EXPECT_LT(mended.rest_position[8].y, 0.12F);
+  EXPECT_LE(measure_quality(b.clean, b.flat, raster, mended).max_error, 2e-3);
+}
+
 TEST(MendFar, OnlyPixelsBesideThePlaceMove) {
   const FlatBuilder b = cone();
   const ClothAsset sampled = images_of(b, Layout::panels).sampled;

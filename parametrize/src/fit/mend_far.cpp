@@ -19,6 +19,8 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Min_sphere_of_points_d_traits_3.h>
 #include <CGAL/Min_sphere_of_spheres_d.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 
 #include "fit/grid_holds.h"
 #include "geocloth/asset/grid_mesh.h"
@@ -34,9 +36,10 @@ constexpr double kNearGoal = 0.97;   // of the goal, where samples are pulled to
 constexpr double kSameFar = 1e-3;    // of the goal: on a garment's two sides only rounding differs
 constexpr double kFewPoints = 3e-3;  // share of the points around which is mended
 constexpr std::size_t kFewPlaces = 50;
-constexpr int kFewRings = 2, kMoreRings = 3;  // around a point that move
+/// Around a point that move, per pass: more where fewer did not help, and once others have moved.
+constexpr std::array<std::array<int, 2>, 3> kRings{{{2, 3}, {4, 2}, {5, 2}}};
 constexpr int kIterations = 25, kMostInVain = 4;
-constexpr int kIterationsInAll = 400;  // where much is far, mending a part of it is of little use
+constexpr int kIterationsInAll = 1000;  // where much is far, mending a part of it is of little use
 constexpr double kLongestStep = 1.3, kShortestStep = 0.05, kShorter = 0.5;
 constexpr double kShortest = 0.35, kLongest = 1.85;  // [spacing] springs, as everywhere in the image
 constexpr double kLeastArea = 0.2;                   // of a triangle, beside what it was
@@ -141,22 +144,30 @@ class FarMender {
   }
 
   void mend(const std::vector<FarPlace>& far) {
-    const std::vector<Suspect> suspects = find_suspects(far);
+    std::vector<Suspect> suspects = find_suspects(far);
     if (suspects.empty()) return;
     prepare();
-    for (const uint32_t p : far_points(suspects)) {
-      if (iterations_left_ == 0) break;
-      if (state_[p] == kUntouched && !mend_around(p, kFewRings)) mend_around(p, kMoreRings);
+    for (std::size_t pass = 0; pass < kRings.size() && !suspects.empty(); ++pass) {
+      for (const uint32_t p : far_points(suspects)) {
+        if (iterations_left_ == 0) break;
+        if (is_tried_[p] != 0) continue;
+        for (const int rings : kRings.at(pass)) {
+          if (mend_around(p, rings)) break;
+        }
+      }
+      if (pass + 1 == kRings.size() || iterations_left_ == 0) break;
+      image_.emplace(place_, points_);
+      is_tried_.assign(is_tried_.size(), 0);
+      suspects = find_suspects_anew(far);
     }
     for (uint32_t i = 0; i < asset_.pixel_count(); ++i) {
-      if (!asset_.valid(i) || state_[first_[i]] != kMoved) continue;
+      if (!asset_.valid(i) || is_moved_[first_[i]] == 0) continue;
       const Point3& p = place_[first_[i]];
       asset_.rest_position[i] = {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
     }
   }
 
  private:
-  enum State : uint8_t { kUntouched, kTried, kMoved };
   struct CellVertex {
     uint32_t cell, vertex;
   };
@@ -178,8 +189,26 @@ class FarMender {
       const FlatChart& chart = flat_.charts[chart_of[v]];
       const uint32_t x = cell_at(flat_.uv[v][0], chart.x0, chart.width),
                      y = cell_at(flat_.uv[v][1], chart.y0, chart.height);
-      vertex_.push_back({y * asset_.width + x, v});
+      vertex_.push_back({cell_beside(y * asset_.width + x, chart, flat_.uv[v]), v});
     }
+  }
+
+  /// The cell, or the nearest one around it where the outline's pixels leave it out.
+  [[nodiscard]] uint32_t cell_beside(uint32_t cell, const FlatChart& chart, const Point2& place) const {
+    if (cell_triangles(asset_, cell).count != 0) return cell;
+    const uint32_t column = cell % asset_.width, row = cell / asset_.width;
+    uint32_t best = cell;
+    double least = std::numeric_limits<double>::infinity();
+    for (uint32_t y = std::max(row, 1U) - 1; y <= row + 1 && y + 1 < asset_.height; ++y) {
+      for (uint32_t x = std::max(column, 1U) - 1; x <= column + 1 && x + 1 < asset_.width; ++x) {
+        const uint32_t other = y * asset_.width + x;
+        const double d = std::hypot(x + 0.5 - chart.x0 - place[0], y + 0.5 - chart.y0 - place[1]);
+        if (d >= least || cell_triangles(asset_, other).count == 0) continue;
+        least = d;
+        best = other;
+      }
+    }
+    return best;
   }
 
   [[nodiscard]] std::vector<Suspect> find_suspects(const std::vector<FarPlace>& far) const {
@@ -199,6 +228,31 @@ class FarMender {
     return suspects;
   }
 
+  /// The same once pixels have moved, and the places of the image itself that are far: to the comparison along the
+  /// surface's normals a pixel beside a fold seems near.
+  [[nodiscard]] std::vector<Suspect> find_suspects_anew(const std::vector<FarPlace>& far) const {
+    std::vector<Suspect> suspects = find_suspects(far);
+    for (Suspect& s : suspects) s.image.reset();  // it was that of the pixels as they were
+    std::vector<Point3> place;
+    for (uint32_t i = 0; i < asset_.pixel_count(); ++i) {
+      if (asset_.valid(i) && first_[i] == i) place.push_back(place_[i]);
+    }
+    for (uint32_t t = 0; t < points_.size(); ++t) place.push_back(at(corners(t), {1.0 / 3, 1.0 / 3, 1.0 / 3}));
+    std::vector<Point3> near(place.size());
+    constexpr std::size_t kBatch = 256;
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, place.size(), kBatch), [&](const auto& range) {
+      std::optional<TriangleTree::Place> found;
+      for (std::size_t k = range.begin(); k != range.end(); ++k) {
+        found = found ? surface_->nearest(place[k], *found) : surface_->nearest(place[k]);
+        near[k] = found->point;
+      }
+    });
+    for (std::size_t k = 0; k < place.size(); ++k) {
+      if (distance(near[k], place[k]) > goal_) suspects.push_back({near[k], place[k]});
+    }
+    return suspects;
+  }
+
   void prepare() {
     is_hem_ = points_on_border(asset_, first_);
     for (uint32_t i = 0; i < asset_.pixel_count(); ++i) {
@@ -213,7 +267,8 @@ class FarMender {
     for (uint32_t t = 0; t < flat_.triangle.size(); ++t) triangles_in_[flat_.chart[t]].push_back(t);
     locator_.resize(flat_.charts.size());
     std::stable_sort(vertex_.begin(), vertex_.end(), by_cell);
-    state_.assign(asset_.pixel_count(), kUntouched);
+    is_tried_.assign(asset_.pixel_count(), 0);
+    is_moved_.assign(asset_.pixel_count(), 0);
   }
 
   /// The points beside what is truly farther than the goal, the farthest first: what lies beside each other in the
@@ -428,7 +483,7 @@ class FarMender {
   bool mend_around(uint32_t middle, int rings) {
     gather(middle, rings);
     sample_surface();
-    for (const uint32_t p : moving_) state_[p] = std::max(state_[p], kTried);
+    for (const uint32_t p : moving_) is_tried_[p] = 1;
     const std::vector<Point3> normal_before = normals();
     const std::vector<double> length_before = lengths();
     std::vector<Miss> misses;
@@ -456,7 +511,7 @@ class FarMender {
     }
     put(best);
     if (least < at_first) {
-      for (const uint32_t p : moving_) state_[p] = kMoved;
+      for (const uint32_t p : moving_) is_moved_[p] = 1;
     }
     return least <= goal_;
   }
@@ -477,7 +532,7 @@ class FarMender {
   std::optional<TriangleTree> surface_, image_;  ///< the image as it was
   std::vector<std::vector<uint32_t>> triangles_in_;
   std::vector<std::unique_ptr<PlaneLocator>> locator_;  ///< per chart
-  std::vector<State> state_;                            ///< per first copy
+  std::vector<uint8_t> is_tried_, is_moved_;            ///< per first copy: in this pass, and ever
   std::vector<uint32_t> region_, moving_;               ///< triangles and points around the place
   std::vector<Point3> sample_;
   const std::vector<Point3> middle_ = middles(), place_in_triangle_ = middles_and_edges();  ///< weights
