@@ -59,11 +59,15 @@ std::vector<uint32_t> asked_or(uint32_t asked, const std::vector<uint32_t>& othe
   return asked > 0 ? std::vector<uint32_t>{asked} : otherwise;
 }
 
-/// The cpu with one thread and with all, then a device. Nothing asked for: the cpu and a real GPU if there is one.
+/// The cpu with one thread and with all, then a device. Nothing asked for: the cpu and a real GPU if there is one; only
+/// a name: what goes by it.
 std::vector<std::pair<Backend, uint32_t>> backends_of(const Options& options) {
   std::vector<std::pair<Backend, uint32_t>> backends;
   const uint32_t cores = std::clamp(std::thread::hardware_concurrency(), 1U, kMaxThreads);
-  if (options.backend != Backend::vulkan && options.device.empty()) {
+  if (options.backend == Backend::automatic && !options.device.empty()) {
+    return {{Backend::automatic, asked_or(options.threads, {1U}).front()}};
+  }
+  if (options.backend != Backend::vulkan) {
     for (const uint32_t threads : asked_or(options.threads, cores > 1 ? std::vector{1U, cores} : std::vector{1U})) {
       backends.emplace_back(Backend::cpu, threads);
     }
@@ -72,7 +76,7 @@ std::vector<std::pair<Backend, uint32_t>> backends_of(const Options& options) {
   const bool gpu = std::any_of(devices.begin(), devices.end(), [](const DeviceInfo& device) {
     return device.backend == Backend::vulkan && device.chosen_automatically;
   });
-  if (options.backend == Backend::vulkan || !options.device.empty() || (options.backend == Backend::automatic && gpu)) {
+  if (options.backend == Backend::vulkan || (options.backend == Backend::automatic && gpu)) {
     backends.emplace_back(Backend::vulkan, 1U);
   }
   return backends;

@@ -6,9 +6,11 @@
 #include <functional>
 #include <limits>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "geocloth/asset/error.h"
+#include "geocloth/solver/device.h"
 #include "solver_fixture.h"
 
 namespace geocloth {
@@ -165,6 +167,29 @@ TEST(Refusals, EveryValueOutOfRangeIsNamed) {
   EXPECT_THROW(solver.write_state(0, std::vector<Vec3>(3), std::vector<Vec3>(3)), Error);
   test::run(solver, 1);
   EXPECT_TRUE(test::all_finite(test::positions_of(solver)));
+}
+
+// `--backend cpu --device ...` ran on the cpu whatever it was told, and the cpu's own name was that of no device.
+TEST(Refusals, TheCpuIsADeviceWithAName) {
+  const std::string name = enumerate_devices().front().name;
+  const ClothAsset asset = make_sheet({.nx = 6, .ny = 6});
+  const std::vector cloths{test::describe(asset)};
+  for (const Backend backend : {Backend::cpu, Backend::automatic}) {
+    SolverSettings settings;
+    settings.backend = backend;
+    settings.device = name;
+    EXPECT_EQ(Solver(cloths, settings).statistics().device, name);
+  }
+  SolverSettings settings;
+  settings.backend = Backend::cpu;
+  settings.device = "Voodoo 2";
+  try {
+    const Solver solver(cloths, settings);
+    ADD_FAILURE() << "ran on " << name;
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::device);
+    EXPECT_THAT(e.what(), testing::HasSubstr("'Voodoo 2'"));
+  }
 }
 
 TEST(Refusals, CopiesThatDisagreeCannotBeWritten) {

@@ -50,6 +50,15 @@ TEST(Bench, JsonHasTheKeysThatScriptsReadAndNumbersThatCanBe) {
   EXPECT_GT(result["stretch"]["mean"], 0.9);
 }
 
+// `--backend cpu --device llvm` measured the GPU.
+TEST(Bench, ADeviceOfAnotherNameIsNotMeasured) {
+  const std::string name = json::parse(run_program({"devices", "--json"}).out)["devices"][0]["name"];
+  const json result = bench({"--scene", "zeller", "--size", "16", "--threads", "1", "--device", name})["results"][0];
+  EXPECT_EQ(result["device"], name);
+  EXPECT_EQ(result["backend"], "cpu");
+  EXPECT_EQ(run_program({"bench", "--quick", "-q", "--backend", "cpu", "--device", "Voodoo 2"}).status, 1);
+}
+
 TEST(Bench, GarmentsAndCrowdsCountAllTheirCloth) {
   const json garment = bench({"--scene", "garment", "--size", "24", "--threads", "1"})["results"][0];
   EXPECT_NEAR(garment["particles"].get<double>(), 24 * 24, 0.2 * 24 * 24);
