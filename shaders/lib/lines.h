@@ -22,7 +22,7 @@ namespace geocloth::shader {
 // More on the diagonal lets a pull fade within some ten springs at 480 substeps a second, and sooner where shorter ones
 // leave less to pull. Without it a run that is taut between two points that stay has no solution, and cloth at rest
 // would tremble: what one spring of a heap of folds gives up moves all of its line.
-const float kLineYield = 2.2e-8f;  // [s^2]
+const float kLineYield = 1.5e-8f;  // [s^2]
 
 // Of the cell's word: the pixel is a copy of a point that has several.
 const uint kCellCopyBit = 8u;
@@ -86,8 +86,61 @@ inline float line_multiplier(float multiplier, float coupling_of_next, float mul
   return r;
 }
 
-// @param step, step_before  [m kg] multiplier times direction of the spring from the point on and of the one to it
-inline vec3 line_point(vec3 p, vec3 step, vec3 step_before, float w) {
+// A pull along a line that bends draws its points aside. Along the directions that springs had before, a zigzag would
+// come out on the other side, and back in the next frame: settled cloth would tremble. So springs pull along
+// directions between those and the ones after a backward Euler step with these pulls,
+//
+//   x'_k = x_k + a (x'_k-1 - x'_k) + b (x'_k+1 - x'_k),    a, b = kLineSmoothing w_k m, at least 0, of the springs beside
+//
+// and the same step evens out the points' ways: zigzags that were straightened would still have the speed that made
+// them. What all points of a line have in common, and what grows evenly along it, stays.
+const float kLineSmoothing = 4.0f;
+const float kLineTurn = 0.3f;  // how far towards those after the step
+
+// What the sweep back leaves of a point: its place and way are these plus coupling times those of the point before.
+struct LinePoint {
+  vec3 place;
+  vec3 way;
+  float coupling;
+};
+
+inline LinePoint no_line_point() {
+  LinePoint r;
+  r.place = vec3(0.0f, 0.0f, 0.0f);
+  r.way = vec3(0.0f, 0.0f, 0.0f);
+  r.coupling = 0.0f;
+  return r;
+}
+
+// @param m_before, m  multipliers of the springs to the point and from it on; 0: there is none
+inline LinePoint line_point(LinePoint next, vec3 place, vec3 way, float w, float m_before, float m) {
+  precise float s = kLineSmoothing * w;
+  precise float a = s * (m_before > 0.0f ? m_before : 0.0f);
+  precise float b = s * (m > 0.0f ? m : 0.0f);
+  precise float share = 1.0f / ((1.0f + a) + (b - b * next.coupling));
+  precise vec3 to = (place + next.place * b) * share;
+  precise vec3 evened = (way + next.way * b) * share;
+  precise float coupling = a * share;
+  LinePoint r;
+  r.place = to;
+  r.way = evened;
+  r.coupling = coupling;
+  return r;
+}
+
+// What a spring pulls by: its multiplier times d, turned.
+// @param d      [m] of the spring
+// @param after  [m] the backward Euler step
+inline vec3 line_step(vec3 d, vec3 after, float m) {
+  precise vec3 turned = d + (after - d) * kLineTurn;
+  precise float l2 = dot3(turned, turned);
+  precise float along = dot3(d, turned);
+  precise vec3 r = turned * (m * (l2 > 1e-20f ? along / (l2 > 1e-20f ? l2 : 1.0f) : 0.0f));
+  return r;
+}
+
+// @param step, step_before  [m kg] line_step() of the spring from the point on and of the one to it
+inline vec3 line_moved(vec3 p, vec3 step, vec3 step_before, float w) {
   precise vec3 way = step - step_before;
   return shifted(p, way, w);
 }

@@ -21,8 +21,8 @@
 namespace geocloth {
 namespace {
 
-constexpr float kLimit = 1.002F;       ///< stretch_limit
-constexpr double kDiagonal = 1.00506;  ///< of the equations with 8 substeps of a 1/60 s frame
+constexpr float kLimit = 1.002F;        ///< stretch_limit
+constexpr double kDiagonal = 1.003456;  ///< of the equations with 8 substeps of a 1/60 s frame
 
 /// A cloth between its substeps, pulled about, as the cpu keeps it.
 struct PulledCloth {
@@ -37,6 +37,7 @@ struct PulledCloth {
       if (!asset.valid(p)) continue;
       const Vec3 x = 1.01F * asset.rest_position[p];
       state.position.set(rows.pixel(p), {x.x + somewhere(random), x.y + somewhere(random), x.z + somewhere(random)});
+      state.previous.set(rows.pixel(p), {somewhere(random), 0.01F + somewhere(random), somewhere(random)});
     }
     for (const uint32_t p : held) state.inverse_mass[rows.pixel(p)] = 0;
   }
@@ -51,23 +52,28 @@ struct PulledCloth {
     const auto plan = cpu::SweepPlan::make(state, {{Pass::lines, group}}, frame, cpu::valid_runs(state), 1);
     if (!plan) return false;
     const cpu::LineStream& stream = plan->lines(group);
-    std::vector<float> kept(stream.constants.size());
+    std::vector<float> kept(cpu::line_kept(stream, plan->lanes()));
     cpu::run_lines(plan->lanes(), state, stream, group, 0, static_cast<uint32_t>(stream.blocks.size()), kept.data());
     return true;
   }
 
-  [[nodiscard]] std::vector<Vec3> positions() const {
-    std::vector<Vec3> all;
-    for (uint32_t p = 0; p < state.pixel_count(); ++p) {
-      const shader::vec3 x = state.position.at(p);
-      all.push_back({x.x, x.y, x.z});
-    }
-    return all;
-  }
+  [[nodiscard]] std::vector<Vec3> positions() const { return list_of(state.position); }
+  /// In the last substep, as hold_way puts them aside.
+  [[nodiscard]] std::vector<Vec3> ways() const { return list_of(state.previous); }
 
   cpu::WideRows rows;
   cpu::ClothState state;
   ClothFrame frame;
+
+ private:
+  [[nodiscard]] std::vector<Vec3> list_of(const cpu::Vec3Array& points) const {
+    std::vector<Vec3> all;
+    for (uint32_t p = 0; p < state.pixel_count(); ++p) {
+      const shader::vec3 x = points.at(p);
+      all.push_back({x.x, x.y, x.z});
+    }
+    return all;
+  }
 };
 
 /// Solves a dense system by elimination.
@@ -96,62 +102,121 @@ std::vector<double> solve(std::vector<std::vector<double>> a, std::vector<double
 
 using Point = std::array<double, 3>;
 
-/// What the pass has to do to the points of one run, in double precision and with all of the matrix.
-void solve_run(std::vector<Point>& x, const std::vector<double>& w, const std::vector<double>& longest) {
-  const size_t n = longest.size();
-  std::vector<Point> d(n);
-  for (size_t k = 0; k < n; ++k)
-    for (size_t c = 0; c < 3; ++c) d[k][c] = x[k + 1][c] - x[k][c];
-  const auto dot = [&](size_t i, size_t j) { return d[i][0] * d[j][0] + d[i][1] * d[j][1] + d[i][2] * d[j][2]; };
-  std::vector<std::vector<double>> a(n, std::vector<double>(n));
-  std::vector<double> error(n), loose(n);
-  for (size_t k = 0; k < n; ++k) {
-    a[k][k] = kDiagonal * (w[k] + w[k + 1]) * dot(k, k);
-    if (k > 0 && w[k - 1] + w[k] > 0) a[k][k] += w[k] * std::max(0.0, dot(k, k) - dot(k - 1, k));
-    loose[k] = w[k] + w[k + 1] > 0 ? 0 : 1;
-    a[k][k] += loose[k];  // between two points that stay: nothing moves
-    if (k > 0) a[k][k - 1] = a[k - 1][k] = -w[k] * dot(k - 1, k);
-    error[k] = loose[k] > 0 ? 0 : std::max(0.0, 0.5 * (dot(k, k) - longest[k] * longest[k]));
-  }
-  const std::vector<double> multiplier = solve(a, error);
-  for (size_t k = 0; k < n; ++k) {
-    for (size_t c = 0; c < 3; ++c) {
-      x[k][c] += w[k] * multiplier[k] * d[k][c];
-      x[k + 1][c] -= w[k + 1] * multiplier[k] * d[k][c];
-    }
-  }
+double dot(const Point& a, const Point& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-std::vector<Vec3> solved(const PulledCloth& cloth, uint32_t group) {
+/// A run of springs in double precision.
+struct Run {
+  std::vector<Point> x, way;
+  std::vector<double> w, longest;
+
+  [[nodiscard]] size_t springs() const { return longest.size(); }
+  [[nodiscard]] Point spring(const std::vector<Point>& of, size_t k) const {
+    return {of[k + 1][0] - of[k][0], of[k + 1][1] - of[k][1], of[k + 1][2] - of[k][2]};
+  }
+
+  [[nodiscard]] std::vector<double> multipliers() const {
+    const size_t n = springs();
+    std::vector<Point> d(n);
+    for (size_t k = 0; k < n; ++k) d[k] = spring(x, k);
+    std::vector<std::vector<double>> a(n, std::vector<double>(n));
+    std::vector<double> error(n), loose(n);
+    for (size_t k = 0; k < n; ++k) {
+      const double l2 = dot(d[k], d[k]), along = k > 0 ? dot(d[k - 1], d[k]) : 0;
+      a[k][k] = kDiagonal * (w[k] + w[k + 1]) * l2;
+      if (k > 0 && w[k - 1] + w[k] > 0) a[k][k] += w[k] * std::max(0.0, l2 - along);
+      loose[k] = w[k] + w[k + 1] > 0 ? 0 : 1;
+      a[k][k] += loose[k];  // between two points that stay: nothing moves
+      if (k > 0) a[k][k - 1] = a[k - 1][k] = -w[k] * along;
+      error[k] = loose[k] > 0 ? 0 : std::max(0.0, 0.5 * (l2 - longest[k] * longest[k]));
+    }
+    return solve(a, error);
+  }
+
+  /// The backward Euler step with these pulls, of places or of ways.
+  [[nodiscard]] std::vector<Point> evened(const std::vector<Point>& of, const std::vector<double>& m) const {
+    const size_t n = of.size();
+    std::vector<std::vector<double>> a(n, std::vector<double>(n));
+    for (size_t k = 0; k < n; ++k) {
+      const double before = k > 0 ? double{shader::kLineSmoothing} * w[k] * std::max(0.0, m[k - 1]) : 0;
+      const double after = k + 1 < n ? double{shader::kLineSmoothing} * w[k] * std::max(0.0, m[k]) : 0;
+      a[k][k] = 1 + before + after;
+      if (k > 0) a[k][k - 1] = -before;
+      if (k + 1 < n) a[k][k + 1] = -after;
+    }
+    std::vector<Point> to(n);
+    for (size_t c = 0; c < 3; ++c) {
+      std::vector<double> of_axis(n);
+      for (size_t k = 0; k < n; ++k) of_axis[k] = of[k][c];
+      const std::vector<double> solution = solve(a, of_axis);
+      for (size_t k = 0; k < n; ++k) to[k][c] = solution[k];
+    }
+    return to;
+  }
+
+  /// What the pass has to do.
+  void relax() {
+    const std::vector<double> m = multipliers();
+    const std::vector<Point> after = evened(x, m), from = x;
+    way = evened(way, m);
+    for (size_t k = 0; k < springs(); ++k) {
+      const Point d = spring(from, k), to = spring(after, k);
+      Point turned = d;
+      for (size_t c = 0; c < 3; ++c) turned[c] += double{shader::kLineTurn} * (to[c] - d[c]);
+      const double pull = m[k] * dot(d, turned) / dot(turned, turned);
+      for (size_t c = 0; c < 3; ++c) {
+        x[k][c] += w[k] * pull * turned[c];
+        x[k + 1][c] -= w[k + 1] * pull * turned[c];
+      }
+    }
+  }
+};
+
+struct Solved {
+  std::vector<Vec3> positions, ways;
+};
+
+Solved solved(const PulledCloth& cloth, uint32_t group) {
   const cpu::ClothState& state = cloth.state;
   const uint32_t width = state.data.width, height = state.data.height, next = group == 0 ? 1 : width;
-  std::vector<Vec3> all = cloth.positions();
+  Solved all{cloth.positions(), cloth.ways()};
+  const auto point = [](const Vec3& v) { return Point{double{v.x}, double{v.y}, double{v.z}}; };
+  const auto vector = [](const Point& p) {
+    return Vec3{static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
+  };
   for (uint32_t line = 0; line < (group == 0 ? height : width); ++line) {
     const uint32_t first = group == 0 ? line * width : line, points = group == 0 ? width : height;
     const auto pixel = [&](uint32_t k) { return first + k * next; };
     const auto has_spring = [&](uint32_t k) { return k + 1 < points && state.rest[group][pixel(k)] > 0; };
     for (uint32_t k = 0; k < points; ++k) {
-      std::vector<Point> x;
-      std::vector<double> w, longest;
+      Run run;
       const uint32_t begin = k;
       for (;; ++k) {
         const uint32_t p = pixel(k);
-        const Vec3& at = all[p];
-        x.push_back({double{at.x}, double{at.y}, double{at.z}});
         const auto& copies = state.data.split_pixel;
-        w.push_back(std::count(copies.begin(), copies.end(), p) > 0 ? 0.0 : double{state.inverse_mass[p]});
+        run.x.push_back(point(all.positions[p]));
+        run.way.push_back(state.inverse_mass[p] > 0 ? point(all.ways[p]) : Point{});
+        run.w.push_back(std::count(copies.begin(), copies.end(), p) > 0 ? 0.0 : double{state.inverse_mass[p]});
         if (!has_spring(k)) break;
-        longest.push_back(double{state.rest[group][p]} * double{kLimit});
+        run.longest.push_back(double{state.rest[group][p]} * double{kLimit});
       }
-      if (longest.empty()) continue;
-      solve_run(x, w, longest);
+      if (run.longest.empty()) continue;
+      run.relax();
       for (uint32_t i = begin; i <= k; ++i) {
-        const Point& to = x[i - begin];
-        all[pixel(i)] = {static_cast<float>(to[0]), static_cast<float>(to[1]), static_cast<float>(to[2])};
+        if (run.w[i - begin] == 0) continue;
+        all.positions[pixel(i)] = vector(run.x[i - begin]);
+        all.ways[pixel(i)] = vector(run.way[i - begin]);
       }
     }
   }
   return all;
+}
+
+double largest_distance(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
+  double largest = 0;
+  for (size_t p = 0; p < a.size(); ++p) largest = std::max(largest, static_cast<double>(length(a[p] - b[p])));
+  return largest;
 }
 
 /// A sheet whose springs are cut here and there, some of them on both sides of a point.
@@ -184,14 +249,12 @@ TEST(Lines, SolveEveryRun) {
     for (const float by : {0.F, 0.002F, 0.02F}) {  // [m], of a spacing of 1.6 cm: straight, bent and folded
       for (const uint32_t group : {0U, 1U}) {
         PulledCloth cloth(sheet.asset, by, held_in(sheet.asset));
-        const std::vector<Vec3> before = cloth.positions(), wanted = solved(cloth, group);
+        const std::vector<Vec3> before = cloth.positions();
+        const Solved wanted = solved(cloth, group);
         cloth.pass(group);
-        const std::vector<Vec3> found = cloth.positions();
-        double moved = 0, apart = 0;
-        for (size_t p = 0; p < found.size(); ++p) {
-          moved = std::max(moved, static_cast<double>(length(wanted[p] - before[p])));
-          apart = std::max(apart, static_cast<double>(length(wanted[p] - found[p])));
-        }
+        const double moved = largest_distance(before, wanted.positions);
+        const double apart = std::max(largest_distance(cloth.positions(), wanted.positions),
+                                      largest_distance(cloth.ways(), wanted.ways));
         EXPECT_GT(moved, 5e-4) << sheet.name << ' ' << by << ' ' << group;
         EXPECT_LT(apart, 2e-5 * (1 + moved)) << sheet.name << ' ' << by << ' ' << group;
       }
@@ -209,6 +272,8 @@ TEST(Lines, InVectorsHaveTheSameBits) {
       const std::vector<Vec3> a = one.positions(), b = other.positions();
       EXPECT_NE(std::memcmp(a.data(), before.data(), sizeof(Vec3) * a.size()), 0);
       EXPECT_EQ(std::memcmp(a.data(), b.data(), sizeof(Vec3) * a.size()), 0) << sheet.name << ' ' << group;
+      const std::vector<Vec3> way_a = one.ways(), way_b = other.ways();
+      EXPECT_EQ(std::memcmp(way_a.data(), way_b.data(), sizeof(Vec3) * way_a.size()), 0) << sheet.name << ' ' << group;
     }
   }
 }
@@ -218,9 +283,12 @@ TEST(Lines, InVectorsHaveTheSameBits) {
 TEST(Lines, LeaveCopiesAndWhatIsHeldWhereTheyAre) {
   const ClothAsset asset = test::make_sheet({.nx = 61, .ny = 40, .charts_x = 3, .charts_y = 2, .gap = 3});
   PulledCloth cloth(asset, 0.01F, held_in(asset));
-  const std::vector<Vec3> before = cloth.positions();
+  const std::vector<Vec3> before = cloth.positions(), ways_before = cloth.ways();
   for (const uint32_t group : {0U, 1U}) cloth.pass(group);
   const std::vector<Vec3> after = cloth.positions();
+  EXPECT_NE(ways_before, cloth.ways());
+  for (const uint32_t p : asset.splits.pixel)
+    EXPECT_EQ(ways_before[cloth.rows.pixel(p)], cloth.ways()[cloth.rows.pixel(p)]);
   for (const uint32_t p : asset.splits.pixel) EXPECT_EQ(before[cloth.rows.pixel(p)], after[cloth.rows.pixel(p)]);
   for (const uint32_t p : held_in(asset)) EXPECT_EQ(before[cloth.rows.pixel(p)], after[cloth.rows.pixel(p)]);
 }

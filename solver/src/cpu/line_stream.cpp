@@ -31,6 +31,7 @@ void add_line_points(const RowSource& source, LineStream& stream, uint32_t group
     stream.constants[place + lane] =
         shader::line_weight(source.state.inverse_mass[pixel], source.state.data.cell[pixel]);
     stream.constants[place + source.lanes + lane] = source.state.rest[group][pixel] * source.cloth.params.stretch_limit;
+    stream.constants[place + size_t{2} * source.lanes + lane] = source.state.inverse_mass[pixel] > 0 ? 1.F : 0.F;
   }
 }
 
@@ -56,6 +57,7 @@ LineStream line_stream(const RowSource& source, uint32_t group) {
       goes_on = any;
       if (!any) continue;
       stream.blocks.back().points += at_once;
+      stream.most_points = std::max(stream.most_points, stream.blocks.back().points);
       for (uint32_t i = k; i < k + at_once; ++i) add_line_points(source, stream, group, line, count, i);
     }
   }

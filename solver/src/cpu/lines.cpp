@@ -4,6 +4,7 @@
 #include "cpu/lines.h"
 
 #include <algorithm>
+#include <vector>
 
 #include "lib/lines.h"
 
@@ -12,22 +13,30 @@ namespace {
 
 using shader::vec3;
 
-/// The runs of a row or a column, forth and back. Normals are made anew after the frame: till then they keep what goes
-/// from one sweep to the other.
+/// Of a point and the spring that begins there, what one sweep leaves for the next.
+struct Kept {
+  shader::LineSpring spring;
+  shader::LinePoint point;
+  float multiplier;
+};
+
+/// The runs of a row or a column, forth, back and forth.
 class Line {
  public:
-  Line(ClothState& state, uint32_t component, size_t first, uint32_t count, const shader::ClothParams& params)
+  Line(ClothState& state, uint32_t component, size_t first, const shader::ClothParams& params, std::vector<Kept>& kept)
       : state_(state),
         rest_(state.rest[component]),
         first_(first),
         next_(component == 0 ? 1 : state.data.width),
-        springs_(count - 1),
+        springs_(static_cast<uint32_t>(kept.size()) - 1),
         limit_(params.stretch_limit),
-        diagonal_(shader::line_diagonal(params.inverse_dt2)) {}
+        diagonal_(shader::line_diagonal(params.inverse_dt2)),
+        kept_(kept) {}
 
   void solve() const {
-    sweep_forth();
-    sweep_back();
+    find_springs();
+    find_multipliers();
+    move_points();
   }
 
  private:
@@ -36,8 +45,9 @@ class Line {
   [[nodiscard]] float weight(uint32_t k) const {
     return shader::line_weight(state_.inverse_mass[pixel(k)], state_.data.cell[pixel(k)]);
   }
+  [[nodiscard]] bool is_held(uint32_t k) const { return state_.inverse_mass[pixel(k)] == 0; }
 
-  void sweep_forth() const {
+  void find_springs() const {
     shader::LineSpring before = shader::no_line_spring();
     vec3 d_before(0, 0, 0);
     for (uint32_t k = 0; k < springs_; ++k) {
@@ -45,31 +55,49 @@ class Line {
       if (has_spring(k)) d = state_.position.at(pixel(k + 1)) - state_.position.at(pixel(k));
       before = shader::line_spring(before, d_before, d, weight(k), weight(k + 1), rest_[pixel(k)] * limit_, diagonal_);
       d_before = d;
-      state_.normal.x[pixel(k)] = before.coupling;
-      state_.normal.y[pixel(k)] = before.multiplier;
+      kept_[k].spring = before;
     }
   }
 
-  void sweep_back() const {
-    vec3 end = state_.position.at(pixel(springs_)), step_of_next(0, 0, 0);
-    float coupling_of_next = 0, multiplier = 0;
-    for (uint32_t k = springs_; k-- > 0;) {
-      const vec3 start = state_.position.at(pixel(k));
-      multiplier = shader::line_multiplier(state_.normal.y[pixel(k)], coupling_of_next, multiplier);
-      coupling_of_next = state_.normal.x[pixel(k)];
-      state_.normal.x[pixel(k)] = state_.normal.y[pixel(k)] = 0;
-      const vec3 step = has_spring(k) ? (end - start) * multiplier : vec3(0, 0, 0);
-      move(k + 1, end, step_of_next, step);
-      end = start;
-      step_of_next = step;
+  void find_multipliers() const {
+    shader::LinePoint point = shader::no_line_point();
+    float coupling = 0, multiplier = 0;  // of the spring from k on
+    for (uint32_t k = springs_ + 1; k-- > 0;) {
+      kept_[k].multiplier = multiplier;
+      float before = 0;
+      if (k > 0) {
+        const shader::LineSpring& spring = kept_[k - 1].spring;
+        before = shader::line_multiplier(spring.multiplier, coupling, multiplier);
+        coupling = spring.coupling;
+      }
+      const vec3 way = is_held(k) ? vec3(0, 0, 0) : state_.previous.at(pixel(k));
+      point = shader::line_point(point, state_.position.at(pixel(k)), way, weight(k), before, multiplier);
+      kept_[k].point = point;
+      multiplier = before;
     }
-    move(0, end, step_of_next, vec3(0, 0, 0));
   }
 
-  void move(uint32_t k, const vec3& from, const vec3& step, const vec3& step_before) const {
-    const float w = weight(k);
-    if (w == 0 || !(has_spring(k) || has_spring(k - 1))) return;
-    state_.position.set(pixel(k), shader::line_point(from, step, step_before, w));
+  void move_points() const {
+    vec3 step_before(0, 0, 0);
+    vec3 place = kept_[0].point.place, way = kept_[0].point.way, from = state_.position.at(pixel(0));
+    for (uint32_t k = 0; k <= springs_; ++k) {
+      vec3 step(0, 0, 0), place_of_next(0, 0, 0), way_of_next(0, 0, 0), next(0, 0, 0);
+      if (k < springs_) {
+        const shader::LinePoint& point = kept_[k + 1].point;
+        next = state_.position.at(pixel(k + 1));
+        place_of_next = shader::shifted(point.place, place, point.coupling);
+        way_of_next = shader::shifted(point.way, way, point.coupling);
+        if (has_spring(k)) step = shader::line_step(next - from, place_of_next - place, kept_[k].multiplier);
+      }
+      if (weight(k) != 0 && (has_spring(k) || has_spring(k - 1))) {
+        state_.position.set(pixel(k), shader::line_moved(from, step, step_before, weight(k)));
+        state_.previous.set(pixel(k), way);
+      }
+      from = next;
+      place = place_of_next;
+      way = way_of_next;
+      step_before = step;
+    }
   }
 
   ClothState& state_;
@@ -77,6 +105,7 @@ class Line {
   size_t first_, next_;
   uint32_t springs_;
   float limit_, diagonal_;
+  std::vector<Kept>& kept_;
 };
 
 }  // namespace
@@ -86,9 +115,9 @@ void lines(const PassContext& context, ClothState& state, const PassStep& step) 
   const uint32_t width = state.data.width, height = state.data.height;
   const uint32_t count = along ? height : width, length = along ? width : height;
   context.threads.for_range(count, std::max(1U, kPixelGrain / length), [&](uint32_t first, uint32_t last) {
-    for (uint32_t n = first; n < last; ++n) {
-      Line(state, step.group, along ? size_t{n} * width : n, length, context.cloth.params).solve();
-    }
+    std::vector<Kept> kept(length);
+    for (uint32_t n = first; n < last; ++n)
+      Line(state, step.group, along ? size_t{n} * width : n, context.cloth.params, kept).solve();
   });
 }
 

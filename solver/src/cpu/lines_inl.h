@@ -17,103 +17,178 @@ HWY_BEFORE_NAMESPACE();
 namespace geocloth::cpu::HWY_NAMESPACE {
 #if HWY_TARGET != HWY_SCALAR
 
-/// What the plan laid out for a point and the spring that begins there, and what the sweep forth leaves.
+/// What the plan laid out for a point and the spring that begins there.
 template <class D>
-struct LinePoint {
-  HWY_INLINE LinePoint(D d, const LineStream& stream, float* all_kept, const LineBlock& block, size_t k) {
-    const size_t lanes = hn::Lanes(d), first = block.constants + kLineFloats * lanes * k;
-    const float* const constants = stream.constants.data() + first;
-    weight = hn::LoadU(d, constants);
-    longest = hn::LoadU(d, constants + lanes);
-    kept = all_kept + first;
-  }
+struct LineConstants {
+  HWY_INLINE LineConstants(D d, const float* constants)
+      : weight(hn::LoadU(d, constants)),
+        longest(hn::LoadU(d, constants + hn::Lanes(d))),
+        is_free(hn::Gt(hn::LoadU(d, constants + 2 * hn::Lanes(d)), hn::Zero(d))) {}
   Vec<D> weight, longest;
-  float* kept;  ///< coupling, multiplier
+  Mask<D> is_free;
 };
 
-/// line_spring() of lib/lines.h for one point after another.
+/// What the sweeps along a line keep of a point and the spring that begins there.
 template <class D>
-class SweepForth {
+class LineKept {
  public:
-  HWY_INLINE SweepForth(D d, float diagonal)
-      : d_before_(set(d, 0, 0, 0)), inverse_(hn::Zero(d)), multiplier_(hn::Zero(d)), diagonal_(hn::Set(d, diagonal)) {}
-  /// @param a, b  the ends of a spring
-  HWY_INLINE void next(D d, const Points<D>& a, const Points<D>& b, const LinePoint<D>& own, Vec<D> weight_b) {
-    const auto zero = hn::Zero(d);
-    const Points<D> way = only<D>(hn::Gt(own.longest, zero), sub(b, a));
-    const auto l2 = dot(d, way, way);
-    const auto along = dot(d, d_before_, way);
-    const auto beside = hn::Neg(hn::Mul(own.weight, along));
-    const auto coupling = hn::Mul(beside, inverse_);
-    const auto bend = hn::Sub(l2, along);
-    const auto bends = hn::And(hn::Gt(inverse_, zero), hn::Gt(bend, zero));
-    const auto aside = hn::Mul(own.weight, hn::IfThenElseZero(bends, bend));
-    const auto diagonal = hn::Mul(hn::Mul(hn::Add(own.weight, weight_b), l2), diagonal_);
-    const auto pivot = hn::Sub(hn::Add(diagonal, aside), hn::Mul(beside, coupling));
-    const auto exists = hn::Gt(pivot, zero);
-    const auto one = hn::Set(d, 1.F);
-    inverse_ = hn::IfThenElseZero(exists, hn::Div(one, hn::IfThenElse(exists, pivot, one)));
-    const auto excess = hn::Sub(l2, hn::Mul(own.longest, own.longest));
-    const auto error = hn::IfThenElseZero(hn::Gt(excess, zero), hn::Mul(hn::Set(d, 0.5F), excess));
-    multiplier_ = hn::Mul(hn::Sub(error, hn::Mul(beside, multiplier_)), inverse_);
-    d_before_ = way;
-    hn::StoreU(coupling, d, own.kept);
-    hn::StoreU(multiplier_, d, own.kept + hn::Lanes(d));
-  }
+  HWY_INLINE LineKept(D d, float* first) : lanes_(hn::Lanes(d)), first_(first) {}
+  /// As it was, and where it goes.
+  [[nodiscard]] HWY_INLINE PointRow position() const { return vector(0); }
+  [[nodiscard]] HWY_INLINE PointRow way() const { return vector(3); }
+  /// Of line_point() in lib/lines.h.
+  [[nodiscard]] HWY_INLINE PointRow place() const { return vector(6); }
+  [[nodiscard]] HWY_INLINE float* coupling() const { return first_ + 9 * lanes_; }
+  [[nodiscard]] HWY_INLINE float* multiplier() const { return first_ + 10 * lanes_; }
 
  private:
-  Points<D> d_before_;
-  Vec<D> inverse_, multiplier_, diagonal_;
+  [[nodiscard]] HWY_INLINE PointRow vector(size_t k) const {
+    return {first_ + k * lanes_, first_ + (k + 1) * lanes_, first_ + (k + 2) * lanes_};
+  }
+  size_t lanes_;
+  float* first_;
 };
 
-/// line_multiplier() and line_point(), from a line's end to its start.
+/// The sweeps of cpu/lines.cpp along the lines of a block, whose positions and ways are in `kept`.
 template <class D>
-class SweepBack {
+class LineSweeps {
  public:
-  HWY_INLINE explicit SweepBack(D d)
-      : step_of_next_(set(d, 0, 0, 0)), coupling_of_next_(hn::Zero(d)), multiplier_(hn::Zero(d)) {}
-  /// @param a, b  the ends of a spring
-  /// @return where its end goes
-  HWY_INLINE Points<D> next(D d, const Points<D>& a, const Points<D>& b, const LinePoint<D>& own, Vec<D> weight_b) {
-    multiplier_ = hn::Sub(hn::LoadU(d, own.kept + hn::Lanes(d)), hn::Mul(coupling_of_next_, multiplier_));
-    coupling_of_next_ = hn::LoadU(d, own.kept);
-    const Points<D> step = only<D>(hn::Gt(own.longest, hn::Zero(d)), scale(d, sub(b, a), multiplier_));
-    const Points<D> moved = to(d, b, step, weight_b);
-    step_of_next_ = step;
-    return moved;
+  HWY_INLINE LineSweeps(D d, const LineStream& stream, const LineBlock& block, float* kept)
+      : d_(d),
+        constants_(stream.constants.data() + block.constants),
+        kept_(kept),
+        points_(block.points),
+        diagonal_(hn::Set(d, stream.diagonal)) {}
+
+  [[nodiscard]] HWY_INLINE LineKept<D> kept(size_t k) const {
+    return LineKept<D>(d_, kept_ + kLineKept * hn::Lanes(d_) * k);
   }
-  /// @return where the first point goes
-  HWY_INLINE Points<D> last(D d, const Points<D>& a, Vec<D> weight) const { return to(d, a, set(d, 0, 0, 0), weight); }
+
+  HWY_INLINE void find_springs() const {
+    const auto zero = hn::Zero(d_), one = hn::Set(d_, 1.F);
+    Points<D> d_before = set(d_, 0, 0, 0), a = load(d_, kept(0).position());
+    auto inverse = zero, multiplier = zero, weight = constants(0).weight;
+    for (size_t k = 0; k + 1 < points_; ++k) {
+      const Points<D> b = load(d_, kept(k + 1).position());
+      const auto longest = constants(k).longest, weight_b = constants(k + 1).weight;
+      const Points<D> way = only<D>(hn::Gt(longest, zero), sub(b, a));
+      const auto l2 = dot(d_, way, way);
+      const auto along = dot(d_, d_before, way);
+      const auto beside = hn::Neg(hn::Mul(weight, along));
+      const auto coupling = hn::Mul(beside, inverse);
+      const auto bend = hn::Sub(l2, along);
+      const auto bends = hn::And(hn::Gt(inverse, zero), hn::Gt(bend, zero));
+      const auto aside = hn::Mul(weight, hn::IfThenElseZero(bends, bend));
+      const auto diagonal = hn::Mul(hn::Mul(hn::Add(weight, weight_b), l2), diagonal_);
+      const auto pivot = hn::Sub(hn::Add(diagonal, aside), hn::Mul(beside, coupling));
+      const auto exists = hn::Gt(pivot, zero);
+      inverse = hn::IfThenElseZero(exists, hn::Div(one, hn::IfThenElse(exists, pivot, one)));
+      const auto excess = hn::Sub(l2, hn::Mul(longest, longest));
+      const auto error = hn::IfThenElseZero(hn::Gt(excess, zero), hn::Mul(hn::Set(d_, 0.5F), excess));
+      multiplier = hn::Mul(hn::Sub(error, hn::Mul(beside, multiplier)), inverse);
+      hn::StoreU(coupling, d_, kept(k).coupling());
+      hn::StoreU(multiplier, d_, kept(k).multiplier());
+      d_before = way;
+      a = b;
+      weight = weight_b;
+    }
+  }
+
+  HWY_INLINE void find_multipliers() const {
+    const auto zero = hn::Zero(d_), one = hn::Set(d_, 1.F), smoothing = hn::Set(d_, shader::kLineSmoothing);
+    Points<D> place = set(d_, 0, 0, 0), way = place;
+    auto coupling_of_spring = zero, multiplier = zero, coupling = zero;
+    for (size_t k = points_; k-- > 0;) {
+      const LineKept<D> own = kept(k);
+      const LineConstants<D> point = constants(k);
+      auto before = zero;
+      if (k > 0) {
+        before = hn::Sub(hn::LoadU(d_, kept(k - 1).multiplier()), hn::Mul(coupling_of_spring, multiplier));
+        coupling_of_spring = hn::LoadU(d_, kept(k - 1).coupling());
+      }
+      const auto s = hn::Mul(smoothing, point.weight);
+      const auto a = hn::Mul(s, hn::IfThenElseZero(hn::Gt(before, zero), before));
+      const auto b = hn::Mul(s, hn::IfThenElseZero(hn::Gt(multiplier, zero), multiplier));
+      const auto share = hn::Div(one, hn::Add(hn::Add(one, a), hn::Sub(b, hn::Mul(b, coupling))));
+      place = scale(d_, add(load(d_, own.position()), scale(d_, place, b)), share);
+      way = scale(d_, add(only<D>(point.is_free, load(d_, own.way())), scale(d_, way, b)), share);
+      coupling = hn::Mul(a, share);
+      store(d_, place, own.place());
+      store(d_, way, own.way());
+      hn::StoreU(coupling, d_, own.coupling());
+      hn::StoreU(multiplier, d_, own.multiplier());
+      multiplier = before;
+    }
+  }
+
+  HWY_INLINE void move_points() const {
+    const auto zero = hn::Zero(d_), tiny = hn::Set(d_, 1e-20F), one = hn::Set(d_, 1.F);
+    Points<D> step_before = set(d_, 0, 0, 0), place = load(d_, kept(0).place()), way = load(d_, kept(0).way()),
+              from = load(d_, kept(0).position());
+    for (size_t k = 0; k < points_; ++k) {
+      const LineKept<D> own = kept(k);
+      const LineConstants<D> point = constants(k);
+      store(d_, way, own.way());
+      Points<D> step = set(d_, 0, 0, 0), next = step;
+      if (k + 1 < points_) {
+        const LineKept<D> other = kept(k + 1);
+        const auto coupling = hn::LoadU(d_, other.coupling());
+        const Points<D> place_of_next = add(load(d_, other.place()), scale(d_, place, coupling));
+        way = add(load(d_, other.way()), scale(d_, way, coupling));
+        next = load(d_, other.position());
+        const Points<D> way_to_next = sub(next, from);
+        const Points<D> after_step = sub(place_of_next, place);
+        const Points<D> turned =
+            add(way_to_next, scale(d_, sub(after_step, way_to_next), hn::Set(d_, shader::kLineTurn)));
+        const auto l2 = dot(d_, turned, turned), along = dot(d_, way_to_next, turned);
+        const auto is_long = hn::Gt(l2, tiny);
+        const auto share = hn::IfThenElseZero(is_long, hn::Div(along, hn::IfThenElse(is_long, l2, one)));
+        step = only<D>(hn::Gt(point.longest, zero), scale(d_, turned, hn::Mul(hn::LoadU(d_, own.multiplier()), share)));
+        place = place_of_next;
+      }
+      store(d_, add(from, scale(d_, sub(step, step_before), point.weight)), own.position());
+      from = next;
+      step_before = step;
+    }
+  }
+
+  HWY_INLINE void run() const {
+    find_springs();
+    find_multipliers();
+    move_points();
+  }
+
+  /// Lanes of a point that move.
+  [[nodiscard]] HWY_INLINE Mask<D> moves(size_t k) const { return hn::Gt(constants(k).weight, hn::Zero(d_)); }
 
  private:
-  HWY_INLINE Points<D> to(D d, const Points<D>& p, const Points<D>& step_before, Vec<D> weight) const {
-    return choose<D>(hn::Gt(weight, hn::Zero(d)), add(p, scale(d, sub(step_of_next_, step_before), weight)), p);
+  [[nodiscard]] HWY_INLINE LineConstants<D> constants(size_t k) const {
+    return LineConstants<D>(d_, constants_ + kLineFloats * hn::Lanes(d_) * k);
   }
-  Points<D> step_of_next_;
-  Vec<D> coupling_of_next_, multiplier_;
+
+  D d_;
+  const float* constants_;
+  float* kept_;
+  size_t points_;
+  Vec<D> diagonal_;
 };
 
 template <class D>
 HWY_NOINLINE void columns_of(D d, const LineStream& stream, ClothState& state, float* kept, const LineBlock& block) {
-  const size_t width = state.data.width, last = block.points - 1;
-  const PointRow all = at(state.position, block.first);
-  const auto row = [&](size_t k) GEOCLOTH_LANES { return after(all, k * width); };
-  const auto point = [&](size_t k) GEOCLOTH_LANES { return LinePoint<D>(d, stream, kept, block, k); };
-  SweepForth<D> forth(d, stream.diagonal);
-  Points<D> a = load(d, all);
-  for (size_t k = 0; k < last; ++k) {
-    const Points<D> b = load(d, row(k + 1));
-    forth.next(d, a, b, point(k), point(k + 1).weight);
-    a = b;
+  const size_t width = state.data.width;
+  const PointRow positions = at(state.position, block.first), ways = at(state.previous, block.first);
+  const LineSweeps<D> sweeps(d, stream, block, kept);
+  for (size_t k = 0; k < block.points; ++k) {
+    store(d, load(d, after(positions, k * width)), sweeps.kept(k).position());
+    store(d, load(d, after(ways, k * width)), sweeps.kept(k).way());
   }
-  SweepBack<D> back(d);
-  Points<D> b = a;
-  for (size_t k = last; k-- > 0;) {
-    a = load(d, row(k));
-    store(d, back.next(d, a, b, point(k), point(k + 1).weight), row(k + 1));
-    b = a;
+  sweeps.run();
+  for (size_t k = 0; k < block.points; ++k) {
+    const PointRow to = after(positions, k * width), way_to = after(ways, k * width);
+    const auto moves = sweeps.moves(k);
+    store(d, choose<D>(moves, load(d, sweeps.kept(k).position()), load(d, to)), to);
+    store(d, choose<D>(moves, load(d, sweeps.kept(k).way()), load(d, way_to)), way_to);
   }
-  store(d, back.last(d, b, point(0).weight), all);
 }
 
 template <class D>
@@ -207,32 +282,26 @@ struct FourColumns {
 template <class D>
 HWY_NOINLINE void rows_of(D d, const LineStream& stream, ClothState& state, float* kept, const LineBlock& block) {
   const LineRows rows{state.data.width, block.lines};
-  const PointRow all = at(state.position, block.first);
-  const auto point = [&](size_t k) GEOCLOTH_LANES { return LinePoint<D>(d, stream, kept, block, k); };
+  const PointRow positions = at(state.position, block.first), ways = at(state.previous, block.first);
+  const LineSweeps<D> sweeps(d, stream, block, kept);
   FourColumns<D> four;
-  SweepForth<D> forth(d, stream.diagonal);
-  four.read(d, rows, all);
-  for (size_t k = 0;; k += kTurned) {
-    for (size_t i = 0; i + 1 < kTurned; ++i)
-      forth.next(d, four.at(d, i), four.at(d, i + 1), point(k + i), point(k + i + 1).weight);
-    if (k + kTurned == block.points) break;
-    const Points<D> a = four.at(d, kTurned - 1);
-    four.read(d, rows, after(all, k + kTurned));
-    forth.next(d, a, four.at(d, 0), point(k + kTurned - 1), point(k + kTurned).weight);
+  for (size_t k = 0; k < block.points; k += kTurned) {
+    four.read(d, rows, after(positions, k));
+    for (size_t i = 0; i < kTurned; ++i) store(d, four.at(d, i), sweeps.kept(k + i).position());
+    four.read(d, rows, after(ways, k));
+    for (size_t i = 0; i < kTurned; ++i) store(d, four.at(d, i), sweeps.kept(k + i).way());
   }
-  SweepBack<D> back(d);
+  sweeps.run();
   FourColumns<D> moved;
-  for (size_t k = block.points - kTurned;; k -= kTurned) {  // `four` are the columns from k on
-    for (size_t i = kTurned - 1; i-- > 0;)
-      moved.set(d, i + 1, back.next(d, four.at(d, i), four.at(d, i + 1), point(k + i), point(k + i + 1).weight));
-    const Points<D> b = four.at(d, 0);
-    if (k == 0) {
-      moved.set(d, 0, back.last(d, b, point(0).weight));
-      return moved.write(d, rows, all);
-    }
-    four.read(d, rows, after(all, k - kTurned));
-    moved.set(d, 0, back.next(d, four.at(d, kTurned - 1), b, point(k - 1), point(k).weight));
-    moved.write(d, rows, after(all, k));
+  for (size_t k = 0; k < block.points; k += kTurned) {
+    four.read(d, rows, after(positions, k));
+    for (size_t i = 0; i < kTurned; ++i)
+      moved.set(d, i, choose<D>(sweeps.moves(k + i), load(d, sweeps.kept(k + i).position()), four.at(d, i)));
+    moved.write(d, rows, after(positions, k));
+    four.read(d, rows, after(ways, k));
+    for (size_t i = 0; i < kTurned; ++i)
+      moved.set(d, i, choose<D>(sweeps.moves(k + i), load(d, sweeps.kept(k + i).way()), four.at(d, i)));
+    moved.write(d, rows, after(ways, k));
   }
 }
 

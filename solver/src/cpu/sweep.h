@@ -70,8 +70,8 @@ struct RowStream {
 
 /// Columns that lines along rows are turned by at a time.
 inline constexpr uint32_t kTurned = 4;
-/// Floats for each point and lane in a LineStream, and as many in what goes from its sweep forth to the one back.
-inline constexpr uint32_t kLineFloats = 2;
+/// Floats for each point and lane in a LineStream, and in what goes from one sweep along it to the next.
+inline constexpr uint32_t kLineFloats = 3, kLineKept = 11;
 
 /// As many rows or columns side by side as a vector has lanes, and of those the points that a spring leads to.
 struct LineBlock {
@@ -84,10 +84,16 @@ struct LineBlock {
 /// What line relaxation works through in one direction. Blocks share no point.
 struct LineStream {
   std::vector<LineBlock> blocks;
-  float diagonal = 1;  ///< line_diagonal() of lib/lines.h
-  Floats
-      constants;  ///< of each point: for each lane its weight, 0 where it stays, and its spring's longest length or 0
+  float diagonal = 1;        ///< line_diagonal() of lib/lines.h
+  uint32_t most_points = 0;  ///< of a block
+  Floats constants;  ///< of each point: for each lane its weight, 0 where it stays, its spring's longest length or 0,
+                     ///< and whether it has a way
 };
+
+/// Floats that run_lines() needs for a block.
+[[nodiscard]] inline size_t line_kept(const LineStream& stream, uint32_t lanes) {
+  return size_t{kLineKept} * lanes * stream.most_points;
+}
 
 /// One pass in a sweep: from the time t to t + n of the sweep it works on the rows t - lag .. t + n - 1 - lag.
 struct SweepOp {
@@ -182,7 +188,7 @@ void run_normals(uint32_t lanes, ClothState& state, std::span<const Run> runs);
 void run_cells(uint32_t lanes, const SweepFrame& frame, uint32_t substep, uint32_t group, uint32_t y);
 
 /// The pass lines: some blocks along rows (group 0) or columns.
-/// @param kept  memory as long as the stream's constants, of blocks that nobody else works on
+/// @param kept  memory of line_kept() floats, that nobody else works with
 void run_lines(uint32_t lanes, ClothState& state, const LineStream& stream, uint32_t group, uint32_t first,
                uint32_t last, float* kept);
 

@@ -59,9 +59,12 @@ void SweepRunner::make_scratch(uint32_t threads) {
     }
   }
   scratch_.assign(threads * scratch_length_, 0.F);
-  size_t line_floats = 0;
-  for (uint32_t group = 0; group < 2 && finish_.sweeps; ++group)
-    line_floats = std::max(line_floats, finish_.sweeps->lines(group).constants.size());
+  size_t line_floats = 0;  // ranges of blocks begin anywhere, so each block has its own
+  for (uint32_t group = 0; group < 2 && finish_.sweeps; ++group) {
+    const LineStream& stream = finish_.sweeps->lines(group);
+    const size_t ranges = threads > 1 ? stream.blocks.size() : 1;
+    line_floats = std::max(line_floats, ranges * line_kept(stream, finish_.sweeps->lanes()));
+  }
   line_scratch_.assign(line_floats, 0.F);
 }
 
@@ -79,7 +82,8 @@ void SweepRunner::run_line_blocks(const SweepPlan& plan, const SweepFrame& frame
   const LineStream& stream = plan.lines(group);
   const auto count = static_cast<uint32_t>(stream.blocks.size());
   context.threads.for_range(count, kLineBlockGrain, [&](uint32_t first, uint32_t last) {
-    run_lines(plan.lanes(), *frame.state, stream, group, first, last, line_scratch_.data());
+    float* const kept = &line_scratch_[first * line_kept(stream, plan.lanes())];
+    run_lines(plan.lanes(), *frame.state, stream, group, first, last, kept);
   });
 }
 
