@@ -13,6 +13,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include "develop/chart_overlap.h"
@@ -157,10 +158,11 @@ void turn_upright(Chart& c) {
   for (Point2& p : c.uv) p = {p[0] * up[1] - p[1] * up[0], along(p, up)};
 }
 
-void straighten_threads(Chart& c, double share) {
+void straighten_threads(Chart& c, double share, std::span<const double> times) {
   const std::vector<Point2> before = c.uv;
   SymmetricDirichlet energy(c.position, c.triangle, {});
   energy.set_shear_price(share * kShearPrice);
+  energy.set_weights(times);
   // The energy knows the plane's axes, so that it turns the chart a little: that is undone, and what it lost regained.
   for (int round = 0; round < kThreadRounds; ++round) {
     if (round > 0) turn_upright(c);
@@ -169,22 +171,47 @@ void straighten_threads(Chart& c, double share) {
   if (crossing_edges(c, outline_loop(c))) c.uv = before;
 }
 
+namespace {
+
+/// How the plane's axes lie on a triangle.
+struct TriangleThreads {
+  double angle = 0;  // [degrees] off a right one
+  double anisotropy = 1;
+};
+
+/// Nothing where the triangle has no area in the plane or on the surface.
+std::optional<TriangleThreads> threads_of(const Chart& c, const Triangle& t) {
+  const Point2 &o = c.uv[t[0]], &p = c.uv[t[1]], &q = c.uv[t[2]];
+  const Point3 a = c.position[t[1]] - c.position[t[0]], b = c.position[t[2]] - c.position[t[0]];
+  // The plane's axes on the surface, times the triangle's area in the plane.
+  const Point3 x = a * (q[1] - o[1]) - b * (p[1] - o[1]), y = b * (p[0] - o[0]) - a * (q[0] - o[0]);
+  const double xx = dot(x, x), xy = dot(x, y), yy = dot(y, y);
+  const double difference = std::hypot(xx - yy, 2 * xy), smaller = xx + yy - difference;
+  if (!(smaller > 0)) return std::nullopt;
+  return TriangleThreads{std::asin(std::min(std::abs(xy) / std::sqrt(xx * yy), 1.0)) * 180 / std::numbers::pi,
+                         std::sqrt((xx + yy + difference) / smaller)};
+}
+
+}  // namespace
+
+std::vector<double> anisotropies(const Chart& c) {
+  std::vector<double> result;
+  result.reserve(c.triangle.size());
+  for (const Triangle& t : c.triangle) result.push_back(threads_of(c, t).value_or(TriangleThreads{}).anisotropy);
+  return result;
+}
+
 ThreadMeasure measure_threads(const std::vector<Chart>& charts) {
   using Weighted = std::pair<double, double>;  // of a triangle, its area
   std::vector<Weighted> angle, anisotropy;
   double all = 0;
   for (const Chart& c : charts) {
     for (const Triangle& t : c.triangle) {
-      const Point2 &o = c.uv[t[0]], &p = c.uv[t[1]], &q = c.uv[t[2]];
-      const Point3 a = c.position[t[1]] - c.position[t[0]], b = c.position[t[2]] - c.position[t[0]];
-      // The plane's axes on the surface, times the triangle's area in the plane.
-      const Point3 x = a * (q[1] - o[1]) - b * (p[1] - o[1]), y = b * (p[0] - o[0]) - a * (q[0] - o[0]);
-      const double xx = dot(x, x), xy = dot(x, y), yy = dot(y, y);
-      const double difference = std::hypot(xx - yy, 2 * xy), smaller = xx + yy - difference;
-      if (!(smaller > 0)) continue;
+      const std::optional<TriangleThreads> threads = threads_of(c, t);
+      if (!threads) continue;
       const double area = triangle_area(c.position[t[0]], c.position[t[1]], c.position[t[2]]);
-      angle.emplace_back(std::asin(std::min(std::abs(xy) / std::sqrt(xx * yy), 1.0)) * 180 / std::numbers::pi, area);
-      anisotropy.emplace_back(std::sqrt((xx + yy + difference) / smaller), area);
+      angle.emplace_back(threads->angle, area);
+      anisotropy.emplace_back(threads->anisotropy, area);
       all += area;
     }
   }

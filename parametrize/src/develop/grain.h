@@ -40,7 +40,8 @@ void turn_upright(Chart& chart);
 /// Lets an upright chart's threads, the plane's x and y, meet on the surface at angles nearer to right ones. That costs
 /// the map a little stretch and nothing else: the outline stays simple and no triangle flips.
 /// @param share  of what angles are worth usually
-void straighten_threads(Chart& chart, double share = 1);
+/// @param times  per triangle: how many times its area it counts; empty: once
+void straighten_threads(Chart& chart, double share = 1, std::span<const double> times = {});
 
 /// How the threads of upright charts lie on the surface.
 struct ThreadMeasure {
@@ -48,5 +49,8 @@ struct ThreadMeasure {
   double anisotropy_p95 = 1;            ///< stretch one way over that the other way
 };
 [[nodiscard]] ThreadMeasure measure_threads(const std::vector<Chart>& charts);
+
+/// Stretch one way over that the other way, per triangle; 1 for those of no area.
+[[nodiscard]] std::vector<double> anisotropies(const Chart& chart);
 
 }  // namespace geocloth

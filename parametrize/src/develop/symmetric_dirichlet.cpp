@@ -262,6 +262,10 @@ void SymmetricDirichlet::set_shear_price(double price) {
   impl_->shear_price = price;
 }
 
+void SymmetricDirichlet::set_weights(std::span<const double> times) {
+  for (size_t t = 0; t < times.size(); ++t) impl_->element[t].weight *= times[t];
+}
+
 double SymmetricDirichlet::minimise(std::vector<Point2>& uv, uint32_t max_iterations, double tolerance) {
   Impl& s = *impl_;
   double current = s.cost(uv);

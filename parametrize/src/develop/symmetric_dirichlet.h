@@ -34,6 +34,9 @@ class SymmetricDirichlet {
   /// minimise() makes small: the threads of a woven cloth stay orthogonal at the cost of a little stretch.
   void set_shear_price(double price);
 
+  /// Triangles count so many times their area in what minimise() makes small, and in the energies.
+  void set_weights(std::span<const double> times);
+
   /// Projected Newton steps until the energy falls by less than `tolerance` of itself in a step.
   /// @param uv  flip-free start; left flip-free and no worse
   /// @returns the energy reached
