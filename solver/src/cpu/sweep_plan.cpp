@@ -77,7 +77,8 @@ class SweepPlanner {
   void append(Sweep& sweep, Pass pass, SweepOp op) {
     op.pass = pass;
     const Reach reach = reach_of(op);
-    if (gives_back(op)) op.lag = reach.down;  // a band below has begun with its first row already
+    // A band below has begun with its first row already.
+    if (gives_back(op) || reaches_too_far_down(op)) op.lag = reach.down;
     for (size_t k = 0; k < sweep.ops.size(); ++k) {
       op.lag = std::max(op.lag, sweep.ops[k].lag + reach.down + reaches_[k].up);
       op.rise = std::max(op.rise, sweep.ops[k].rise + reach.up + reaches_[k].down);
@@ -121,6 +122,13 @@ class SweepPlanner {
     uint32_t column = 0;
     for (const uint32_t p : op.stream->pixel) column = std::max(column, p % source_.width);
     return (column + source_.lanes - 1 + op.offset) / source_.width;
+  }
+
+  /// Whether lanes without a constraint, over the end of a row, write rows that no constraint leads to: of springs in
+  /// different rows none share a pixel, of such lanes some do.
+  [[nodiscard]] bool reaches_too_far_down(const SweepOp& op) const {
+    const bool across = op.kernel == RowKernel::springs_across || op.kernel == RowKernel::ties_across;
+    return across && rows_below(op) > (op.offset + 1) / source_.width;
   }
 
   /// Passes that write what follows a row as they found it.
