@@ -90,7 +90,7 @@ inline float line_multiplier(float multiplier, float coupling_of_next, float mul
 // come out on the other side, and back in the next frame: settled cloth would tremble. So springs pull along
 // directions between those and the ones after a backward Euler step with these pulls,
 //
-//   x'_k = x_k + a (x'_k-1 - x'_k) + b (x'_k+1 - x'_k),    a, b = kLineSmoothing w_k m, at least 0, of the springs beside
+//   x'_k = x_k + a (x'_k-1 - x'_k) + b (x'_k+1 - x'_k),    a, b = kLineSmoothing w_k m >= 0 of the springs beside
 //
 // and the same step evens out the points' ways: zigzags that were straightened would still have the speed that made
 // them. What all points of a line have in common, and what grows evenly along it, stays.
