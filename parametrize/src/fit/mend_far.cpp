@@ -355,10 +355,16 @@ class FarMender {
     }
     // Those that the image is nearer to elsewhere say nothing of this place.
     std::optional<TriangleTree::Place> near;
-    std::erase_if(sample_, [&](const Point3& s) {
+    std::size_t kept = 0;
+    near_sample_.clear();
+    for (const Point3& s : sample_) {
       near = near ? image_->nearest(s, *near) : image_->nearest(s);
-      return !holds(region_, near->triangle);
-    });
+      if (!holds(region_, near->triangle)) continue;
+      sample_[kept++] = s;
+      near_sample_.push_back(near->triangle);
+    }
+    sample_.resize(kept);
+    near_place_.assign(region_.size() * place_in_triangle_.size(), std::nullopt);
   }
 
   [[nodiscard]] std::array<Point3, 3> corners(uint32_t t) const {
@@ -369,35 +375,48 @@ class FarMender {
     return cross(corner[1] - corner[0], corner[2] - corner[0]);
   }
 
-  /// What is farther from the other surface than the goal. @returns the largest distance of all
-  double find_misses(std::vector<Miss>& misses) const {
+  /// What is farther from the other surface than is wanted. What was near a triangle or a place of it mostly still is,
+  /// and then no nearer one is looked for.
+  /// @returns the largest distance of all; 0: all are as near as is wanted
+  double find_misses(std::vector<Miss>& misses) {
     misses.clear();
     double farthest = 0;
+    const double wanted = kNearGoal * goal_;
     const auto count = [&](uint32_t t, const Point3& weight, const Point3& way) {
-      const double d = length(way), wanted = kNearGoal * goal_;
+      const double d = length(way);
+      if (!(d > wanted)) return;
       farthest = std::max(farthest, d);
-      if (d > wanted) misses.push_back({points_[t], weight, way * (1 - wanted / d)});
+      misses.push_back({points_[t], weight, way * (1 - wanted / d)});
     };
-    for (const Point3& s : sample_) {
+    const auto miss_of = [&](uint32_t t, const Point3& s) -> Miss {
+      const std::array<Point3, 3> corner = corners(t);
+      const Point3 weight = nearest_weights(corner[0], corner[1], corner[2], s);
+      return {points_[t], weight, s - at(corner, weight)};
+    };
+    for (std::size_t k = 0; k < sample_.size(); ++k) {
+      const Point3& s = sample_[k];
+      if (length(miss_of(near_sample_[k], s).way) <= wanted) continue;
       double least = std::numeric_limits<double>::infinity();
       Miss nearest{};
-      uint32_t triangle = region_[0];
       for (const uint32_t t : region_) {
-        const std::array<Point3, 3> corner = corners(t);
-        const Point3 weight = nearest_weights(corner[0], corner[1], corner[2], s), way = s - at(corner, weight);
-        if (dot(way, way) >= least) continue;
-        least = dot(way, way);
-        nearest = {points_[t], weight, way};
-        triangle = t;
+        const Miss miss = miss_of(t, s);
+        if (dot(miss.way, miss.way) >= least) continue;
+        least = dot(miss.way, miss.way);
+        nearest = miss;
+        near_sample_[k] = t;
       }
-      count(triangle, nearest.weight, nearest.way);
+      count(near_sample_[k], nearest.weight, nearest.way);
     }
     std::optional<TriangleTree::Place> found;
+    auto near = near_place_.begin();
     for (const uint32_t t : region_) {
       const std::array<Point3, 3> corner = corners(t);
       for (const Point3& weight : place_in_triangle_) {
         const Point3 p = at(corner, weight);
+        std::optional<Point3>& last = *near++;
+        if (last && distance(*last, p) <= wanted) continue;
         found = found ? surface_->nearest(p, *found) : surface_->nearest(p);
+        last = found->point;
         count(t, weight, found->point - p);
       }
     }
@@ -535,6 +554,8 @@ class FarMender {
   std::vector<uint8_t> is_tried_, is_moved_;            ///< per first copy: in this pass, and ever
   std::vector<uint32_t> region_, moving_;               ///< triangles and points around the place
   std::vector<Point3> sample_;
+  std::vector<uint32_t> near_sample_;              ///< per sample a triangle of the image near it
+  std::vector<std::optional<Point3>> near_place_;  ///< per place of the region's triangles one of the surface near it
   const std::vector<Point3> middle_ = middles(), place_in_triangle_ = middles_and_edges();  ///< weights
 };
 
