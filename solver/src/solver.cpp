@@ -80,7 +80,7 @@ uint32_t fineness(const SolverSettings& settings) {
 /// Whether what the user wrote is part of a device's name, in small letters or large ones.
 bool names(const std::string& part, const std::string& name) {
   const auto same = [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); };
-  return std::ranges::search(name, part, same).begin() != name.end() || part.empty();
+  return std::search(name.begin(), name.end(), part.begin(), part.end(), same) != name.end() || part.empty();
 }
 
 /// The cpu is a device too; a GPU that goes by the same name comes before it.
