@@ -181,8 +181,6 @@ void lay_out(const TriangleMesh& mesh, const CarriedSurface& carried, const Flat
   });
 }
 
-constexpr double kLargestResolution = 4096;
-
 struct Attempt {
   FlattenOptions options;
   bool carry;  ///< what is smaller than a pixel
@@ -196,7 +194,7 @@ std::vector<Attempt> plan_attempts(const ConvertOptions& options) {
   const auto finer = [&](double by) {
     FlattenOptions o = options.flatten;
     o.spacing /= by;
-    o.resolution = static_cast<uint32_t>(std::lround(std::min(by * o.resolution, kLargestResolution)));
+    o.resolution = static_cast<uint32_t>(std::lround(std::min(by * o.resolution, double{kMaxResolution})));
     return o;
   };
   const auto with = [&](Layout layout, bool straight_cuts) {

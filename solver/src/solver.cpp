@@ -7,12 +7,12 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cctype>
 #include <string>
 #include <utility>
 
 #include "check_input.h"
 #include "cpu/cpu_name.h"
+#include "device_name.h"
 #include "geocloth/asset/error.h"
 #include "rest/cut_asset.h"
 #include "rest/self_points.h"
@@ -77,23 +77,18 @@ uint32_t fineness(const SolverSettings& settings) {
   return settings.frame_time / settings.substeps < kShortStep ? shader::kFineOffsets : shader::kFineOff;
 }
 
-/// Whether what the user wrote is part of a device's name, in small letters or large ones.
-bool names(const std::string& part, const std::string& name) {
-  const auto same = [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); };
-  return std::search(name.begin(), name.end(), part.begin(), part.end(), same) != name.end() || part.empty();
-}
-
 /// The cpu is a device too; a GPU that goes by the same name comes before it.
 bool names_cpu_only(const std::string& part) {
   return std::ranges::none_of(enumerate_devices(), [&](const DeviceInfo& device) {
-    return names(part, device.name) ? device.backend != Backend::cpu && device.usable : device.backend == Backend::cpu;
+    return is_part_of_name(part, device.name) ? device.backend != Backend::cpu && device.usable
+                                              : device.backend == Backend::cpu;
   });
 }
 
 std::unique_ptr<SolverBackend> make_backend(SimulationData data, const SolverSettings& settings) {
   switch (settings.backend) {
     case Backend::cpu:
-      if (!names(settings.device, cpu::cpu_name())) {
+      if (!is_part_of_name(settings.device, cpu::cpu_name())) {
         throw Error(ErrorCode::device, "the cpu is '" + cpu::cpu_name() + "', whose name does not contain '" +
                                            settings.device + "'; name no device, or take another backend");
       }

@@ -16,8 +16,6 @@
 namespace geocloth {
 namespace {
 
-constexpr uint32_t kMinResolution = 8, kMaxResolution = 4096;
-
 void check(const CleanSurface& clean, const CutSurface& cut, const FlattenOptions& options) {
   if (options.resolution < kMinResolution || options.resolution > kMaxResolution) {
     throw Error(ErrorCode::invalid_argument, "resolution " + std::to_string(options.resolution) + " is not in " +

@@ -6,21 +6,16 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <optional>
 #include <string_view>
 
+#include "device_name.h"
 #include "geocloth/asset/error.h"
 #include "vulkan/bindings.h"
 #include "vulkan/instance.h"
 
 namespace geocloth::vulkan {
 namespace {
-
-std::string lower(std::string text) {
-  std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 const char* type_name(vk::PhysicalDeviceType type) {
   switch (type) {
@@ -114,8 +109,7 @@ namespace {
 /// Why this candidate does not fit the options; empty when it does.
 std::string refusal(const Candidate& candidate, const DeviceWish& wish) {
   if (!candidate.info.usable) return candidate.info.reason;
-  if (!wish.name.empty() && lower(candidate.info.name).find(lower(wish.name)) == std::string::npos)
-    return "Its name does not contain '" + wish.name + "'.";
+  if (!is_part_of_name(wish.name, candidate.info.name)) return "Its name does not contain '" + wish.name + "'.";
   if (wish.name.empty() && wish.real_gpu && candidate.software)
     return "It is a software device, which is used only when it is named.";
   if (wish.graphics && !candidate.graphics) return "Its compute queue cannot draw.";

@@ -36,6 +36,9 @@ struct FlatSurface {
   std::vector<FlatChart> charts;
 };
 
+/// Of FlattenOptions::resolution.
+inline constexpr uint32_t kMinResolution = 8, kMaxResolution = 4096;
+
 struct FlattenOptions {
   Layout layout = Layout::panels;
   /// Wanted number of valid pixels in all, as the side of a square. [8, 4096] Panels may get 2 % more or fewer where
