@@ -52,7 +52,7 @@ struct PulledCloth {
     const auto plan = cpu::SweepPlan::make(state, {{Pass::lines, group}}, frame, cpu::valid_runs(state), 1);
     if (!plan) return false;
     const cpu::LineStream& stream = plan->lines(group);
-    std::vector<float> kept(cpu::line_kept(stream, plan->lanes()));
+    std::vector<float> kept(cpu::kLinesAtOnce * cpu::line_kept(stream, plan->lanes()));
     cpu::run_lines(plan->lanes(), state, stream, group, 0, static_cast<uint32_t>(stream.blocks.size()), kept.data());
     return true;
   }

@@ -154,6 +154,13 @@ HWY_INLINE void replace(Mask<D> mask, const Points<D>& by, Points<D>& points) {
   points.y = hn::IfThenElse(mask, by.y, points.y);
   points.z = hn::IfThenElse(mask, by.z, points.z);
 }
+/// Coordinate by coordinate, too.
+template <class D>
+HWY_INLINE void assign(Points<D>& to, const Points<D>& from) {
+  to.x = from.x;
+  to.y = from.y;
+  to.z = from.z;
+}
 template <class D>
 HWY_INLINE Points<D> only(Mask<D> mask, const Points<D>& a) {
   return {hn::IfThenElseZero(mask, a.x), hn::IfThenElseZero(mask, a.y), hn::IfThenElseZero(mask, a.z)};

@@ -30,7 +30,8 @@ void add_line_points(const RowSource& source, LineStream& stream, uint32_t group
     const size_t pixel = pixel_of_line(source, group, line + lane, k);
     stream.constants[place + lane] =
         shader::line_weight(source.state.inverse_mass[pixel], source.state.data.cell[pixel]);
-    stream.constants[place + source.lanes + lane] = source.state.rest[group][pixel] * source.cloth.params.stretch_limit;
+    const float rest = source.state.rest[group][pixel], longest = rest * source.cloth.params.stretch_limit;
+    stream.constants[place + source.lanes + lane] = rest > 0 ? longest * longest : 0.F;
     stream.constants[place + size_t{2} * source.lanes + lane] = source.state.inverse_mass[pixel] > 0 ? 1.F : 0.F;
   }
 }

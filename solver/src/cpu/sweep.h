@@ -70,8 +70,9 @@ struct RowStream {
 
 /// Columns that lines along rows are turned by at a time.
 inline constexpr uint32_t kTurned = 4;
-/// Floats for each point and lane in a LineStream, and in what goes from one sweep along it to the next.
-inline constexpr uint32_t kLineFloats = 3, kLineKept = 11;
+/// Floats for each point and lane in a LineStream, in what goes from one sweep along it to the next, and in what rows
+/// are turned to.
+inline constexpr uint32_t kLineFloats = 3, kLineKept = 8, kLineTurned = 6;
 
 /// As many rows or columns side by side as a vector has lanes, and of those the points that a spring leads to.
 struct LineBlock {
@@ -86,13 +87,15 @@ struct LineStream {
   std::vector<LineBlock> blocks;
   float diagonal = 1;        ///< line_diagonal() of lib/lines.h
   uint32_t most_points = 0;  ///< of a block
-  Floats constants;  ///< of each point: for each lane its weight, 0 where it stays, its spring's longest length or 0,
-                     ///< and whether it has a way
+  Floats constants;  ///< of each point: for each lane its weight, 0 where it stays, the square of its spring's longest
+                     ///< length or 0, and whether it has a way
 };
 
-/// Floats that run_lines() needs for a block.
+/// Blocks that run_lines() goes through at a time.
+inline constexpr uint32_t kLinesAtOnce = 2;
+/// Floats that it needs for each of them.
 [[nodiscard]] inline size_t line_kept(const LineStream& stream, uint32_t lanes) {
-  return size_t{kLineKept} * lanes * stream.most_points;
+  return size_t{kLineKept + kLineTurned} * lanes * stream.most_points;
 }
 
 /// One pass in a sweep: from the time t to t + n of the sweep it works on the rows t - lag .. t + n - 1 - lag.
@@ -188,7 +191,7 @@ void run_normals(uint32_t lanes, ClothState& state, std::span<const Run> runs);
 void run_cells(uint32_t lanes, const SweepFrame& frame, uint32_t substep, uint32_t group, uint32_t y);
 
 /// The pass lines: some blocks along rows (group 0) or columns.
-/// @param kept  memory of line_kept() floats, that nobody else works with
+/// @param kept  memory of line_kept() floats for each block, at most kLinesAtOnce, that nobody else works with
 void run_lines(uint32_t lanes, ClothState& state, const LineStream& stream, uint32_t group, uint32_t first,
                uint32_t last, float* kept);
 

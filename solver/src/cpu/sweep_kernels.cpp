@@ -199,10 +199,9 @@ void run_cells_here(uint32_t lanes, const SweepFrame& frame, uint32_t substep, u
 void run_lines_here(uint32_t lanes, ClothState& state, const LineStream& stream, uint32_t group, uint32_t first,
                     uint32_t last, float* kept) {
   with_lanes(lanes, [&](auto d) GEOCLOTH_LANES {
-    for (uint32_t k = first; k < last; ++k) {
-      group == 0 ? rows_of(d, stream, state, kept, stream.blocks[k])
-                 : columns_of(d, stream, state, kept, stream.blocks[k]);
-    }
+    const auto blocks = std::span(stream.blocks).subspan(first, last - first);
+    group == 0 ? lines_of<RowBlock>(d, stream, state, kept, blocks)
+               : lines_of<ColumnBlock>(d, stream, state, kept, blocks);
   });
 }
 

@@ -62,8 +62,8 @@ void SweepRunner::make_scratch(uint32_t threads) {
   size_t line_floats = 0;  // ranges of blocks begin anywhere, so each block has its own
   for (uint32_t group = 0; group < 2 && finish_.sweeps; ++group) {
     const LineStream& stream = finish_.sweeps->lines(group);
-    const size_t ranges = threads > 1 ? stream.blocks.size() : 1;
-    line_floats = std::max(line_floats, ranges * line_kept(stream, finish_.sweeps->lanes()));
+    const size_t blocks = threads > 1 ? stream.blocks.size() : std::min<size_t>(kLinesAtOnce, stream.blocks.size());
+    line_floats = std::max(line_floats, blocks * line_kept(stream, finish_.sweeps->lanes()));
   }
   line_scratch_.assign(line_floats, 0.F);
 }
