@@ -135,6 +135,14 @@ struct ScheduleOptions {
   bool operator==(const ScheduleOptions&) const = default;
 };
 
+/// Those that the passes of substeps and of a frame's end follow from: what comes after them, or in no frame at all,
+/// changes from frame to frame.
+[[nodiscard]] inline ScheduleOptions options_of_substeps(ScheduleOptions options) {
+  options.asleep = options.motion = false;
+  options.motion_word = 0;
+  return options;
+}
+
 /// The passes of one substep in their order:
 ///   [rescale] [normals] predict pins { shear, stitch, bends over seams, [spans over seams, spans], bending or
 ///   curvature, structural, stitch } x relaxation [settle] limit [self_drift .. self_move]

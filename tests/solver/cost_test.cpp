@@ -75,21 +75,25 @@ TEST(Cost, TheCpuAllocatesNothingOnceItRuns) {
 }
 
 TEST(Cost, AStepOfTheSolverAllocatesNothingOnceItRuns) {
-  for (const uint32_t charts : {1U, 2U}) {
-    for (const uint32_t relaxation_steps : {1U, 2U}) {
-      const ClothDesc cloth = test::describe(test::make_sheet({.nx = 70, .ny = 50, .charts_x = charts}), attached());
-      SolverSettings settings;
-      settings.backend = Backend::cpu;
-      settings.substeps = 6;
-      settings.relaxation_steps = relaxation_steps;
-      Solver solver(std::vector{cloth}, settings);
-      solver.set_pins(0, test::pins_at_rest(*cloth.asset, "top"));
-      solver.set_colliders(std::vector<Collider>{{"ball", Sphere{{0, 0, 0.1F}, 0.15F}, 0.3F, {}}});
-      solver.set_wind({{1, 0, 2}, 0.3F, 1, 1, 0.2F});
-      test::run(solver, 3);
-      const uint64_t before = test::count_allocations();
-      test::run(solver, 5);
-      EXPECT_EQ(test::count_allocations() - before, 0U) << charts << ", " << relaxation_steps;
+  for (const SolverPath path : {SolverPath::automatic, SolverPath::plain}) {
+    for (const uint32_t charts : {1U, 2U}) {
+      for (const uint32_t relaxation_steps : {1U, 2U}) {
+        const ClothDesc cloth = test::describe(test::make_sheet({.nx = 70, .ny = 50, .charts_x = charts}), attached());
+        SolverSettings settings;
+        settings.backend = Backend::cpu;
+        settings.path = path;
+        settings.substeps = 6;
+        settings.relaxation_steps = relaxation_steps;
+        Solver solver(std::vector{cloth}, settings);
+        solver.set_pins(0, test::pins_at_rest(*cloth.asset, "top"));
+        solver.set_colliders(std::vector<Collider>{{"ball", Sphere{{0, 0, 0.1F}, 0.15F}, 0.3F, {}}});
+        solver.set_wind({{1, 0, 2}, 0.3F, 1, 1, 0.2F});
+        test::run(solver, 3);
+        const uint64_t before = test::count_allocations();
+        test::run(solver, 5);
+        EXPECT_EQ(test::count_allocations() - before, 0U)
+            << charts << ", " << relaxation_steps << (path == SolverPath::plain ? ", pass by pass" : "");
+      }
     }
   }
 }

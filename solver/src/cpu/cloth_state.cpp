@@ -52,8 +52,8 @@ void ClothState::take_springs() {
 size_t ClothState::memory_bytes() const {
   const auto bytes = [](const auto& values) { return values.capacity() * sizeof(values.front()); };
   size_t sum = bytes(inverse_mass) + bytes(normal_length) + bytes(seam_multiplier) + bytes(attachments) +
-               bytes(data.cell) + bytes(data.seam_springs) + bytes(data.split_offset) + bytes(data.split_pixel) +
-               bytes(data.self.points) + bytes(data.self.words);
+               bytes(kept_in_lines) + bytes(data.cell) + bytes(data.seam_springs) + bytes(data.split_offset) +
+               bytes(data.split_pixel) + bytes(data.self.points) + bytes(data.self.words);
   for (const Vec3Array* v : {&position, &previous, &carry, &normal, &offset})
     sum += bytes(v->x) + bytes(v->y) + bytes(v->z);
   for (const auto* components : {&rest, &compliance, &multiplier})

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "backend.h"
+#include "lib/lines.h"
 #include "lib/point_state.h"
 #include "shared/layout.h"
 
@@ -62,6 +63,13 @@ struct Vec3Array {
   }
 };
 
+/// Of a point and the spring that begins there, what one sweep along a line leaves for the next.
+struct KeptInLine {
+  shader::LineSpring spring;
+  shader::LinePoint point;
+  float multiplier;
+};
+
 /// One cloth as the cpu backend keeps it; see shared/layout.h for what the arrays mean.
 struct ClothState {
   ClothState(ClothData cloth_data, bool accumulate, bool fine);
@@ -85,6 +93,7 @@ struct ClothState {
   std::array<std::vector<float>, shader::kSpringComponents> multiplier;  ///< only with several relaxation steps
   std::vector<float> seam_multiplier;
   std::vector<shader::Attachment> attachments;
+  std::vector<KeptInLine> kept_in_lines;  ///< as many as pixels, once the pass lines has run by itself
 
  private:
   void take_springs();

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include "backend.h"
 #include "cpu/cloth_state.h"
@@ -21,6 +23,19 @@ using shader::vec4;
 
 using PassSeconds = std::array<double, kPasses.size()>;
 
+/// Passes one by one, as the last frame had them.
+struct Schedules {
+  std::optional<ScheduleOptions> options;
+  std::vector<PassStep> substep, finish;
+
+  void make(const ScheduleOptions& wanted) {
+    if (options == wanted) return;  // frames that are like the one before allocate nothing
+    options = wanted;
+    substep = substep_schedule(wanted);
+    finish = finish_schedule(wanted);
+  }
+};
+
 /// One cloth with what goes with it.
 struct Cloth {
   Cloth(const ClothData& data, bool accumulate, bool fine)
@@ -30,6 +45,7 @@ struct Cloth {
   cpu::ClothState state;
   ClothFrame frame;  ///< with wide rows
   cpu::SweepRunner sweep;
+  Schedules schedules;
   bool normals_stale = true;  ///< the positions have changed since
   cpu::Measures measures;
   PassSeconds seconds{};
@@ -144,13 +160,13 @@ class CpuBackend final : public SolverBackend {
     const auto run_one = [&](const PassStep& step, const cpu::PassContext& context) { run(step, context, cloth); };
     const cpu::SweepRunner::Measuring measuring{&cloth.measures, data_.timings ? &cloth.seconds : nullptr};
     if (by_sweeps() && cloth.sweep.run(frame, input, options, threads, cloth.state, measuring, run_one)) return;
-    const std::vector<PassStep> substep = substep_schedule(options);
+    cloth.schedules.make(options_of_substeps(options));
     cpu::PassContext context{frame, input, threads, 0, data_.relaxation_steps};
     for (uint32_t s = 0; s < options.substeps; ++s) {
       context.substep = s;
-      for (const PassStep& step : substep) run(step, context, cloth);
+      for (const PassStep& step : cloth.schedules.substep) run(step, context, cloth);
     }
-    for (const PassStep& step : finish_schedule(options)) run(step, context, cloth);
+    for (const PassStep& step : cloth.schedules.finish) run(step, context, cloth);
   }
 
   /// Pass by pass is the reference.

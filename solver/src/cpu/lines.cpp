@@ -4,6 +4,7 @@
 #include "cpu/lines.h"
 
 #include <algorithm>
+#include <span>
 #include <vector>
 
 #include "lib/lines.h"
@@ -13,17 +14,11 @@ namespace {
 
 using shader::vec3;
 
-/// Of a point and the spring that begins there, what one sweep leaves for the next.
-struct Kept {
-  shader::LineSpring spring;
-  shader::LinePoint point;
-  float multiplier;
-};
-
 /// The runs of a row or a column, forth, back and forth.
 class Line {
  public:
-  Line(ClothState& state, uint32_t component, size_t first, const shader::ClothParams& params, std::vector<Kept>& kept)
+  Line(ClothState& state, uint32_t component, size_t first, const shader::ClothParams& params,
+       std::span<KeptInLine> kept)
       : state_(state),
         rest_(state.rest[component]),
         first_(first),
@@ -105,7 +100,7 @@ class Line {
   size_t first_, next_;
   uint32_t springs_;
   float limit_, diagonal_;
-  std::vector<Kept>& kept_;
+  std::span<KeptInLine> kept_;
 };
 
 }  // namespace
@@ -114,10 +109,12 @@ void lines(const PassContext& context, ClothState& state, const PassStep& step) 
   const bool along = step.group == 0;
   const uint32_t width = state.data.width, height = state.data.height;
   const uint32_t count = along ? height : width, length = along ? width : height;
+  state.kept_in_lines.resize(state.pixel_count());  // frames after the first one allocate nothing
   context.threads.for_range(count, std::max(1U, kPixelGrain / length), [&](uint32_t first, uint32_t last) {
-    std::vector<Kept> kept(length);
-    for (uint32_t n = first; n < last; ++n)
+    for (uint32_t n = first; n < last; ++n) {
+      const auto kept = std::span(state.kept_in_lines).subspan(size_t{n} * length, length);
       Line(state, step.group, along ? size_t{n} * width : n, context.cloth.params, kept).solve();
+    }
   });
 }
 

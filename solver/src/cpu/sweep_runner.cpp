@@ -32,12 +32,13 @@ void SweepRunner::prepare(const ClothState& state, const ClothFrame& cloth, cons
     planned_ = false;
     return;
   }
-  // What happens after the substeps, or in no frame at all, needs no other plan.
-  ScheduleOptions of_substep = options;
-  of_substep.asleep = of_substep.motion = false;
-  of_substep.motion_word = 0;
-  const Recipe recipe{of_substep,    p.inverse_dt2,   p.stretch_limit, p.share_structural,
-                      p.share_shear, p.share_bending, threads > 1};
+  const Recipe recipe{options_of_substeps(options),
+                      p.inverse_dt2,
+                      p.stretch_limit,
+                      p.share_structural,
+                      p.share_shear,
+                      p.share_bending,
+                      threads > 1};
   if (planned_ && !cloth.pins_changed && recipe == recipe_) return;
   recipe_ = recipe;
   planned_ = true;
