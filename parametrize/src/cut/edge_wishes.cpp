@@ -169,7 +169,7 @@ std::vector<uint32_t> mirror_vertices(std::span<const Point3> position, std::spa
     for (const uint32_t v : t) {
       if (result[v] != kNone) continue;
       const Point3 image = plane.image(position[v]);
-      last = last ? tree.nearest(image, *last) : tree.nearest(image);
+      last = tree.nearest(image, last);
       if (distance(last->point, image) > plane.tolerance) continue;
       const Triangle& there = triangle[last->triangle];
       result[v] = *std::min_element(there.begin(), there.end(), [&](uint32_t a, uint32_t b) {

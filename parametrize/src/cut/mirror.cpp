@@ -135,7 +135,7 @@ class MirrorFinder {
     std::optional<TriangleTree::Place> last;
     for (size_t i = 0; i < sample_.size(); i += step) {
       const Point3 image = plane.image(sample_[i]);
-      last = last ? tree_.nearest(image, *last) : tree_.nearest(image);
+      last = tree_.nearest(image, last);
       result.push_back(distance(image, last->point));
     }
     return result;

@@ -243,7 +243,7 @@ class FarMender {
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, place.size(), kBatch), [&](const auto& range) {
       std::optional<TriangleTree::Place> found;
       for (std::size_t k = range.begin(); k != range.end(); ++k) {
-        found = found ? surface_->nearest(place[k], *found) : surface_->nearest(place[k]);
+        found = surface_->nearest(place[k], found);
         near[k] = found->point;
       }
     });
@@ -358,7 +358,7 @@ class FarMender {
     std::size_t kept = 0;
     near_sample_.clear();
     for (const Point3& s : sample_) {
-      near = near ? image_->nearest(s, *near) : image_->nearest(s);
+      near = image_->nearest(s, near);
       if (!holds(region_, near->triangle)) continue;
       sample_[kept++] = s;
       near_sample_.push_back(near->triangle);
@@ -415,7 +415,7 @@ class FarMender {
         const Point3 p = at(corner, weight);
         std::optional<Point3>& last = *near++;
         if (last && distance(*last, p) <= wanted) continue;
-        found = found ? surface_->nearest(p, *found) : surface_->nearest(p);
+        found = surface_->nearest(p, found);
         last = found->point;
         count(t, weight, found->point - p);
       }

@@ -43,8 +43,12 @@ struct TriangleTree::Tree {
     const Kernel::Point_3& p = found.first;
     return {index[static_cast<std::size_t>(found.second - triangle.cbegin())], {p.x(), p.y(), p.z()}};
   }
-  [[nodiscard]] Place nearest(const Point3& p, const Kernel::Point_3& on_mesh, Triangles::const_iterator owner) const {
-    return place(boxes.closest_point_and_primitive(to_cgal(p), {on_mesh, owner}));
+  /// Any place of the mesh, from which a search can start.
+  [[nodiscard]] Boxes::Point_and_primitive_id start(const std::optional<Place>& near) const {
+    const auto first = triangle.cbegin();
+    if (!near) return {first->vertex(0), first};
+    const auto found = std::lower_bound(index.begin(), index.end(), near->triangle);
+    return {to_cgal(near->point), first + (found - index.begin())};
   }
 };
 
@@ -67,14 +71,8 @@ TriangleTree::~TriangleTree() = default;
 TriangleTree::TriangleTree(TriangleTree&&) noexcept = default;
 TriangleTree& TriangleTree::operator=(TriangleTree&&) noexcept = default;
 
-TriangleTree::Place TriangleTree::nearest(const Point3& p) const {
-  const auto first = tree_->triangle.cbegin();
-  return tree_->nearest(p, first->vertex(0), first);
-}
-
-TriangleTree::Place TriangleTree::nearest(const Point3& p, const Place& near) const {
-  const auto found = std::lower_bound(tree_->index.begin(), tree_->index.end(), near.triangle);
-  return tree_->nearest(p, to_cgal(near.point), tree_->triangle.cbegin() + (found - tree_->index.begin()));
+TriangleTree::Place TriangleTree::nearest(const Point3& p, const std::optional<Place>& near) const {
+  return tree_->place(tree_->boxes.closest_point_and_primitive(to_cgal(p), tree_->start(near)));
 }
 
 }  // namespace geocloth

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "geocloth/parametrize/mesh.h"
@@ -22,9 +23,8 @@ class TriangleTree {
     uint32_t triangle;  ///< index into the triangles given
     Point3 point;       ///< nearest point of the mesh [m]
   };
-  [[nodiscard]] Place nearest(const Point3& p) const;
-  /// The same, faster: `near` is a place that this tree gave for a point nearby.
-  [[nodiscard]] Place nearest(const Point3& p, const Place& near) const;
+  /// @param near  what this tree gave for a point nearby, if anything: the search is faster then
+  [[nodiscard]] Place nearest(const Point3& p, const std::optional<Place>& near = std::nullopt) const;
 
  private:
   struct Tree;

@@ -197,7 +197,7 @@ class NarrowFinder {
       const uint32_t c = clean_.component[t];
       for (size_t k = 0; k < 3 && narrow_[c] != 0; ++k) {
         const Point3& p = clean_.position[clean_.triangle[t][k]];
-        found = found ? tree.nearest(p, *found) : tree.nearest(p);
+        found = tree.nearest(p, found);
         if (distance(found->point, p) > kBeside * pixel_side_) narrow_[c] = 0;
       }
     }

@@ -213,7 +213,7 @@ Deviation deviation(const Surface& from, const Surface& to) {
   double squares = 0;
   std::optional<TriangleTree::Place> place;
   const auto visit = [&](const Point3& sample) {
-    place = place ? tree.nearest(sample, *place) : tree.nearest(sample);
+    place = tree.nearest(sample, place);
     const double d = distance(sample, place->point);
     squares += d * d;
     result.max = std::max(result.max, d);
