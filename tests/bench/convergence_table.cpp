@@ -130,7 +130,7 @@ std::string refined_drape_table() {
                            {256, {80, 60, 24, 12}, {80, 220, 16, 12}}};
   std::ostringstream out;
   out << "\n## refined drape\n\nThe same, but only the first grid begins level; each finer one begins as the coarser "
-         "one hangs, and settles under damping of 12 /s. In brackets: substeps x relaxation steps. `-`: not run.\n\n"
+         "one hangs, and settles under damping of 12 /s. In brackets: substeps x relaxation steps.\n\n"
          "| rigidity, layout |";
   for (const Row& row : kRows) out << ' ' << row.resolution << " |";
   out << "\n|---|---|---|---|---|\n";
