@@ -45,7 +45,7 @@ Hung hang(const std::filesystem::path& file) {
   ConvertOptions options;
   options.flatten.resolution = 64;
   ConvertResult converted = convert(file, options);
-  ClothDesc cloth{.asset = std::make_shared<ClothAsset>(std::move(converted.asset)), .material = {}, .transform = {}};
+  ClothDesc cloth{.asset = std::make_shared<ClothAsset>(std::move(converted.asset))};
   cloth.transform.scale = kDiagonal / static_cast<float>(converted.report.source_bbox_diagonal);
   SolverSettings settings;
   settings.backend = Backend::cpu;

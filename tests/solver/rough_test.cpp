@@ -55,7 +55,7 @@ TEST(Rough, CornersBesideAPinAreNotThrownByWhatTheTriangleMeets) {
     // Along the pinned row and a little below it, to and fro through the sheet.
     const float along = -0.45F + 0.015F * static_cast<float>(frame);
     const Sphere moved{{along, 0.4995F, frame % 2 == 0 ? -0.02F : 0.02F}, 0.012F};
-    const Collider ball{.name = "ball", .shape = moved, .pose = {}};
+    const Collider ball{.name = "ball", .shape = moved};
     solver.set_colliders({&ball, 1});
     solver.step();
     const std::vector<Vec3> x = test::positions_of(solver);

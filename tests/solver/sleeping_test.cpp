@@ -196,7 +196,7 @@ TEST(Sleeping, WindKeepsItAwakeAndStillAirDoesNot) {
   windy.set_wind({.velocity = {0.01F, 0, 0}, .turbulence = 0, .frequency = 1, .drag = 1, .lift = 0});
   run(windy, kLongEnough);
   EXPECT_FALSE(windy.asleep(0));
-  still.set_wind({.velocity = {}, .turbulence = 0, .frequency = 1, .drag = 1, .lift = 0});
+  still.set_wind({.turbulence = 0, .frequency = 1, .drag = 1, .lift = 0});
   run_to_sleep(still);
 }
 
@@ -223,7 +223,7 @@ struct Disturbance {
 
 TEST(Sleeping, WhatChangesWakesItAndWhatStaysDoesNot) {
   const ClothDesc cloth = damped_sheet();
-  const Wind still{.velocity = {}, .turbulence = 0, .frequency = 1, .drag = 1, .lift = 0};
+  const Wind still{.turbulence = 0, .frequency = 1, .drag = 1, .lift = 0};
   const std::vector<Disturbance> disturbances{
       {"gravity",
        [](Solver& s) {
@@ -233,7 +233,7 @@ TEST(Sleeping, WhatChangesWakesItAndWhatStaysDoesNot) {
        [](Solver& s) {
          s.set_wind({.velocity = {1, 0, 0}});
        }},
-      {"another drag", [](Solver& s) { s.set_wind({.velocity = {}, .turbulence = 0, .frequency = 1, .drag = 2}); }},
+      {"another drag", [](Solver& s) { s.set_wind({.turbulence = 0, .frequency = 1, .drag = 2}); }},
       {"step", [](Solver& s) { s.set_time_step(1.0 / 30, 4); }},
       {"pins gone", [](Solver& s) { s.set_pins(0, {}); }},
       {"collider moved there", [](Solver& s) { s.set_colliders(std::vector{ball_at(0.1F)}); }},

@@ -189,9 +189,8 @@ TEST_F(VulkanBackendTest, ManyCollidersOfChangingNumberAgree) {
   scene.before_frame = [](Solver& solver, uint32_t frame) {
     std::vector<Collider> colliders;
     for (uint32_t i = 0; i < 1 + 7 * (frame / 3); ++i)
-      colliders.push_back({.name = std::to_string(i),
-                           .shape = Sphere{{-0.5F + 0.04F * static_cast<float>(i), 0.2F, 0}, 0.03F},
-                           .pose = {}});
+      colliders.push_back(
+          {.name = std::to_string(i), .shape = Sphere{{-0.5F + 0.04F * static_cast<float>(i), 0.2F, 0}, 0.03F}});
     solver.set_colliders(colliders, frame % 4 == 2);
   };
   expect_same_as_cpu(scene);

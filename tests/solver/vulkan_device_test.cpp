@@ -17,7 +17,7 @@ namespace {
 using test::make_sheet;
 
 std::vector<ClothDesc> one_sheet() {
-  return {{.asset = std::make_shared<ClothAsset>(make_sheet({.nx = 5, .ny = 5})), .material = {}, .transform = {}}};
+  return {{.asset = std::make_shared<ClothAsset>(make_sheet({.nx = 5, .ny = 5}))}};
 }
 
 /// Hides every driver from the Vulkan loader while it lives.

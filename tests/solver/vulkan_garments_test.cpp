@@ -55,7 +55,7 @@ class VulkanGarmentsTest : public test::VulkanTest, public testing::WithParamInt
       const Collider ball{.name = "ball",
                           .shape = Sphere{{center.x, bottom - 0.3F, center.z}, 0.2F},
                           .friction = 0.3F,
-                          .pose = {.translate = {0.3F * t, 0.2F * t, 0.1F * t}, .rotate = {}}};
+                          .pose = {.translate = {0.3F * t, 0.2F * t, 0.1F * t}}};
       solver.set_colliders(std::span(&ball, 1), f == 0);
       if (f > 0) solver.step();
     }
@@ -73,7 +73,7 @@ TEST_P(VulkanGarmentsTest, BackendsAgreeAndNothingBreaks) {
   ConvertOptions options;
   options.flatten.resolution = 64;
   ConvertResult converted = convert(file, options);
-  ClothDesc cloth{.asset = std::make_shared<ClothAsset>(std::move(converted.asset)), .material = {}, .transform = {}};
+  ClothDesc cloth{.asset = std::make_shared<ClothAsset>(std::move(converted.asset))};
   cloth.transform.scale = kDiagonal / static_cast<float>(converted.report.source_bbox_diagonal);
 
   const Outcome vulkan = play(cloth, Backend::vulkan);

@@ -34,8 +34,7 @@ class VulkanInteropTest : public test::VulkanTest {
 
   std::vector<ClothDesc> sheet_ = {
       {.asset = std::make_shared<ClothAsset>(test::make_sheet({.nx = 9, .ny = 7, .charts_x = 2})),
-       .material = {},
-       .transform = {.translate = {1000, 0, 0}, .rotate = {}}}};
+       .transform = {.translate = {1000, 0, 0}}}};
 };
 
 /// What an engine does that wants another layout than the solver's for a while.

@@ -124,7 +124,7 @@ TEST_F(VulkanMotionTest, TinyStepsAgree) {
       std::vector<Pin> pins = pins_of_top(kCut, *asset, {0, 0, 1e-3F * static_cast<float>(frame)});
       pins.back().frequency = 10;
       solver.set_pins(0, pins);
-      solver.set_colliders(std::vector<Collider>{{.name = "ball", .shape = Sphere{{0, 0, 0.1F}, 0.0999F}, .pose = {}}});
+      solver.set_colliders(std::vector<Collider>{{.name = "ball", .shape = Sphere{{0, 0, 0.1F}, 0.0999F}}});
     };
     const Outcome outcome = expect_same_as_cpu(scene);
     EXPECT_EQ(outcome.statistics.copy_gap, 0.0);

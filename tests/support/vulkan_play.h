@@ -46,7 +46,7 @@ inline Outcome play(Solver solver, const Play& scene) {
 }
 
 inline ClothDesc cloth_of(const SheetOptions& options, const Material& material = {}) {
-  return {.asset = std::make_shared<ClothAsset>(make_sheet(options)), .material = material, .transform = {}};
+  return {.asset = std::make_shared<ClothAsset>(make_sheet(options)), .material = material};
 }
 
 /// Every pixel of the sheet's top row, where it is.

@@ -111,7 +111,7 @@ TEST(SolidMesh, lies_on_the_collider_and_faces_outwards) {
                                           Box{{1, 0, 0}, {0.1F, 0.2F, 0.3F}, turn},
                                           Ellipsoid{{0, 1, 0}, {0.1F, 0.5F, 0.3F}, turn}};
   for (size_t s = 0; s < shapes.size(); ++s) {
-    const Collider collider{.name = "c", .shape = shapes[s], .friction = 0, .pose = {}};
+    const Collider collider{.name = "c", .shape = shapes[s], .friction = 0};
     const SolidMesh mesh = solid_mesh(collider.shape);
     ASSERT_FALSE(mesh.triangle.empty());
     for (size_t i = 0; i < mesh.position.size(); ++i) {
@@ -260,7 +260,7 @@ TEST_F(Render, every_collider_is_drawn_where_it_is) {
                                           Box{{0, 0.5F, 0}, {0.3F, 0.2F, 0.3F}, {}},
                                           Ellipsoid{{0, 0.5F, 0}, {0.3F, 0.4F, 0.2F}, {}}};
   for (const ColliderShape& shape : shapes) {
-    Collider collider{.name = "c", .shape = shape, .friction = 0, .pose = {}};
+    Collider collider{.name = "c", .shape = shape, .friction = 0};
     scene.colliders = {collider};
     Renderer renderer = make_renderer(scene, small());
     const Picture here = renderer.render({&collider, 1});

@@ -11,23 +11,23 @@
 namespace geocloth {
 
 struct Sphere {
-  Vec3 center;       ///< [m]
+  Vec3 center = {};  ///< [m]
   float radius = 1;  ///< [m] > 0
 };
 /// Two spheres and the cone between them; a plain capsule when the radii are equal.
 struct Capsule {
-  Vec3 a, b;                         ///< [m]
+  Vec3 a = {}, b = {};               ///< [m]
   float radius_a = 1, radius_b = 1;  ///< [m] > 0
 };
 struct Box {
-  Vec3 center;
+  Vec3 center = {};
   Vec3 half_extents{1, 1, 1};  ///< [m] > 0
-  Quat rotate;
+  Quat rotate = {};
 };
 struct Ellipsoid {
-  Vec3 center;
+  Vec3 center = {};
   Vec3 radii{1, 1, 1};  ///< [m] > 0
-  Quat rotate;
+  Quat rotate = {};
 };
 
 /// A body of triangles.
@@ -39,10 +39,10 @@ using ColliderShape = std::variant<Plane, Sphere, Capsule, Box, Ellipsoid, Conve
 
 /// A solid that cloth cannot enter. The shape is given at rest; `pose` moves it.
 struct Collider {
-  std::string name;
-  ColliderShape shape;
+  std::string name = {};
+  ColliderShape shape = {};
   float friction = 0.3F;  ///< Coulomb coefficient >= 0
-  Transform pose;         ///< scale must be 1
+  Transform pose = {};    ///< scale must be 1
   bool teleport = false;  ///< in the next frame it is at its pose at once, without a velocity
 };
 

@@ -12,7 +12,7 @@ namespace geocloth {
 
 /// Where cloth may be: the side of the plane that the normal points to.
 struct Plane {
-  Vec3 point;            ///< [m]
+  Vec3 point = {};       ///< [m]
   Vec3 normal{0, 1, 0};  ///< unit length; cloth stays on this side
 };
 

@@ -25,14 +25,14 @@ struct SelfCollision {
 
 /// One garment in the solver.
 struct ClothDesc {
-  std::shared_ptr<const ClothAsset> asset;  ///< must outlive construction only
-  Material material;
-  Transform transform;  ///< where its rest shape starts; scale also scales rest lengths and areas
+  std::shared_ptr<const ClothAsset> asset = {};  ///< must outlive construction only
+  Material material = {};
+  Transform transform = {};  ///< where its rest shape starts; scale also scales rest lengths and areas
   std::optional<SelfCollision> self_collision = {};  ///< none: it passes through itself
 };
 
 struct Wind {
-  Vec3 velocity;         ///< [m/s]
+  Vec3 velocity = {};    ///< [m/s]
   float turbulence = 0;  ///< gust speed as a share of |velocity|; >= 0
   float frequency = 1;   ///< [1/s] of the slowest gust; > 0
   float drag = 1;        ///< drag coefficient across the cloth; >= 0
@@ -52,7 +52,7 @@ enum class SolverPath : uint8_t {
 
 struct SolverSettings {
   Backend backend = Backend::automatic;
-  std::string device;             ///< part of a device's name; empty: by backend
+  std::string device = {};        ///< part of a device's name; empty: by backend
   uint32_t threads = 1;           ///< cpu backend; the result does not depend on it
   double frame_time = 1.0 / 60;   ///< [s] > 0
   uint32_t substeps = 16;         ///< per frame, 1..256; more is stiffer and loses less energy
@@ -74,7 +74,7 @@ struct SolverSettings {
 /// A pinned point: it follows `target`, which is reached at the end of the next frame. Copies are pinned with it.
 struct Pin {
   uint32_t pixel = 0;
-  Vec3 target;          ///< [m]
+  Vec3 target = {};     ///< [m]
   float frequency = 0;  ///< [1/s] 0: held; above: soft, drawn by a critically damped spring of this frequency
 };
 

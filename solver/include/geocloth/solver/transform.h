@@ -23,8 +23,8 @@ struct Quat {
 
 /// x' = translate + rotate * (scale * x)
 struct Transform {
-  Vec3 translate;
-  Quat rotate;
+  Vec3 translate = {};
+  Quat rotate = {};
   float scale = 1;
 };
 [[nodiscard]] Vec3 apply(const Transform& t, const Vec3& p);
@@ -34,8 +34,8 @@ struct Transform {
 /// A pose over time. Linear in translation, spherical in rotation; held before the first and after the last key.
 struct Keyframe {
   double time = 0;  ///< [s], ascending
-  Vec3 translate;
-  Quat rotate;
+  Vec3 translate = {};
+  Quat rotate = {};
   bool teleport = false;  ///< the pose of the key before is held until this one, which is jumped to
 };
 using Motion = std::vector<Keyframe>;
