@@ -8,8 +8,8 @@ namespace geocloth {
 ScheduleOptions schedule_options(const SimulationData& data, uint32_t cloth, const FrameInput& frame) {
   const ClothData& c = data.cloths[cloth];
   const ClothFrame& f = frame.cloths[cloth];
-  const bool spans = c.attachments && !frame.shapes.empty();
   const bool attached = c.attachments && !f.pins.empty();
+  const bool spans = (c.attachments && !frame.shapes.empty()) || (attached && c.evenness == Evenness::squeezed);
   const uint32_t cell_rounds = frame.shapes.empty() ? 0 : f.cell_rounds;
   return {.substeps = static_cast<uint32_t>(frame.substeps.size()),
           .relaxation_steps = data.relaxation_steps,
@@ -21,8 +21,8 @@ ScheduleOptions schedule_options(const SimulationData& data, uint32_t cloth, con
           .fine = data.fine,
           .attachments = attached,
           .spans = spans,
-          .ties = (spans || (attached && c.uneven)) && !f.pulled_apart && !data.fine && cell_rounds == 0 &&
-                  !frame.measure_motion,
+          .ties = (spans || (attached && c.evenness != Evenness::even)) && !f.pulled_apart && !data.fine &&
+                  cell_rounds == 0 && !frame.measure_motion,
           .self_collision = f.params.self_points > 0,
           .collide = !frame.shapes.empty() || f.params.max_step > 0,
           .cell_rounds = cell_rounds,

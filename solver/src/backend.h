@@ -26,6 +26,14 @@ struct SelfData {
   size_t most_points = 0, most_words = 0;  ///< after any cut
 };
 
+/// How structural springs differ in length. Where cloth hangs by pins, short ones stretch most: they join points of
+/// little mass, and a step takes away what it takes per mass.
+enum class Evenness : uint8_t {
+  even,
+  uneven,    ///< the longest by more than a fifth from the shortest, as at the outlines of panels
+  squeezed,  ///< many are much shorter than the others, as in squares
+};
+
 /// All that a backend needs to know of one cloth, built once by upload.cpp; layout as in shared/layout.h.
 struct ClothData {
   uint32_t width = 0, height = 0;
@@ -41,8 +49,8 @@ struct ClothData {
   std::vector<uint32_t> split_pixel;
   SelfData self;
   Bending bending = Bending::none;
-  bool attachments = false;        ///< max_stretch > 0
-  bool uneven = false;             ///< structural springs differ in length: short ones stretch most where cloth hangs
+  bool attachments = false;  ///< max_stretch > 0
+  Evenness evenness = Evenness::even;
   uint64_t springs_per_sweep = 0;  ///< springs and seam bends that one relaxation step projects
 
   [[nodiscard]] uint32_t split_rows() const {

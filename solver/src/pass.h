@@ -118,7 +118,8 @@ struct ScheduleOptions {
   Bending bending = Bending::none;
   bool fine = false;         ///< constraints act on offsets
   bool attachments = false;  ///< max_stretch > 0 and pins
-  bool spans = false;        ///< max_stretch > 0 and colliders: attachments pull too late around them
+  /// max_stretch > 0 and colliders: attachments pull too late around them. Or pins that squeezed springs hang from.
+  bool spans = false;
   /// Like the spans, and where uneven springs hang from pins; but not on offsets, not where a triangle may be pulled
   /// over a thin collider, not between pins that are pulled apart, and not for cloth that is to fall asleep: what ties
   /// pull together sinks back at a centimetre a second.

@@ -99,19 +99,33 @@ void add_rest(ClothBox& box, const ClothAsset& asset, const Transform& transform
     if (asset.valid(p)) box.add(apply(transform, asset.rest_position[p]));
 }
 
-bool has_uneven_springs(const ClothAsset& asset) {
-  constexpr float kUneven = 1.2F;  // longest / shortest
-  float shortest = std::numeric_limits<float>::max(), longest = 0;
+/// Rest lengths of all structural springs.
+std::vector<float> spring_lengths(const ClothAsset& asset) {
+  std::vector<float> lengths;
   const auto add = [&](uint32_t a, uint32_t b) {
-    const float l = length(asset.rest_position[b] - asset.rest_position[a]);
-    shortest = std::min(shortest, l);
-    longest = std::max(longest, l);
+    lengths.push_back(length(asset.rest_position[b] - asset.rest_position[a]));
   };
   for (uint32_t p = 0; p < asset.pixel_count(); ++p) {
     if ((asset.spring_mask[p] & kSpringRight) != 0) add(p, p + 1);
     if ((asset.spring_mask[p] & kSpringDown) != 0) add(p, p + asset.width);
   }
-  return longest > kUneven * shortest;
+  return lengths;
+}
+
+Evenness evenness_of(const ClothAsset& asset) {
+  constexpr float kUneven = 1.2F;    // longest / shortest
+  constexpr float kSqueezed = 0.7F;  // the twentieth part is shorter, in medians
+  std::vector<float> lengths = spring_lengths(asset);
+  if (lengths.empty()) return Evenness::even;
+  const auto [shortest, longest] = std::minmax_element(lengths.begin(), lengths.end());
+  if (*longest <= kUneven * *shortest) return Evenness::even;
+  const auto length_at = [&](size_t rank) {
+    const auto place = lengths.begin() + static_cast<ptrdiff_t>(rank);
+    std::nth_element(lengths.begin(), place, lengths.end());
+    return *place;
+  };
+  const bool squeezed = length_at(lengths.size() / 20) < kSqueezed * length_at(lengths.size() / 2);
+  return squeezed ? Evenness::squeezed : Evenness::uneven;
 }
 
 }  // namespace
@@ -130,7 +144,7 @@ ClothData make_cloth_data(const ClothDesc& cloth, const Vec3& origin) {
   data.split_pixel = asset.splits.pixel;
   for (const uint32_t p : data.split_pixel) data.cell[p] |= shader::kCellCopyBit;
   data.attachments = largest_stretch(cloth.material, {}, 0) > 0;
-  data.uneven = has_uneven_springs(asset);
+  data.evenness = evenness_of(asset);
   if (data.attachments) {
     add_seam_spans(asset, rest, data);
     add_seam_ties(asset, rest, data);
