@@ -337,6 +337,7 @@ HWY_INLINE uint64_t near_vectors(D d, const Guards& guards, const PointRow& posi
       const Points<D> p = load(d, after(positions, i));
       const auto way = at_most(d, sub(p, load(d, after(before, i))));
       const auto near_guard = Guards::near(d, guard, p, hn::Add(way, way));
+      if (hn::AllFalse(d, near_guard)) continue;
       const bool near = !hn::AllFalse(d, hn::And(near_guard, free_lanes(d, inverse_mass + i)));
       bits |= uint64_t{near} << k;
     }

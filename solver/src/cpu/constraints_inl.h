@@ -109,6 +109,19 @@ HWY_INLINE void in_turn(D d, const RowStream& stream, uint32_t first, uint32_t l
   Vec<D> now = factor(k, length(k, pixels[k])), next = hn::Zero(d), after_next = hn::Zero(d);
   if (k + 1 < end) next = length(k + 1, pixels[k + 1]);
   if (k + 2 < end) after_next = length(k + 2, pixels[k + 2]);
+  // As below, three blocks at a time: nothing is handed on. Vectors of 16 wait for memory and gain nothing by it.
+  for (; hn::MaxLanes(D()) <= 8 && k + 5 < end; k += 3) {
+    const Vec<D> third = length(k + 3, pixels[k + 3]);
+    const Vec<D> soon = factor(k + 1, next);
+    apply(k, pixels[k], now);
+    const Vec<D> fourth = length(k + 4, pixels[k + 4]);
+    const Vec<D> later = factor(k + 2, after_next);
+    apply(k + 1, pixels[k + 1], soon);
+    after_next = length(k + 5, pixels[k + 5]);
+    now = factor(k + 3, third);
+    apply(k + 2, pixels[k + 2], later);
+    next = fourth;
+  }
   for (; k + 3 < end; ++k) {
     const Vec<D> newest = length(k + 3, pixels[k + 3]);
     const Vec<D> soon = factor(k + 1, next);
@@ -227,6 +240,7 @@ HWY_NOINLINE void springs_along(D d, const SweepOp& op, ClothState& state, uint3
 
 /// The anchors of a substep as limit() wants them, lane by lane. Any: each lane chooses among as many as a vector has.
 struct ChosenAnchors {
+  static constexpr bool kMostlySlack = true;  ///< several blocks over the same points
   template <class D>
   static HWY_INLINE Vec<D> from(D d, const RowStream& stream, size_t block, const float* anchors) {
     const int32_t* const own = stream.anchors.data() + block * hn::Lanes(d);
@@ -235,6 +249,7 @@ struct ChosenAnchors {
 };
 /// Of a sheet below its pins: neighbours have neighbouring anchors.
 struct AnchorsBeside {
+  static constexpr bool kMostlySlack = false;  ///< to look first costs more than it saves
   template <class D>
   static HWY_INLINE Vec<D> from(D d, const RowStream&, size_t, const float* anchors) {
     return hn::LoadU(d, anchors);
@@ -265,7 +280,7 @@ HWY_NOINLINE void limit(D d, const SweepOp& op, ClothState& state, const float* 
       },
       [&](size_t block, size_t i, Vec<D> factor) GEOCLOTH_LANES {
         const auto far = hn::Ge(factor, hn::Zero(d));
-        if (hn::AllFalse(d, far)) return;
+        if (Anchors::kMostlySlack && hn::AllFalse(d, far)) return;
         const PointRow p = points.at(i);
         const Points<D> position = load(d, p), anchor = anchor_of(block);
         const Points<D> pulled = add(anchor, scale(d, sub(position, anchor), factor));

@@ -19,7 +19,6 @@
 #include "lib/finish.h"
 #include "lib/limit.h"
 #include "lib/normal.h"
-#include "lib/pin.h"
 #include "lib/predict.h"
 #include "lib/stitch.h"
 
@@ -276,12 +275,6 @@ void normal_pixels(ClothState& state, uint32_t first, uint32_t last) {
     state.normal.set(i, shader::xyz(n));
     state.normal_length[i] = n.w;
   }
-}
-
-vec3 pinned_position(const PassContext& context, const shader::PinTarget& pin, const vec3& position,
-                     const vec3& previous) {
-  const shader::Substep& step = context.frame.substeps[context.substep];
-  return shader::pinned_position(pin, step.pin_fraction, step.frame_fraction, step.substep_share, position, previous);
 }
 
 void move_pins(const PassContext& context, ClothState& state, uint32_t first, uint32_t last) {

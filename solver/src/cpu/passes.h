@@ -6,6 +6,7 @@
 
 #include "cpu/cloth_state.h"
 #include "cpu/threads.h"
+#include "lib/pin.h"
 #include "pass.h"
 
 namespace geocloth::cpu {
@@ -36,8 +37,11 @@ void collide_cell(const PassContext& context, ClothState& state, uint32_t x, uin
                                         const shader::vec3& position);
 void normal_pixels(ClothState& state, uint32_t first, uint32_t last);
 /// Where the pins pass puts a pin that is at `position`; a held one from wherever it was before.
-[[nodiscard]] shader::vec3 pinned_position(const PassContext& context, const shader::PinTarget& pin,
-                                           const shader::vec3& position, const shader::vec3& previous);
+[[nodiscard]] inline shader::vec3 pinned_position(const PassContext& context, const shader::PinTarget& pin,
+                                                  const shader::vec3& position, const shader::vec3& previous) {
+  const shader::Substep& step = context.frame.substeps[context.substep];
+  return shader::pinned_position(pin, step.pin_fraction, step.frame_fraction, step.substep_share, position, previous);
+}
 
 /// Runs one entry of a schedule over one cloth.
 void run_pass(const PassStep& step, const PassContext& context, ClothState& state, Measures& measures);
