@@ -35,8 +35,8 @@ struct Options {
   Layout layout = FlattenOptions{}.layout;
   uint32_t resolution = FlattenOptions{}.resolution;
   double spacing = 0;
-  double unit = 1, scale = 1;
-  CLI::Option *layout_option = nullptr, *unit_option = nullptr, *scale_option = nullptr;
+  double unit = 1, scale = 1, weld = 0;
+  CLI::Option *layout_option = nullptr, *unit_option = nullptr, *scale_option = nullptr, *weld_option = nullptr;
   bool quiet = false;
 };
 
@@ -48,6 +48,7 @@ ConvertOptions convert_options(const Options& options) {
   result.parts = options.parts;
   if (options.unit_option->count() > 0) result.import.scale = options.unit;
   if (options.scale_option->count() > 0) result.import.scale = options.scale;
+  if (options.weld_option->count() > 0) result.repair.weld_distance = options.weld;
   result.flatten.layout = options.layout;
   result.square_if_panels_fail = options.layout_option->count() == 0;
   result.flatten.resolution = options.resolution;
@@ -109,8 +110,9 @@ void write_reports(const Options& options, const ConvertResult& result, std::lis
 
 /// One line per part: what --parts can choose from.
 void list_parts(const Options& options) {
+  const ConvertOptions convert = convert_options(options);
   const TriangleMesh mesh = name_file_in_errors(
-      options.mesh, [&] { return with_choosable_parts(import_mesh(options.mesh, convert_options(options).import)); });
+      options.mesh, [&] { return with_choosable_parts(import_mesh(options.mesh, convert.import), convert.repair); });
   fmt::print("{:>5}  {:24}  {:20}  {:>9}  {:>9}  {}\n", "part", "name", "material", "triangles", "area m2", "size m");
   int number = 0;
   for (const PartSummary& part : summarize_parts(mesh)) {
@@ -195,6 +197,10 @@ CommandRun add_convert(CLI::App& app) {
   options->scale_option = add_number<double>(app, "--scale", "S", options->scale, 1e-9, 1e9, "m per unit of the file",
                                              "the same as a number", "by --unit");
   options->scale_option->excludes(options->unit_option);
+  options->weld_option =
+      add_number<double>(app, "--weld", "M", options->weld, 0, 1e6, "m",
+                         "join vertices that are no farther apart than this, but for the ends of short edges",
+                         "a millionth of the size, and up to a hundred times that where all triangles are loose");
   add_text(app, "--parts", "SELECTION", options->parts,
            "parts of the file to convert, with commas between: N, N-M, NAME or material:NAME; -N, -NAME, ... leaves "
            "out. 'list' lists them and converts nothing. Parts are the file's objects, groups or primitives, or the "

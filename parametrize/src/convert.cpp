@@ -227,6 +227,20 @@ std::string warning_of_spacing(double spacing, double asked) {
   return text;
 }
 
+/// Where a garment may lie in pieces that no one meant to be apart.
+std::optional<std::string> warning_of_cracks(const Cracks& cracks) {
+  constexpr uint32_t kFew = 8;
+  constexpr double kSmallShare = 0.05;  // of the border: slits, and layers that end beside each other
+  if (cracks.edges < kFew || cracks.edges < kSmallShare * cracks.of_edges) return std::nullopt;
+  constexpr double kMore = 1.1;  // what is said in three digits is to reach the widest
+  char text[256];
+  std::snprintf(text, sizeof text,
+                "%u of the %u edges on the border lie beside others, up to %.3g m apart: where the garment should hold "
+                "together there, give --weld %.3g",
+                cracks.edges, cracks.of_edges, cracks.widest, kMore * cracks.widest);
+  return text;
+}
+
 ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& options, const Progress& progress,
                            Stages& stages, const StageFiles& files) {
   ConvertResult result;
@@ -288,6 +302,7 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& optio
   if (options.flatten.spacing > 0 && std::abs(spacing / options.flatten.spacing - 1) > kOtherSpacing) {
     report.warnings.push_back(warning_of_spacing(spacing, options.flatten.spacing));
   }
+  if (const auto warning = warning_of_cracks(find_cracks(repaired.surface))) report.warnings.push_back(*warning);
   report.warnings.insert(report.warnings.begin(), mesh.left_out.begin(), mesh.left_out.end());
   report.seconds = stages.seconds();
   report.peak_memory_bytes = peak_memory_bytes();
@@ -365,7 +380,7 @@ ConvertResult convert_near_origin(TriangleMesh mesh, const ConvertOptions& optio
 
 TriangleMesh chosen_parts(TriangleMesh mesh, const ConvertOptions& options) {
   if (options.parts.empty()) return mesh;
-  return select_parts(with_choosable_parts(std::move(mesh)), options.parts);
+  return select_parts(with_choosable_parts(std::move(mesh), options.repair), options.parts);
 }
 
 /// Foreign failures in our own words, once for the whole conversion.

@@ -325,6 +325,24 @@ TEST(ConvertReport, WarnsOfASpacingThatTheClothHasNoRoomFor) {
   EXPECT_THAT(convert(sheet(), options).report.warnings, testing::Contains(HasSubstr("instead of 10 m")));
 }
 
+// Two panels with a gap that no one sees fell apart in the simulation, and nothing had said so. The advice must work.
+TEST(ConvertReport, WarnsOfCracksAndSaysWhatMendsThem) {
+  const TriangleMesh panels = joined(sheet(), sheet({1.00234, 0, 0}));
+  const ConvertResult apart = convert(panels, small(Layout::panels));
+  EXPECT_EQ(apart.report.welded.components, 2U);
+  ASSERT_EQ(apart.report.warnings.size(), 1U);
+  const std::string& warning = apart.report.warnings[0];
+  const size_t advice = warning.find("--weld ");
+  ASSERT_NE(advice, std::string::npos) << warning;
+
+  ConvertOptions options = small(Layout::panels);
+  options.repair.weld_distance = std::stod(warning.substr(advice + 7));
+  const ConvertResult mended = convert(panels, options);
+  EXPECT_EQ(mended.report.welded.components, 1U);
+  EXPECT_EQ(mended.report.welded.boundary_loops, 1U);
+  EXPECT_THAT(mended.report.warnings, testing::IsEmpty());
+}
+
 // A fringe whose strips were too narrow for panels became a square, stretched eightfold.
 TEST(ConvertReport, NarrowStripsGetMorePixelsRatherThanASquare) {
   TriangleMesh fringe = patch("fringe", 80, 30, [](double u, double v) {

@@ -174,6 +174,65 @@ TEST(Repair, SewsASoupThatWasShakenAboutTheTolerance) {
   }
 }
 
+/// Two sheets of the same squares side by side; the second one has `finer` times as many edges along the gap.
+TriangleMesh sheets_apart(double gap, uint32_t finer) {
+  TriangleMesh mesh = sheet(10, 10);
+  TriangleMesh other = sheet(10, 10 * finer);
+  for (Point3& p : other.position) p = {p[0] + 10 + gap, p[1] / finer, p[2]};
+  append(mesh, other);
+  return mesh;
+}
+
+// Panels that were exported apart must be found, and hold together when the user says so, or the garment falls apart.
+TEST(Repair, JoinsPiecesAcrossAGapThatIsGiven) {
+  for (const uint32_t finer : {1U, 2U}) {
+    const TriangleMesh mesh = sheets_apart(0.03, finer);
+    const RepairResult apart = repair_mesh(mesh);
+    EXPECT_EQ(apart.cleaned.components, 2U);
+    const RepairResult joined = repair_mesh(mesh, {.weld_distance = 0.04});
+    EXPECT_EQ(joined.cleaned.components, 1U) << finer;
+    EXPECT_EQ(joined.cleaned.boundary_loops, 1U) << finer;
+    EXPECT_EQ(joined.cleaned.euler_characteristic, 1) << finer;
+    EXPECT_EQ(find_cracks(joined.surface).edges, 0U);
+    EXPECT_EQ(repair_mesh(mesh, {.weld_distance = 0.02}).cleaned.components, 2U);
+  }
+}
+
+TEST(Repair, FindsCracks) {
+  const Cracks cracks = find_cracks(repair_mesh(sheets_apart(0.03, 1)).surface);
+  EXPECT_EQ(cracks.edges, 20U);
+  EXPECT_EQ(cracks.of_edges, 80U);
+  EXPECT_NEAR(cracks.widest, 0.03, 1e-9);
+  EXPECT_EQ(find_cracks(repair_mesh(sheets_apart(0.3, 1)).surface).edges, 0U) << "a slit that can be seen";
+  EXPECT_EQ(find_cracks(repair_mesh(sheet(10, 10)).surface).edges, 0U);
+}
+
+// A lining ends where its shell ends; sewn together by a wrong advice they would be one stiff mess.
+TEST(Repair, DoesNotTakeTheHemsOfTwoLayersForCracks) {
+  TriangleMesh mesh = sheet(10, 10), lining = sheet(10, 10);
+  for (Point3& p : lining.position) p[2] += 0.03;
+  append(mesh, lining);
+  EXPECT_EQ(find_cracks(repair_mesh(mesh).surface).edges, 0U);
+}
+
+TEST(Repair, WeldsNothingThatIsApartWhereZeroIsGiven) {
+  const TriangleMesh soup = shaken_soup(sheet(4, 4), 1e-7);
+  EXPECT_EQ(repair_mesh(soup).cleaned.components, 1U);
+  EXPECT_EQ(repair_mesh(soup, {.weld_distance = 0}).cleaned.components, 32U);
+}
+
+TEST(Repair, RefusesAWeldDistanceThatIsNone) {
+  for (const double d : {-1.0, std::nan(""), HUGE_VAL})
+    EXPECT_THROW(static_cast<void>(repair_mesh(sheet(2, 2), {.weld_distance = d})), Error);
+}
+
+// Whatever is asked for, no triangle that has an area is welded away.
+TEST(Repair, WeldsNoTriangleAwayHoweverFarItReaches) {
+  const RepairResult r = repair_mesh(sheet(5, 5), {.weld_distance = 1e6});
+  EXPECT_EQ(r.surface.triangle.size(), 50U);
+  EXPECT_EQ(r.cleaned.euler_characteristic, 1);
+}
+
 // Vertices of two needles at the ends of one edge are near each other, and nearer still to the vertex between them.
 TEST(Repair, DoesNotWeldNeedlesToEachOther) {
   TriangleMesh mesh = sheet(6, 6);

@@ -49,9 +49,9 @@ TriangleMesh with_triangles(const TriangleMesh& mesh, const std::vector<uint32_t
 }
 
 /// Per triangle the number of its connected piece, the piece of most area first.
-std::vector<uint32_t> connected_pieces(const TriangleMesh& mesh) {
-  const double tolerance = RepairOptions{}.weld_tolerance * bounding_diagonal(mesh.position);
-  const std::vector<uint32_t> point = weld(mesh.position, mesh.triangle, tolerance).point;
+std::vector<uint32_t> connected_pieces(const TriangleMesh& mesh, const RepairOptions& options) {
+  const WeldReach reach = weld_reach(options, bounding_diagonal(mesh.position));
+  const std::vector<uint32_t> point = weld(mesh.position, mesh.triangle, reach).point;
   DisjointSets pieces(mesh.position.size());
   for (const Triangle& t : mesh.triangle) {
     pieces.join(point[t[0]], point[t[1]]);
@@ -159,9 +159,9 @@ class Selector {
 
 }  // namespace
 
-TriangleMesh with_choosable_parts(TriangleMesh mesh) {
+TriangleMesh with_choosable_parts(TriangleMesh mesh, const RepairOptions& options) {
   if (mesh.part.size() != 1 || mesh.triangle.empty()) return mesh;
-  const std::vector<uint32_t> piece = connected_pieces(mesh);
+  const std::vector<uint32_t> piece = connected_pieces(mesh, options);
   std::vector<uint32_t> order(mesh.triangle.size());
   std::iota(order.begin(), order.end(), 0U);
   std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return piece[a] < piece[b]; });

@@ -33,8 +33,8 @@ double diagonal(const TriangleMesh& mesh) {
 }
 
 void check(const TriangleMesh& mesh, const RepairOptions& options) {
-  if (!(options.weld_tolerance >= 0 && options.weld_tolerance <= 0.1)) {
-    throw Error(ErrorCode::invalid_argument, "weld tolerance must be a share of the diagonal within 0..0.1");
+  if (options.weld_distance && !(*options.weld_distance >= 0 && std::isfinite(*options.weld_distance))) {
+    throw Error(ErrorCode::invalid_argument, "the weld distance must be finite and not below 0");
   }
   for (std::size_t i = 0; i < mesh.triangle.size(); ++i) {
     for (const uint32_t v : mesh.triangle[i]) {
@@ -104,9 +104,9 @@ RepairResult repair_mesh(const TriangleMesh& mesh, const RepairOptions& options,
   const auto count = [&](const char* kind, uint64_t n) {
     if (n > 0) result.repairs.push_back({kind, n});
   };
-  const double tolerance = options.weld_tolerance * diagonal(mesh);
+  const WeldReach reach = weld_reach(options, diagonal(mesh));
 
-  Weld welded = weld(mesh.position, mesh.triangle, tolerance);
+  Weld welded = weld(mesh.position, mesh.triangle, reach);
   count("welded_vertices", count_merged(welded.point, welded.position.size()));
   Soup soup{std::move(welded.position), mesh.triangle, std::vector<uint32_t>(mesh.triangle.size())};
   for (uint32_t i = 0; i < soup.triangle.size(); ++i) {
@@ -118,7 +118,7 @@ RepairResult repair_mesh(const TriangleMesh& mesh, const RepairOptions& options,
   count("degenerate_faces", drop_collapsed(soup));
   result.source = measure_topology(soup.triangle, static_cast<uint32_t>(soup.position.size()));
   uint64_t duplicates = drop_duplicates(soup, mesh.polygon);
-  const uint64_t t_junctions = split_t_junctions(soup, tolerance);
+  const uint64_t t_junctions = split_t_junctions(soup, reach.distance);
   duplicates += drop_duplicates(soup, {});
   const uint64_t flat = flatten_caps(soup);
   duplicates += drop_duplicates(soup, {});

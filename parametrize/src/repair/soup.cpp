@@ -163,7 +163,8 @@ class TJunctions {
     const Foot foot = foot_on(pa, pb, soup_.position[p]);
     const double l = distance(pa, pb);
     const double margin = std::max(tolerance_, 0.1 * std::min(l, shortest_[p])) / l;
-    if (foot.height > tolerance_ || foot.at <= margin || foot.at >= 1 - margin) return std::nullopt;
+    const double most = std::min(tolerance_, 0.5 * std::min(l, shortest_[p]));
+    if (foot.height > most || foot.at <= margin || foot.at >= 1 - margin) return std::nullopt;
     return foot.at;
   }
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "geocloth/parametrize/mesh.h"
+#include "geocloth/parametrize/repair.h"
 
 namespace geocloth {
 
@@ -17,18 +17,25 @@ struct Soup {
   std::vector<uint32_t> source;  ///< per triangle: triangle of the file
 };
 
+/// How far apart vertices may be that become one.
+struct WeldReach {
+  double distance;  ///< [m]
+  bool is_asked;    ///< then it is not more in soups
+};
+/// @param size  [m] of the mesh
+[[nodiscard]] WeldReach weld_reach(const RepairOptions& options, double size);
+
 /// Points of the vertices that some triangle uses, kNone for the others: vertices at one place, and vertices within
-/// the tolerance of each other, are one point. Points are numbered in the order of their first vertex and stand where
-/// it stands. Within the tolerance the nearest are joined first; no point grows wider than the tolerance, and no
-/// triangle with three different places loses one, however small it is: half the shortest edge at a vertex is the most.
-/// Where that leaves loose triangles that make a whole when vertices are joined within a two-hundredth of the shortest
-/// edge (and a hundred tolerances), they are: such a soup was shaken or rounded.
-/// @param tolerance  [m]
+/// reach of each other, are one point. Points are numbered in the order of their first vertex and stand where it
+/// stands. The nearest are joined first; no point grows wider than the reach, and no triangle with three different
+/// places loses one, however small it is: half the shortest edge at a vertex is the most. Where that leaves loose
+/// triangles that make a whole when vertices are joined within a two-hundredth of the shortest edge (and a hundred
+/// times the reach), they are, unless the reach was asked for: such a soup was shaken or rounded.
 struct Weld {
   std::vector<uint32_t> point;   ///< per vertex
   std::vector<Point3> position;  ///< per point
 };
-[[nodiscard]] Weld weld(std::span<const Point3> position, std::span<const Triangle> triangle, double tolerance);
+[[nodiscard]] Weld weld(std::span<const Point3> position, std::span<const Triangle> triangle, const WeldReach& reach);
 
 /// One side of a triangle that no other triangle shares.
 struct BorderSide {

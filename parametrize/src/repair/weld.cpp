@@ -161,7 +161,12 @@ double loose_share(std::span<const Triangle> triangle, const Weld& weld) {
 
 }  // namespace
 
-Weld weld(std::span<const Point3> position, std::span<const Triangle> triangle, double tolerance) {
+WeldReach weld_reach(const RepairOptions& options, double size) {
+  constexpr double kShare = 1e-6;  // of the size
+  return {options.weld_distance.value_or(kShare * size), options.weld_distance.has_value()};
+}
+
+Weld weld(std::span<const Point3> position, std::span<const Triangle> triangle, const WeldReach& reach) {
   constexpr double kOfShortest = 0.5;                             // nothing collapses
   constexpr double kMostInSoup = 100, kOfShortestInSoup = 0.005;  // still small beside every face
   constexpr double kLooseSoup = 0.4, kLooseCloth = 0.1;
@@ -171,19 +176,19 @@ Weld weld(std::span<const Point3> position, std::span<const Triangle> triangle, 
   }
   Weld exact;
   weld_exact(position, used, exact);
-  if (!(tolerance > 0) || exact.position.empty()) return exact;
+  if (!(reach.distance > 0) || exact.position.empty()) return exact;
   const std::vector<double> shortest = shortest_edges(exact.position, proper_triangles(triangle, exact.point));
   const auto within = [&](double most, double share) {
-    std::vector<double> reach(shortest.size());
-    std::transform(shortest.begin(), shortest.end(), reach.begin(),
+    std::vector<double> reaches(shortest.size());
+    std::transform(shortest.begin(), shortest.end(), reaches.begin(),
                    [&](double l) { return std::min(most, share * l); });
     Weld result = exact;
-    weld_near(reach, result);
+    weld_near(reaches, result);
     return result;
   };
-  Weld near = within(tolerance, kOfShortest);
-  if (loose_share(triangle, near) < kLooseSoup) return near;
-  Weld nearer = within(kMostInSoup * tolerance, kOfShortestInSoup);
+  Weld near = within(reach.distance, kOfShortest);
+  if (reach.is_asked || loose_share(triangle, near) < kLooseSoup) return near;
+  Weld nearer = within(kMostInSoup * reach.distance, kOfShortestInSoup);
   return loose_share(triangle, nearer) < kLooseCloth ? nearer : near;
 }
 

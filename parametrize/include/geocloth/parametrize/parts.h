@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "geocloth/parametrize/mesh.h"
+#include "geocloth/parametrize/repair.h"
 
 namespace geocloth {
 
@@ -18,7 +18,8 @@ struct PartSummary {
 
 /// The mesh with the parts that users choose from: those of the file (objects, groups, primitives); where the file has
 /// only one, its connected pieces, the largest first, named "piece 0", ... Vertices keep their numbers.
-[[nodiscard]] TriangleMesh with_choosable_parts(TriangleMesh mesh);
+/// @param options  which pieces count as connected
+[[nodiscard]] TriangleMesh with_choosable_parts(TriangleMesh mesh, const RepairOptions& options = {});
 
 /// @param mesh  of with_choosable_parts
 [[nodiscard]] std::vector<PartSummary> summarize_parts(const TriangleMesh& mesh);
