@@ -36,8 +36,14 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// A shape in blocks, with the gap below and to the right of every pixel: two shapes so grown are disjoint exactly when
 /// no two of their pixels are 8-neighbours.
 struct Grown {
+  struct Run {
+    uint32_t row, first, last;  // columns first..last
+    uint32_t level;             // of the longest windows (Board) that are no longer than the run
+
+    friend bool operator==(const Run&, const Run&) = default;
+  };
   uint32_t width = 0, height = 0;
-  std::vector<ChartShape::Run> run;  // one or more per row, disjoint, the widest first: they exclude most columns
+  std::vector<Run> run;  // one or more per row, disjoint, the widest first: they exclude most columns
 };
 
 Grown grown(const ChartShape& shape, uint32_t block) {
@@ -57,10 +63,11 @@ Grown grown(const ChartShape& shape, uint32_t block) {
       if (result.run.size() > first_of_row && first <= result.run.back().last + 1) {
         result.run.back().last = std::max(result.run.back().last, last);
       } else {
-        result.run.push_back({y, first, last});
+        result.run.push_back({y, first, last, 0});
       }
     }
   }
+  for (Grown::Run& r : result.run) r.level = static_cast<uint32_t>(std::bit_width(r.last - r.first + 1)) - 1;
   std::stable_sort(result.run.begin(), result.run.end(),
                    [](const auto& a, const auto& b) { return a.last - a.first > b.last - b.first; });
   return result;
@@ -114,33 +121,29 @@ constexpr std::array kFills{Fill{false, false}, Fill{false, true}, Fill{true, fa
 /// The blocks taken, for columns 0..width-1 and as many rows as needed.
 class Board {
  public:
-  explicit Board(uint32_t width) : width_(width), words_((width + 63) / 64) {
-    levels_ = static_cast<uint32_t>(std::bit_width(width));
-  }
+  /// @param levels  more than any run's of the shapes
+  Board(uint32_t width, uint32_t levels) : width_(width), words_((width + 63) / 64), levels_(levels) {}
 
   /// The first row, and the first column in it, where the shape fits.
-  std::array<uint32_t, 2> find(const Grown& shape, uint32_t first_row, uint64_t& work) {
-    std::vector<uint64_t> blocked(words_);
-    for (uint32_t y = first_row;; ++y) {
-      forbid_beyond(width_ - shape.width, blocked);
-      bool room = true;
-      for (size_t i = 0; room && i < shape.run.size(); ++i) {
-        if (y + shape.run[i].row >= rows_) continue;
-        forbid(shape.run[i], y, blocked);
-        work += words_;
-        room = std::any_of(blocked.begin(), blocked.end(), [](uint64_t w) { return ~w != 0; });
-      }
-      if (!room) continue;
-      for (uint32_t k = 0; k < words_; ++k) {
-        if (~blocked[k] != 0) return {64 * k + static_cast<uint32_t>(std::countr_one(blocked[k])), y};
-      }
+  std::array<uint32_t, 2> find(const Grown& shape, uint32_t first_row, uint64_t& work) const {
+    switch (words_) {
+      case 1:
+        return find_among<1>(shape, first_row, work);
+      case 2:
+        return find_among<2>(shape, first_row, work);
+      case 3:
+        return find_among<3>(shape, first_row, work);
+      case 4:
+        return find_among<4>(shape, first_row, work);
+      default:
+        return find_among<0>(shape, first_row, work);
     }
   }
 
   void take(const Grown& shape, const std::array<uint32_t, 2>& corner) {
     rows_ = std::max(rows_, corner[1] + shape.height);
-    window_.resize(size_t{rows_} * levels_ * words_, 0);
-    for (const ChartShape::Run& r : shape.run) {
+    window_.resize(size_t{rows_} * levels_ * stride(), 0);
+    for (const Grown::Run& r : shape.run) {
       uint64_t* taken = window(corner[1] + r.row, 0);
       const uint32_t first = corner[0] + r.first, last = corner[0] + r.last;
       for (uint32_t k = first / 64; k <= last / 64; ++k) {
@@ -149,46 +152,100 @@ class Board {
       }
     }
     for (uint32_t y = corner[1]; y < corner[1] + shape.height; ++y) {
-      for (uint32_t level = 1; level < levels_; ++level) widen(y, level);
+      switch (words_) {
+        case 1:
+          widen_among<1>(y);
+          break;
+        case 2:
+          widen_among<2>(y);
+          break;
+        case 3:
+          widen_among<3>(y);
+          break;
+        case 4:
+          widen_among<4>(y);
+          break;
+        default:
+          for (uint32_t level = 1; level < levels_; ++level) widen(y, level);
+      }
     }
   }
 
  private:
-  /// Bit x of a level: one of the 2^level columns from x on is taken.
-  uint64_t* window(uint32_t row, uint32_t level) { return &window_[(size_t{row} * levels_ + level) * words_]; }
+  /// Of a row at one level [words]: zeros follow its bits, so that whatever is shifted in from beyond its end is free.
+  [[nodiscard]] size_t stride() const { return 2 * size_t{words_}; }
 
-  /// Bits `by` .. `by` + 63 of a row of words, from word k on; zero beyond its end.
-  [[nodiscard]] uint64_t shifted(const uint64_t* row, uint32_t k, uint32_t by) const {
-    const uint32_t from = k + by / 64, bits = by % 64;
-    const uint64_t low = from < words_ ? row[from] >> bits : 0;
-    const uint64_t high = bits > 0 && from + 1 < words_ ? row[from + 1] << (64 - bits) : 0;
-    return low | high;
+  /// Bit x of a level: one of the 2^level columns from x on is taken.
+  uint64_t* window(uint32_t row, uint32_t level) { return &window_[(size_t{row} * levels_ + level) * stride()]; }
+  [[nodiscard]] const uint64_t* window(uint32_t row, uint32_t level) const {
+    return &window_[(size_t{row} * levels_ + level) * stride()];
+  }
+
+  /// Bits `by` .. `by` + 63 of a row.
+  static uint64_t shifted(const uint64_t* row, uint32_t by) {
+    const uint64_t *word = row + by / 64, bits = by % 64;
+    return word[0] >> bits | word[1] << 1 << (63 - bits);
   }
 
   void widen(uint32_t row, uint32_t level) {
     const uint64_t* half = window(row, level - 1);
     uint64_t* whole = window(row, level);
-    for (uint32_t k = 0; k < words_; ++k) whole[k] = half[k] | shifted(half, k, 1U << (level - 1));
+    for (uint32_t k = 0; k < words_; ++k) whole[k] = half[k] | shifted(half + k, 1U << (level - 1));
   }
 
-  void forbid_beyond(uint32_t last, std::vector<uint64_t>& blocked) const {
-    for (uint32_t k = 0; k < words_; ++k) {
+  /// Fills in all levels of a row. What is stored is not read again at once: words that straddle two stored ones would
+  /// have to wait for both.
+  template <uint32_t kWords>
+  void widen_among(uint32_t row) {
+    std::array<uint64_t, kWords + 1> half{};
+    std::copy_n(window(row, 0), kWords, half.begin());
+    const uint32_t within_words = std::min(levels_, 7U);
+    for (uint32_t level = 1; level < within_words; ++level) {
+      const uint32_t by = 1U << (level - 1);
+      uint64_t* whole = window(row, level);
+      for (uint32_t k = 0; k < kWords; ++k) whole[k] = half[k] |= half[k] >> by | half[k + 1] << (64 - by);
+    }
+    for (uint32_t level = within_words; level < levels_; ++level) widen(row, level);
+  }
+
+  /// @tparam kWords  how many words a row has, or 0: any number
+  template <uint32_t kWords>
+  std::array<uint32_t, 2> find_among(const Grown& shape, uint32_t first_row, uint64_t& work) const {
+    const uint32_t words = kWords > 0 ? kWords : words_;
+    std::vector<uint64_t> many(kWords > 0 ? 0 : words_);
+    std::array<uint64_t, kWords> few;
+    uint64_t* blocked = kWords > 0 ? few.data() : many.data();
+    for (uint32_t y = first_row;; ++y) {
+      forbid_beyond(width_ - shape.width, words, blocked);
+      uint64_t all = 0;
+      for (const Grown::Run& run : shape.run) {
+        if (y + run.row >= rows_) continue;
+        const uint64_t* taken = window(y + run.row, run.level);
+        const uint32_t second = run.last + 1 - (1U << run.level);
+        all = ~uint64_t{0};
+        for (uint32_t k = 0; k < words; ++k) {
+          all &= blocked[k] |= shifted(taken + k, run.first) | shifted(taken + k, second);
+        }
+        work += words;
+        if (~all == 0) break;
+      }
+      if (~all == 0) continue;
+      for (uint32_t k = 0; k < words; ++k) {
+        if (~blocked[k] != 0) return {64 * k + static_cast<uint32_t>(std::countr_one(blocked[k])), y};
+      }
+    }
+  }
+
+  static void forbid_beyond(uint32_t last, uint32_t words, uint64_t* blocked) {
+    for (uint32_t k = 0; k < words; ++k) {
       const uint32_t first = 64 * k;
       const uint32_t free = last + 1 > first ? std::min(last + 1 - first, 64U) : 0;
       blocked[k] = free == 64 ? 0 : ~uint64_t{0} << free;
     }
   }
 
-  void forbid(const ChartShape::Run& run, uint32_t y, std::vector<uint64_t>& blocked) {
-    const uint32_t length = run.last - run.first + 1;
-    uint32_t level = 0;
-    while (2U << level <= length) ++level;
-    const uint64_t* taken = window(y + run.row, level);
-    const uint32_t second = run.last + 1 - (1U << level);
-    for (uint32_t k = 0; k < words_; ++k) blocked[k] |= shifted(taken, k, run.first) | shifted(taken, k, second);
-  }
-
-  uint32_t width_, words_, levels_, rows_ = 0;
+  uint32_t width_, words_, levels_;
+  uint32_t rows_ = 0;
   std::vector<uint64_t> window_;
 };
 
@@ -229,8 +286,13 @@ class Packer {
         seen.turned.push_back(grown(half_turned(lying), block_));
       }
     }
+    for (const Seen& seen : seen_) {
+      for (const Grown& g : seen.upright) {
+        for (const Grown::Run& r : g.run) levels_ = std::max(levels_, r.level + 1);
+      }
+    }
     for (const Grown& g : seen_[0].upright) {
-      for (const ChartShape::Run& r : g.run) blocks_ += r.last - r.first + 1.0;
+      for (const Grown::Run& r : g.run) blocks_ += r.last - r.first + 1.0;
     }
   }
 
@@ -336,7 +398,7 @@ class Packer {
   double try_arrangement(Arrangement& arrangement, double bound) {
     const bool choose = arrangement.turned.empty();
     if (choose) arrangement.turned.assign(shape_.size(), 0);
-    Board board(arrangement.width);
+    Board board(arrangement.width, levels_);
     const Seen& seen = seen_[arrangement.fill];
     Packing packing;
     packing.corner.resize(shape_.size());
@@ -345,7 +407,7 @@ class Packer {
     for (const uint32_t i : arrangement.order) {
       const Grown* lying = arrangement.turned[i] != 0 ? &seen.turned[i] : &seen.upright[i];
       // Where an equal shape did not fit this does not either.
-      std::array<uint32_t, 2> corner = board.find(*lying, last != nullptr && equal(*last, *lying) ? row : 0, work_);
+      std::array<uint32_t, 2> corner = board.find(*lying, last != nullptr && last->run == lying->run ? row : 0, work_);
       if (choose) {
         const std::array<uint32_t, 2> other = board.find(seen.turned[i], 0, work_);
         if (std::array{other[1], other[0]} < std::array{corner[1], corner[0]}) {
@@ -393,13 +455,6 @@ class Packer {
     return packing;
   }
 
-  static bool equal(const Grown& a, const Grown& b) {
-    const auto same_run = [](const ChartShape::Run& p, const ChartShape::Run& q) {
-      return p.row == q.row && p.first == q.first && p.last == q.last;
-    };
-    return std::equal(a.run.begin(), a.run.end(), b.run.begin(), b.run.end(), same_run);
-  }
-
   /// Grows with every shape that is placed.
   static double cost_of(const Packing& packing) {
     const double longer = std::max(packing.width, packing.height), shorter = std::min(packing.width, packing.height);
@@ -409,7 +464,7 @@ class Packer {
 
   std::span<const ChartShape> shape_;
   std::array<Seen, kFills.size()> seen_;
-  uint32_t block_ = 1;
+  uint32_t block_ = 1, levels_ = 1;
   double blocks_ = 0;
   uint64_t work_ = 0;
   Packing best_;
