@@ -13,6 +13,7 @@
 #include <deque>
 #include <exception>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <string>
 
@@ -263,13 +264,52 @@ double mean_energy(const std::vector<Chart>& charts) {
 
 constexpr double kMostMean = 4.0265;  // energy beyond which the stretch misses its target
 
+/// What straight threads make of charts that several trials have in common.
+class ThreadMemory {
+ public:
+  explicit ThreadMemory(const std::vector<Chart>& charts) : chart_(charts), known_(charts.size()) {}
+
+  /// The same as straighten_threads() of all charts.
+  void straighten(std::vector<Chart>& charts, double share) {
+    std::vector<Known*> known;  // per chart
+    std::vector<uint8_t> is_taken(chart_.size(), 0);
+    for (const Chart& c : charts) known.push_back(known_of(c, is_taken));
+    tbb::parallel_for(size_t{0}, charts.size(), [&](size_t i) {
+      if (known[i] == nullptr) return straighten_threads(charts[i], share);
+      const auto [result, is_new] = known[i]->try_emplace(share);
+      if (is_new) {
+        straighten_threads(charts[i], share);
+        result->second = charts[i].uv;
+      } else {
+        charts[i].uv = result->second;
+      }
+    });
+  }
+
+ private:
+  using Known = std::map<double, std::vector<Point2>>;  // per share
+
+  /// Layers of cloth may lie in one place, so that each chart is taken once.
+  Known* known_of(const Chart& chart, std::vector<uint8_t>& is_taken) {
+    for (size_t i = 0; i < chart_.size(); ++i) {
+      if (is_taken[i] != 0 || chart_[i].triangle != chart.triangle || chart_[i].position != chart.position) continue;
+      is_taken[i] = 1;
+      return &known_[i];
+    }
+    return nullptr;
+  }
+
+  const std::vector<Chart>& chart_;
+  std::vector<Known> known_;  // per chart
+};
+
 /// Threads meet at right angles as far as stretch leaves room for that.
 /// @param share  at most, of what angles are worth
-std::vector<Chart> with_straight_threads(const std::vector<Chart>& charts, double share) {
+std::vector<Chart> with_straight_threads(const std::vector<Chart>& charts, double share, ThreadMemory& memory) {
   const double most = std::max(kMostMean, mean_energy(charts) + kUnsettled);
   for (const double less : {1.0, 0.7, 0.5, 0.25}) {
     std::vector<Chart> result = charts;
-    tbb::parallel_for(size_t{0}, result.size(), [&](size_t i) { straighten_threads(result[i], share * less); });
+    memory.straighten(result, share * less);
     if (mean_energy(result) <= most) return result;
   }
   return charts;
@@ -320,44 +360,63 @@ ChartedSurface straightened(const CutSurface& cut, const Sheet& sheet, const std
   return result;
 }
 
-/// The same, with charts parted that are packed closer then. What that brings in the end is measured on the finished
-/// charts: a piece may come to hang otherwise than was thought, and threads drawn straight bend charts that were to
-/// lie in each other's hollows, so that pieces keep more of their own shape where angles allow that.
+/// A way to part charts, carried out.
+struct PartingTrial {
+  ChartedSurface parted;
+  bool is_bent = false;  // so that threads drawn straight change its outlines
+  bool is_over = false;
+  // With threads as straight as they are at the time:
+  std::vector<Chart> charts;
+  Filling filling;
+};
+
+/// The same, with charts parted where the image comes nearer to what it is to be. What that brings is measured on the
+/// finished charts: a piece may come to hang otherwise than was thought, and threads drawn straight bend charts that
+/// were to lie in each other's hollows, so that pieces keep more of their own shape where angles allow that.
 ChartedSurface parted_where_that_pays(const CutSurface& cut, const Sheet& sheet, const std::vector<Chart>& charts,
                                       const DevelopOptions& options) {
   constexpr double kLeastGain = 0.02, kBetter = 1e-3;  // less may be rounding's choice
-  constexpr double kUnknown = 0.0015;                  // of the border, before pixels are found for it
-  constexpr double kDoubt = 0.001;                     // and of what straight threads make of it
   constexpr double kBent = 1;                          // [degrees]
   const PartingOptions& parting = options.parting;
   const ChartedSurface loose = straightened(cut, sheet, charts, options);
-  ChartedSurface best{loose.cut, with_straight_threads(loose.charts, 1)};
+  ThreadMemory memory(loose.charts);
+  ChartedSurface best{loose.cut, with_straight_threads(loose.charts, 1, memory)};
   const std::vector<PartedPanels> ways = ways_to_part(loose.charts, find_sheet(loose.cut), parting);
   if (ways.empty()) return best;
-  const auto filling = [&](const ChartedSurface& s) { return filling_of(s.charts, find_sheet(s.cut), parting.pixel); };
-  const Filling whole = filling(best);
+  const Filling whole = filling_of(best.charts, find_sheet(best.cut), parting.pixel);
   const ThreadMeasure before = measure_threads(best.charts);
-  const double most = most_border(whole, parting) - kUnknown;
-  const double more_border = whole.border - filling(loose).border;  // that straight threads make
-  double best_worth = worth_of(whole.utilisation, 0, parting) + kLeastGain - kBetter;
-  for (const PartedPanels& way : ways) {
-    if (way.promise <= best_worth + kBetter) continue;
-    const ChartedSurface parted = straightened(loose.cut, way.sheet, way.charts, options);
-    if (filling(parted).border + more_border > most + kDoubt) continue;  // for straight threads take long
-    const bool bent = measure_threads(parted.charts).angle_p95 > kBent;
-    double filled = 0;
-    for (const double share : {1.0, 0.5, 0.25}) {
-      if (share < 1 && (!bent || filled >= parting.wanted)) break;
-      ChartedSurface trial{parted.cut, with_straight_threads(parted.charts, share)};
-      const Filling f = filling(trial);
-      if (f.border > most + kDoubt) break;  // charts that keep more of their shape have no less
-      if (!lie_well(measure_threads(trial.charts), before)) continue;
-      filled = f.utilisation;
-      if (f.border > most || f.seam > most_seam(whole, parting)) continue;
-      const double worth = worth_of(f.utilisation, f.seam - whole.seam, parting);
-      if (worth <= best_worth + kBetter) continue;
-      best_worth = worth;
-      best = std::move(trial);
+  const double more_border = whole.border - unpacked(loose.charts, find_sheet(loose.cut), parting.pixel).border;
+  double least = misses_of(whole, 0, parting) - kLeastGain;
+  std::vector<PartingTrial> trials(ways.size());
+  tbb::parallel_for(size_t{0}, ways.size(), [&](size_t i) {
+    PartingTrial& t = trials[i];
+    if ((t.is_over = ways[i].promise >= least)) return;
+    t.parted = straightened(loose.cut, ways[i].sheet, ways[i].charts, options);
+    const Filling f = unpacked(t.parted.charts, find_sheet(t.parted.cut), parting.pixel);
+    t.is_over = least_misses(f.border + more_border, f.seam - whole.seam, parting) >= least;
+    t.is_bent = measure_threads(t.parted.charts).angle_p95 > kBent;
+  });
+  for (const double share : {1.0, 0.5, 0.25}) {
+    for (PartingTrial& t : trials) {
+      if (!t.is_over) t.charts = with_straight_threads(t.parted.charts, share, memory);
+    }
+    tbb::parallel_for(size_t{0}, trials.size(), [&](size_t i) {
+      PartingTrial& t = trials[i];
+      if (t.is_over) return;
+      t.is_over = !lie_well(measure_threads(t.charts), before);  // nor will it with threads that are less straight
+      if (!t.is_over) t.filling = filling_of(t.charts, find_sheet(t.parted.cut), parting.pixel);
+    });
+    for (PartingTrial& t : trials) {
+      if (t.is_over) continue;
+      const double misses = misses_of(t.filling, t.filling.seam - whole.seam, parting);
+      if (t.filling.seam <= most_seam(whole, parting) && misses < least) {
+        least = misses - kBetter;
+        best = {t.parted.cut, t.charts};
+      }
+      t.is_over = !t.is_bent || t.filling.utilisation >= parting.wanted;
+    }
+    for (PartingTrial& t : trials) {  // charts that keep more of their shape have no less border
+      if (least_misses(t.filling.border, t.filling.seam - whole.seam, parting) >= least) t.is_over = true;
     }
   }
   return best;

@@ -30,17 +30,17 @@ constexpr double kFineCells = 128;       // and where chords are moved
 constexpr double kChordStep = 1.0 / 20;  // between outline vertices where chords may end, by the root of the area
 constexpr double kSeamPixels = 2.35;     // on borders, per pixel of new seam, on both its sides
 constexpr double kStraightened = 0.985;  // of the length of seams that follow the mesh's edges still
-constexpr double kHopeful = 1.03;        // of the border that is allowed: what is thought may come to be less
 constexpr double kLeastPiece = 0.05;     // of all area
 constexpr double kLongestChord = 1;      // by the root of the area
 constexpr double kApart = 0.12;          // both ends of two chords of one chart, together, by the root of the area
 constexpr double kBalance = 0.5;         // what parting off a large piece is worth, in length by the root of its area
-constexpr size_t kMostChords = 80, kBeam = 12, kMostPartings = 4, kFewPartings = 2;
+constexpr size_t kMostChords = 80, kBeam = 12, kMostPartings = 4;
 constexpr size_t kWays = 6, kWaysPerDepth = 4, kShifted = 8;  // that are worth to be carried out
 constexpr double kMostDetour = 1.25;                          // of the path of edges beside its chord
 constexpr size_t kMostCharts = 24;  // more are small beside the image, and lie in each other's hollows anyway
 constexpr double kFine = 256;       // cells by the root of the area in which pixels are counted at most
-constexpr double kSame = 1e-6;      // mirrored partings are worth the same but for rounding: the first is taken
+constexpr double kUnpacked = 1e3;   // what an image misses that cannot be
+constexpr double kSame = 1e-6;      // mirrored partings miss the same but for rounding: the first is taken
 
 struct Chord {
   uint32_t chart, first, second;  // places in the chart's loop
@@ -316,10 +316,25 @@ class Filled {
   double cell_ = 0, all_ = 0, border_ = 0;
 };
 
+/// The root of the area.
+double side_of(const std::vector<Chart>& charts) {
+  double area = 0;
+  for (const Chart& c : charts) area += total_area(c);
+  return std::sqrt(area);
+}
+
+Filled filled_by(const std::vector<Chart>& charts, double pixel) {
+  const double side = side_of(charts);
+  std::vector<PanelPlan> plan;
+  plan.reserve(charts.size());
+  for (const Chart& c : charts) plan.emplace_back(c, side / kCells);
+  return {plan, side, pixel};
+}
+
 /// The chords of a parting, in the order in which they were chosen, and what it is worth.
 struct Choice {
   std::vector<Chord> chord;
-  double worth;
+  double misses;
 };
 
 class PanelParter {
@@ -337,22 +352,21 @@ class PanelParter {
     border_ = filled.border_pixels();
     whole_ = {filled.utilisation(options.pixel), filled.border_share(), seam_ / side_};
     most_seam_ = most_seam(whole_, options_);
-    most_border_ = most_border(whole_, options_);
   }
 
   /// The best ways to part the charts, none like another.
   [[nodiscard]] std::vector<Choice> choose() {
+    most_misses_ = misses_of(whole_, 0, options_);
     const Parting whole = unparted(kCells);
     if (whole.utilisation >= options_.wanted) return {};
     const bool sparse = whole_.utilisation < kSparse;  // such as ribbons: every trial takes long
     const ChordFinder finder(plan_, area_);
     const std::vector<Chord> chord = finder.find(forbidden_);
-    // Where outlines take up more than their share already, no more than a few partings can pay.
-    const size_t most_partings = whole_.border > options_.most_border && !sparse ? kFewPartings : kMostPartings;
     std::vector<Parting> beam{whole}, best;
-    for (size_t depth = 0; depth < most_partings && !beam.empty(); ++depth) {
+    for (size_t depth = 0; depth < kMostPartings && !beam.empty(); ++depth) {
       beam = measured(parted_further(beam, chord));
       shorten(beam, sparse ? kBeam / 2 : kBeam);
+      if (!beam.empty()) most_misses_ = std::min(most_misses_, misses(beam[0]));
       for (size_t i = 0; i < std::min(beam.size(), kWaysPerDepth); ++i) best.push_back(beam[i]);
     }
     shorten(best, sparse ? 1 : kShifted);
@@ -361,14 +375,14 @@ class PanelParter {
     shorten(best, best.size());
     std::vector<Choice> result;
     for (Parting& p : best) {
-      if (result.size() == kWays || rounded(worth(p)) <= rounded(worth(fine))) break;
+      if (result.size() == kWays || rounded(misses(p)) >= rounded(misses(fine))) break;
       const auto is_like = [&](const Choice& other) {
         return other.chord.size() == p.chord.size() && std::all_of(p.chord.begin(), p.chord.end(), [&](const Chord& c) {
                  return finder.is_near(other.chord, c);
                });
       };
       if (std::any_of(result.begin(), result.end(), is_like)) continue;
-      result.push_back({p.chord, worth(p)});
+      result.push_back({p.chord, misses(p)});
     }
     return result;
   }
@@ -427,7 +441,7 @@ class PanelParter {
   /// Keeps the best ones.
   void shorten(std::vector<Parting>& partings, size_t count) const {
     std::stable_sort(partings.begin(), partings.end(),
-                     [&](const Parting& a, const Parting& b) { return rounded(worth(a)) > rounded(worth(b)); });
+                     [&](const Parting& a, const Parting& b) { return rounded(misses(a)) < rounded(misses(b)); });
     if (partings.size() > count) partings.resize(count);
   }
 
@@ -446,7 +460,7 @@ class PanelParter {
       }
       std::vector<Parting> other = measured(trial);
       shorten(other, 1);
-      if (!other.empty() && rounded(worth(other[0])) > rounded(worth(parting))) {
+      if (!other.empty() && rounded(misses(other[0])) < rounded(misses(parting))) {
         parting = std::move(other[0]);
       } else {
         step /= 2;
@@ -454,7 +468,9 @@ class PanelParter {
     }
   }
 
-  [[nodiscard]] double worth(const Parting& p) const { return worth_of(p.utilisation, p.added / side_, options_); }
+  [[nodiscard]] double misses(const Parting& p) const {
+    return misses_of({p.utilisation, border_share(p.added), 0}, p.added / side_, options_);
+  }
 
   [[nodiscard]] Piece make_piece(uint32_t chart, std::vector<uint32_t> loop, double cell) const {
     ChartShape shape = plan_[chart].shape_of(loop, plan_[chart].up_of(loop), cell);
@@ -484,8 +500,8 @@ class PanelParter {
   [[nodiscard]] std::optional<Parting> parted(const Parting& from, const Chord& chord) const {
     const double added = from.added + chord.length;
     if (forbidden_.contains(chord.name())) return std::nullopt;
-    if (kStraightened * (seam_ + added) > most_seam_ * side_ || border_share(added) > kHopeful * most_border_)
-      return std::nullopt;
+    if (kStraightened * (seam_ + added) > most_seam_ * side_) return std::nullopt;
+    if (least_misses(border_share(added), added / side_, options_) > most_misses_) return std::nullopt;
     for (size_t i = 0; i < from.piece.size(); ++i) {
       const Piece& piece = from.piece[i];
       const auto begin = piece.loop.begin(), end = piece.loop.end();
@@ -514,7 +530,8 @@ class PanelParter {
   double border_ = 0;              // [pixels]
   double area_ = 0, side_ = 0;
   Filling whole_;
-  double most_seam_ = 0, most_border_ = 0;
+  double most_seam_ = 0;
+  double most_misses_ = 0;  // partings that cannot miss less are not gone on with
 };
 
 /// The length of outlines that have a mate, once each.
@@ -594,28 +611,27 @@ std::optional<Chord> part_along(std::vector<Chart>& charts, const std::vector<Ch
 }  // namespace
 
 Filling filling_of(const std::vector<Chart>& charts, const Sheet& sheet, double pixel) {
-  double area = 0;
-  for (const Chart& c : charts) area += total_area(c);
-  const double side = std::sqrt(area);
-  std::vector<PanelPlan> plan;
-  plan.reserve(charts.size());
-  for (const Chart& c : charts) plan.emplace_back(c, side / kCells);
-  const Filled filled(plan, side, pixel);
-  return {filled.utilisation(pixel), filled.border_share(), seam_length(charts, sheet) / side};
+  Filling filling = unpacked(charts, sheet, pixel);
+  filling.utilisation = filled_by(charts, pixel).utilisation(pixel);
+  return filling;
+}
+
+Filling unpacked(const std::vector<Chart>& charts, const Sheet& sheet, double pixel) {
+  return {0, filled_by(charts, pixel).border_share(), seam_length(charts, sheet) / side_of(charts)};
 }
 
 double most_seam(const Filling& whole, const PartingOptions& options) {
   return std::max(options.most_seam, whole.seam > options.most_seam ? options.most_longer * whole.seam : 0);
 }
 
-double most_border(const Filling& whole, const PartingOptions& options) {
-  if (whole.utilisation < kSparse) return 1;
-  return whole.border > options.most_border ? options.most_crowded : options.most_border;
+double least_misses(double border, double new_seam, const PartingOptions& options) {
+  return std::max(border / options.most_border - 1, 0.0) + options.seam_price * new_seam;
 }
 
-double worth_of(double utilisation, double new_seam, const PartingOptions& options) {
-  const double reached = std::clamp((utilisation - options.enough) / (options.wanted - options.enough), 0.0, 1.0);
-  return std::min(utilisation, options.wanted) + options.reaching * reached - options.seam_price * new_seam;
+double misses_of(const Filling& f, double new_seam, const PartingOptions& options) {
+  const double reached = std::clamp((f.utilisation - options.enough) / (options.wanted - options.enough), 0.0, 1.0);
+  const double lacks = f.utilisation > 0 ? std::max(options.enough / f.utilisation - 1, 0.0) : kUnpacked;
+  return lacks + options.reaching * (1 - reached) + least_misses(f.border, new_seam, options);
 }
 
 std::vector<PartedPanels> ways_to_part(const std::vector<Chart>& charts, const Sheet& sheet,
@@ -631,8 +647,8 @@ std::vector<PartedPanels> ways_to_part(const std::vector<Chart>& charts, const S
   for (int round = 0; round < kRounds && ways.empty(); ++round) {
     const std::vector<Choice> choice = parter.choose();
     if (choice.empty()) break;
-    for (const auto& [chords, worth] : choice) {
-      PartedPanels way{charts, pinned, worth};
+    for (const auto& [chords, misses] : choice) {
+      PartedPanels way{charts, pinned, misses};
       if (const std::optional<Chord> impossible = part_along(way.charts, chords, parter)) {
         parter.forbid(*impossible);
         continue;
