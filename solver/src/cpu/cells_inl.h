@@ -22,22 +22,25 @@ namespace geocloth::cpu::HWY_NAMESPACE {
 template <class D>
 HWY_INLINE Mask<D> near_cells(D d, const Meeting& meeting, ClothState& state, size_t i) {
   const size_t below = i + state.data.width;
-  const std::array<size_t, 4> corners{i, i + 1, below, below + 1};
-  std::array<Points<D>, 4> now;
+  const auto corner = [&](size_t pixel) GEOCLOTH_LANES { return load(d, at(state.position, pixel)); };
+  const Points<D> first = corner(i), right = corner(i + 1), low = corner(below), last = corner(below + 1);
   auto way = hn::Zero(d);
-  for (size_t k = 0; k < corners.size(); ++k) {
-    now[k] = load(d, at(state.position, corners[k]));
-    way = hn::Max(way, at_most(d, sub(now[k], load(d, at(state.previous, corners[k])))));
-  }
-  const auto top = at_most(d, sub(now[1], now[0])), bottom = at_most(d, sub(now[3], now[2]));
-  const auto sides = hn::Add(at_most(d, sub(now[2], now[0])), at_most(d, sub(now[3], now[1])));
+  const auto see_way = [&](const Points<D>& point, size_t pixel) GEOCLOTH_LANES {
+    way = hn::Max(way, at_most(d, sub(point, load(d, at(state.previous, pixel)))));
+  };
+  see_way(first, i);
+  see_way(right, i + 1);
+  see_way(low, below);
+  see_way(last, below + 1);
+  const auto top = at_most(d, sub(right, first)), bottom = at_most(d, sub(last, low));
+  const auto sides = hn::Add(at_most(d, sub(low, first)), at_most(d, sub(last, right)));
   const auto longest = hn::Mul(hn::Add(hn::Add(top, bottom), sides), hn::Set(d, 0.5001F));
   // Triangles are seen from their first corner, which is one of the upper two.
   const auto slack = hn::Add(hn::Add(hn::Add(way, way), longest), top);
   Mask<D> any = hn::Gt(hn::Zero(d), hn::Zero(d));
   for (size_t c = 0; c < meeting.guards.count; ++c) {
     const auto open = hn::Ge(longest, hn::Set(d, shader::kOpenCell * meeting.frame.shapes[c].core));
-    any = hn::Or(any, hn::And(open, Guards::near(d, meeting.guards.guards[c], now[0], slack)));
+    any = hn::Or(any, hn::And(open, Guards::near(d, meeting.guards.guards[c], first, slack)));
   }
   return any;
 }
