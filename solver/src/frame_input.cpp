@@ -252,6 +252,10 @@ double radius_of(const shader::ColliderShape& shape) {
   }
 }
 
+float thickness_of(const shader::ColliderShape& shape) {
+  return shape.kind == shader::kShapeMesh ? shape.b.z : shape.core;
+}
+
 Transform collider_frame(const Collider& collider) {
   return compose({collider.pose.translate, collider.pose.rotate, 1}, std::visit(LocalFrame{}, collider.shape));
 }
@@ -296,9 +300,8 @@ void measure_ways(std::span<shader::ColliderShape> shapes, std::span<const shade
 }
 
 bool may_slip_through(std::span<const shader::ColliderShape> shapes, float spacing) {
-  return std::any_of(shapes.begin(), shapes.end(), [&](const shader::ColliderShape& s) {
-    return (s.kind == shader::kShapeMesh ? s.b.z : s.core) < spacing;
-  });
+  return std::any_of(shapes.begin(), shapes.end(),
+                     [&](const shader::ColliderShape& s) { return thickness_of(s) < spacing; });
 }
 
 void substep_inputs(const FrameClock& clock, const std::optional<Wind>& wind, const Vec3& origin,

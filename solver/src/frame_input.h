@@ -34,6 +34,9 @@ void collider_poses(std::span<const Collider> from, std::span<const Collider> to
 /// [m] of a ball about the origin of a shape's frame that holds all of it; infinite where none does.
 [[nodiscard]] double radius_of(const shader::ColliderShape& shape);
 
+/// [m] Half of what a collider is thick: where it is thinnest, of a body where it is thickest.
+[[nodiscard]] float thickness_of(const shader::ColliderShape& shape);
+
 constexpr double kThickestCloth = 1;  ///< [m]
 /// Sets ColliderShape::way from the poses of the frame: no point within `margin` [m] of the shape goes further with it.
 void measure_ways(std::span<shader::ColliderShape> shapes, std::span<const shader::ColliderPose> poses,

@@ -2,7 +2,7 @@
 // What a frame is told: substeps as fast colliders need them, pins, parents, colliders and the cloths that are asleep.
 
 #include <algorithm>
-#include <limits>
+#include <optional>
 #include <utility>
 
 #include "rest/self_points.h"
@@ -19,19 +19,45 @@ bool blows(const std::optional<Wind>& wind) {
 }
 
 /// [m] that a collider goes in a substep; planes are too thick to slip through anything.
-/// @param radius  [m] only colliders that are no larger
-float longest_way(std::span<const shader::ColliderShape> shapes,
-                  double radius = std::numeric_limits<double>::infinity()) {
+float longest_way(std::span<const shader::ColliderShape> shapes) {
   float way = 0;
   for (const shader::ColliderShape& s : shapes)
-    if (s.kind != shader::kShapePlane && radius_of(s) <= radius) way = std::max(way, s.way);
+    if (s.kind != shader::kShapePlane) way = std::max(way, s.way);
   return way;
 }
 
-/// A fast collider pushes many cells at once, and what one gains the next takes away: several rounds settle it.
-uint32_t cell_rounds(float way, float spacing) {
+/// How many substeps in place of one a collider is to have.
+struct Haste {
+  float way;      ///< [m] that it may go in a substep so that the cloth in its way can follow
+  uint32_t most;  ///< no more than that
+};
+
+/// One that is so small that it pushes a few cells only opens them before their neighbours have its speed: many short
+/// steps, the shorter the smaller it is.
+/// @param most  for a small one
+Haste haste_of(const shader::ColliderShape& shape, float spacing, uint32_t most) {
+  constexpr float kFar = 0.2F, kSmall = 8, kWide = 2, kThinnest = 0.5F;  // in spacings
+  constexpr uint32_t kUsual = 4;
+  const float far = kFar * spacing;
+  if (radius_of(shape) > double{kSmall * spacing}) return {far, kUsual};
+  return {far * std::clamp(thickness_of(shape) / (kWide * spacing), kThinnest / kWide, 1.F), std::max(most, kUsual)};
+}
+
+/// Whether pins hold every point.
+bool hangs(const ClothAsset& asset, std::span<const shader::Attachment> attachments,
+           std::span<const float> inverse_mass) {
+  for (uint32_t p = 0; p < asset.pixel_count(); ++p)
+    if (asset.valid(p) && inverse_mass[p] > 0 && attachments[p].anchor == shader::kNoAnchor) return false;
+  return true;
+}
+
+/// A fast collider pushes many cells at once, and what one gains the next takes away: several rounds settle it. At
+/// seams each side pushes its own copies, which take the mean.
+/// @param hasty  the frame has more substeps for a collider that the cloth may meet
+uint32_t cell_rounds(float way, float spacing, bool seams, bool hasty) {
   constexpr float kSlow = 0.1F;  // in spacings
-  return way > kSlow * spacing ? 4 : 1;
+  if (hasty || way > kSlow * spacing) return 4;
+  return seams ? 2 : 1;
 }
 
 }  // namespace
@@ -64,8 +90,6 @@ void Solver::Impl::fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const {
     frame.pins.push_back(pin_target(pixel, pin.from - origin_, pin.target - origin_, pin.frequency, clock().dt));
     pin.from = pin.target;
   }
-  frame.pins_changed = cloth.pins_changed;
-  if (cloth.pins_changed) change_pins(cloth, frame);
   frame.pulled_apart = is_pulled_apart(cloth, frame.params.stretch_limit);
 }
 
@@ -77,7 +101,9 @@ bool Solver::Impl::is_pulled_apart(const Cloth& cloth, float stretch_limit) {
 
 /// What a frame says of other pins than the one before had.
 void Solver::Impl::change_pins(Cloth& cloth, ClothFrame& frame) const {
-  cloth.pins_changed = false;
+  frame.pins_changed = cloth.pins_changed;
+  if (!cloth.pins_changed) return;
+  cloth.pins_changed = cloth.hangs = false;
   frame.inverse_mass = cloth.free_inverse_mass;
   std::vector<uint32_t> pixels, pinned;
   for (const auto& [pixel, pin] : cloth.pins) {
@@ -86,7 +112,7 @@ void Solver::Impl::change_pins(Cloth& cloth, ClothFrame& frame) const {
     frame.inverse_mass[pixel] = 0;
     pinned.push_back(pixel);
   }
-  if (frame.params.stretch_limit > 0) {
+  if (stretch_limit(cloth) > 0) {
     frame.attachments = make_attachments(*cloth.asset, cloth.scale, pinned);
     cloth.pin_ways = ways_between_pins(*cloth.asset, cloth.scale, frame.attachments, pinned);
     const auto number_of = [&](uint32_t pixel) {
@@ -95,29 +121,48 @@ void Solver::Impl::change_pins(Cloth& cloth, ClothFrame& frame) const {
     for (PinWay& way : cloth.pin_ways) way = {number_of(way.a), number_of(way.b), way.length};
     cloth.reach = pinned.empty() ? rest_size(*cloth.asset, cloth.scale) : 0;
     for (const shader::Attachment& a : frame.attachments) cloth.reach = std::max(cloth.reach, a.reach);
-    frame.params.stretch_limit = stretch_limit(cloth);
+    cloth.hangs = hangs(*cloth.asset, frame.attachments, frame.inverse_mass);
   }
 }
 
-/// 2 to 4 where a collider goes so far in a substep that the cloth in its way could not follow. Up to 16, as long as
-/// steps are not short, where it is also so small that it pushes a few cells only: those open before their neighbours
-/// have its speed.
+/// About all places where a cloth can be in this frame, less its reach; none where no pins tell.
+std::optional<ClothBox> Solver::Impl::box_of_pins(const Cloth& cloth) const {
+  if (!cloth.hangs) return std::nullopt;
+  ClothBox box;
+  for (const auto& [pixel, pin] : cloth.pins) {
+    if (!pin.held()) continue;
+    box.add(pin.from - origin_);
+    box.add(pin.target - origin_);
+  }
+  return box;
+}
+
+/// More than one where a collider that may meet a cloth is too fast for it. What is told by pins and not by where the
+/// cloth is, which only the device knows.
 uint32_t Solver::Impl::substeps_factor() {
-  constexpr float kFar = 0.2F, kSmall = 8;  // in spacings
-  constexpr uint32_t kAlways = 4, kMost = 16, kLargest = 256;
+  constexpr uint32_t kMost = 32, kLargest = 256;
+  constexpr double kShortest = 1.0 / 16000;  // [s] for a few frames; see kShortStep
+  const auto most =
+      static_cast<uint32_t>(std::clamp(settings_.frame_time / (kShortest * settings_.substeps), 1.0, double{kMost}));
   collider_poses(colliders_from_, colliders_to_, settings_.substeps, origin_, frame_.poses);
   measure_ways(frame_.shapes, frame_.poses, settings_.substeps, 0);
-  float spacing = std::numeric_limits<float>::max();
-  for (const Cloth& cloth : cloths_) spacing = std::min(spacing, cloth.asset->spacing * cloth.scale);
-  const auto factor_for = [spacing](float way, uint32_t most) {
-    uint32_t factor = 1;
-    while (factor < most && way > kFar * spacing * static_cast<float>(factor)) ++factor;
-    return factor;
-  };
-  const double long_steps = settings_.frame_time / (kShortStep * settings_.substeps);
-  const auto most = static_cast<uint32_t>(std::clamp(long_steps, double{kAlways}, double{kMost}));
-  const uint32_t factor = std::max(factor_for(longest_way(frame_.shapes), kAlways),
-                                   factor_for(longest_way(frame_.shapes, double{kSmall * spacing}), most));
+  uint32_t factor = 1;
+  for (Cloth& cloth : cloths_) {
+    const float spacing = cloth.asset->spacing * cloth.scale;
+    const float margin = cloth.reach * stretch_limit(cloth) + cloth.material.thickness + spacing;
+    cloth.meets_fast = false;
+    std::optional<std::optional<ClothBox>> box;  // looked for once
+    for (uint32_t i = 0; i < frame_.shapes.size(); ++i) {
+      const shader::ColliderShape& shape = frame_.shapes[i];
+      if (shape.kind == shader::kShapePlane) continue;
+      const Haste haste = haste_of(shape, spacing, most);
+      if (shape.way <= haste.way) continue;
+      if (!box) box = box_of_pins(cloth);
+      if (*box && !may_reach(frame_.shapes, frame_.poses, i, **box, margin)) continue;
+      cloth.meets_fast = true;
+      while (factor < haste.most && shape.way > haste.way * static_cast<float>(factor)) ++factor;
+    }
+  }
   return std::max(1U, std::min(factor, kLargest / settings_.substeps));
 }
 
@@ -176,18 +221,21 @@ void Solver::Impl::step() {
     if (cloths_[c].teleport) carry_over(c);
   frame_.shapes = shapes_;
   frame_.collider_numbers = collider_numbers_;
+  frame_.cloths.resize(cloths_.size());
+  for (size_t c = 0; c < cloths_.size(); ++c) change_pins(cloths_[c], frame_.cloths[c]);
   const uint32_t factor = substeps_factor();
   substeps_ = settings_.substeps * factor;
   collider_poses(colliders_from_, colliders_to_, substeps_, origin_, frame_.poses);
   measure_ways(frame_.shapes, frame_.poses, substeps_, kThickestCloth);
   substep_inputs(clock(), wind_, origin_, frame_.substeps);
   const float way = longest_way(frame_.shapes);
-  frame_.cloths.resize(cloths_.size());
   for (size_t c = 0; c < cloths_.size(); ++c) {
     Cloth& cloth = cloths_[c];
     const float spacing = cloth.asset->spacing * cloth.scale;
-    cloth.collide_cells = cloth.collide_cells || factor > 1 || may_slip_through(frame_.shapes, spacing);
-    frame_.cloths[c].cell_rounds = cloth.collide_cells ? cell_rounds(way, spacing) : 0;
+    const bool hasty = factor > 1 && cloth.meets_fast;
+    cloth.collide_cells = cloth.collide_cells || hasty || may_slip_through(frame_.shapes, spacing);
+    const bool seams = cloth.asset->splits.rows() > 0;
+    frame_.cloths[c].cell_rounds = cloth.collide_cells ? cell_rounds(way, spacing, seams, hasty) : 0;
     fill_cloth_frame(cloth, frame_.cloths[c]);
   }
   find_movers();

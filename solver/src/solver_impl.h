@@ -73,6 +73,8 @@ class Solver::Impl {
     SelfNumbers self;
     bool collide_cells = false;  ///< a collider was met that may slip through between pixels
     bool teleport = false;       ///< the parent jumps before the next frame
+    bool meets_fast = false;     ///< in the next frame, if a collider is fast that may meet it
+    bool hangs = false;          ///< every point has an attachment or is pinned
     float reach = 0;             ///< [m] of the longest attachment; without pins of the whole cloth
     uint64_t particles = 0, springs_per_sweep = 0;
 
@@ -91,6 +93,7 @@ class Solver::Impl {
   void carry_over(uint32_t cloth);
   [[nodiscard]] float stretch_limit(const Cloth& cloth) const;
   [[nodiscard]] FrameClock clock() const;
+  [[nodiscard]] std::optional<ClothBox> box_of_pins(const Cloth& cloth) const;
   [[nodiscard]] uint32_t substeps_factor();
   void find_movers();
   [[nodiscard]] bool is_reached(uint32_t cloth);

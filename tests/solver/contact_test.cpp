@@ -104,6 +104,77 @@ TEST_P(Fast, SphereOfTwoCellsAtTwentyMetresASecondIsHeldByFineClothAtFewSubsteps
   }
 }
 
+// One that pushes a single cell opens it, and the cell closes behind it, unless steps are shorter still.
+TEST_P(Fast, SphereOfACellOrHalfOfOneThrownAslantIsHeldByFineCloth) {
+  struct Throw {
+    float cells, speed;
+  };
+  SolverSettings settings = checked();
+  settings.substeps = 8;
+  const uint32_t points = machine().slow() ? 33 : 100;
+  const SheetOptions options{.nx = points, .ny = points};
+  const ClothAsset asset = make_sheet(options);
+  const float spacing = 1 / static_cast<float>(points - 1);
+  const Vec3 place{0.5F * spacing, 0.3F * spacing, 0};
+  const Vec3 direction = normalized(Vec3{0, -0.7F, 1});
+  for (const auto& [cells, speed] : {Throw{1, 20}, Throw{1, 5}, Throw{0.5F, 5}}) {
+    Solver solver = make(test::describe(asset), settings);
+    solver.set_pins(0, test::pins_at_rest(asset, "top"));
+    const auto frames = static_cast<int>(std::ceil(0.2F * 60 / speed)) + 1;
+    const float way = static_cast<float>(frames) * speed / 60;
+    Collider ball{"ball", Sphere{place + (0.2F - way) * direction, cells * spacing}, 0.3F, {}};
+    solver.set_colliders(std::vector{ball});
+    for (int f = 0; f < frames; ++f) {
+      ball.pose.translate = ball.pose.translate + speed / 60 * direction;
+      solver.set_colliders(std::vector{ball});
+      solver.step();
+    }
+    EXPECT_GE(layers_ahead(options, test::positions_of(solver), place + 0.2F * direction), 1U) << cells << ' ' << speed;
+    EXPECT_LE(solver.statistics().penetration, 0.002);
+  }
+}
+
+// Each side of a seam pushes its own copies of the points, and the mean of them is half of it.
+TEST_P(Fast, SmallSlowSphereIsHeldByASeam) {
+  const uint32_t points = machine().slow() ? 17 : 65;
+  const SheetOptions options{.nx = points, .ny = points, .charts_x = 2, .charts_y = 2};
+  const ClothAsset asset = make_sheet(options);
+  const float spacing = 1 / static_cast<float>(points - 1);
+  const Vec3 place{0.08F * spacing, 0.05F * spacing, 0};
+  Solver solver = make(test::describe(asset), checked());
+  solver.set_pins(0, test::pins_at_rest(asset, "top"));
+  Collider ball{"ball", Sphere{place - Vec3{0, 0, 0.6F * spacing}, 0.5F * spacing}, 0.3F, {}};
+  solver.set_colliders(std::vector{ball});
+  while (ball.pose.translate.z < 0.2F) {
+    ball.pose.translate.z += 0.5F / 60;
+    solver.set_colliders(std::vector{ball});
+    solver.step();
+  }
+  const Vec3 center = place + Vec3{0, 0, ball.pose.translate.z - 0.6F * spacing};
+  EXPECT_GE(layers_ahead(options, test::positions_of(solver), center), 1U);
+  EXPECT_EQ(solver.statistics().copy_gap, 0.0);
+}
+
+// What holds cloth also says how far it can get: others may be as fast as they like.
+TEST_P(Fast, WhatHangingClothCannotMeetChangesNoBitOfIt) {
+  const SheetOptions options{.nx = 17, .ny = 17, .horizontal = true};
+  const ClothAsset asset = make_sheet(options);
+  const auto end = [&](float distance, float speed) {
+    Solver solver = make(test::describe(asset), checked());
+    solver.set_pins(0, test::pins_at_rest(asset, "top"));
+    Collider ball{"ball", Sphere{{0, 0, distance}, 0.1F}, 0.3F, {}};
+    solver.set_colliders(std::vector{ball});
+    for (int f = 0; f < 10; ++f) {
+      ball.pose.translate.x = f % 2 == 0 ? speed / 60 : 0;
+      solver.set_colliders(std::vector{ball});
+      solver.step();
+    }
+    return hash_state(asset, test::positions_of(solver));
+  };
+  EXPECT_EQ(end(3, 20), end(3, 0));
+  EXPECT_NE(end(0.65F, 20), end(0.65F, 0)) << "as it may meet this one, it has more substeps";
+}
+
 // A rod much thinner than the distance of the pixels has nothing but the triangles to meet.
 TEST_P(Fast, ARodThatFitsBetweenPixelsIsHeldByTheClothBetweenThem) {
   for (const float speed : speeds({1.F, 10.F})) {

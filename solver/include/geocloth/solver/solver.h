@@ -142,7 +142,7 @@ class Solver {
   [[nodiscard]] std::shared_ptr<const ClothAsset> asset(uint32_t cloth) const;
 
   /// Frames from now on are so long, of so many substeps; velocities stay. Where colliders are so fast that they would
-  /// stretch the cloth open in a substep, a frame has up to four times as many, up to 16 times for small ones. @throws
+  /// stretch the cloth open in a substep, a frame has up to four times as many, up to 32 times for small ones. @throws
   /// Error(invalid_argument)
   void set_time_step(double frame_time, uint32_t substeps);
   /// Advances by one frame: on Vulkan it only submits.
