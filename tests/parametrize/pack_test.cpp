@@ -133,6 +133,22 @@ TEST(Pack, LargeChartsKeepTheirDistance) {
   EXPECT_GT(utilisation_of_valid(shapes, packing), 0.65);
 }
 
+// Rows of one to four words of 64 pixels, and of more, are gone through each in its own way.
+TEST(Pack, KeepsDistancesInRowsOfAnyLength) {
+  for (const uint32_t side : {7U, 15U, 28U, 45U, 58U, 78U, 110U}) {
+    std::vector<ChartShape> shapes;
+    for (uint32_t i = 0; i < 3; ++i) {
+      shapes.push_back(disc(0.5 * side - i));
+      shapes.push_back(wedge(side - 2 * i));
+      shapes.push_back(rectangle_shape(side / 2 + i, side - i));
+    }
+    for (const PackEffort effort : {PackEffort::quick, PackEffort::thorough}) {
+      EXPECT_GT(utilisation_of_valid(shapes, pack_shapes(shapes, effort)), effort == PackEffort::quick ? 0.55 : 0.6)
+          << side;
+    }
+  }
+}
+
 TEST(Pack, IsDeterministic) {
   const std::vector<ChartShape> shapes{disc(30), wedge(40), rectangle_shape(11, 60), disc(12), wedge(25)};
   const Packing once = pack_shapes(shapes), again = pack_shapes(shapes);

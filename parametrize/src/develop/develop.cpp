@@ -390,7 +390,8 @@ ChartedSurface parted_where_that_pays(const CutSurface& cut, const Sheet& sheet,
   std::vector<PartingTrial> trials(ways.size());
   tbb::parallel_for(size_t{0}, ways.size(), [&](size_t i) {
     PartingTrial& t = trials[i];
-    if ((t.is_over = ways[i].promise >= least)) return;
+    t.is_over = ways[i].promise >= least;
+    if (t.is_over) return;
     t.parted = straightened(loose.cut, ways[i].sheet, ways[i].charts, options);
     const Filling f = unpacked(t.parted.charts, find_sheet(t.parted.cut), parting.pixel);
     t.is_over = least_misses(f.border + more_border, f.seam - whole.seam, parting) >= least;
@@ -403,8 +404,12 @@ ChartedSurface parted_where_that_pays(const CutSurface& cut, const Sheet& sheet,
     tbb::parallel_for(size_t{0}, trials.size(), [&](size_t i) {
       PartingTrial& t = trials[i];
       if (t.is_over) return;
-      t.is_over = !lie_well(measure_threads(t.charts), before);  // nor will it with threads that are less straight
-      if (!t.is_over) t.filling = filling_of(t.charts, find_sheet(t.parted.cut), parting.pixel);
+      // Threads that are less straight lie no better, and charts that keep more of their shape have no less border.
+      const Sheet of_trial = find_sheet(t.parted.cut);
+      const Filling f = unpacked(t.charts, of_trial, parting.pixel);
+      t.is_over =
+          !lie_well(measure_threads(t.charts), before) || least_misses(f.border, f.seam - whole.seam, parting) >= least;
+      if (!t.is_over) t.filling = filling_of(t.charts, of_trial, parting.pixel);
     });
     for (PartingTrial& t : trials) {
       if (t.is_over) continue;
@@ -414,9 +419,6 @@ ChartedSurface parted_where_that_pays(const CutSurface& cut, const Sheet& sheet,
         best = {t.parted.cut, t.charts};
       }
       t.is_over = !t.is_bent || t.filling.utilisation >= parting.wanted;
-    }
-    for (PartingTrial& t : trials) {  // charts that keep more of their shape have no less border
-      if (least_misses(t.filling.border, t.filling.seam - whole.seam, parting) >= least) t.is_over = true;
     }
   }
   return best;

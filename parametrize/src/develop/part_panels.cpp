@@ -350,16 +350,15 @@ class PanelParter {
     }
     const Filled filled(plan_, side_, options.pixel);
     border_ = filled.border_pixels();
-    whole_ = {filled.utilisation(options.pixel), filled.border_share(), seam_ / side_};
-    most_seam_ = most_seam(whole_, options_);
+    most_seam_ = most_seam({0, filled.border_share(), seam_ / side_}, options_);
   }
 
   /// The best ways to part the charts, none like another.
   [[nodiscard]] std::vector<Choice> choose() {
-    most_misses_ = misses_of(whole_, 0, options_);
     const Parting whole = unparted(kCells);
     if (whole.utilisation >= options_.wanted) return {};
-    const bool sparse = whole_.utilisation < kSparse;  // such as ribbons: every trial takes long
+    most_misses_ = misses(whole);
+    const bool sparse = whole.utilisation < kSparse;  // such as ribbons: every trial takes long
     const ChordFinder finder(plan_, area_);
     const std::vector<Chord> chord = finder.find(forbidden_);
     std::vector<Parting> beam{whole}, best;
@@ -529,7 +528,6 @@ class PanelParter {
   double seam_ = 0, outline_ = 0;  // [m]
   double border_ = 0;              // [pixels]
   double area_ = 0, side_ = 0;
-  Filling whole_;
   double most_seam_ = 0;
   double most_misses_ = 0;  // partings that cannot miss less are not gone on with
 };

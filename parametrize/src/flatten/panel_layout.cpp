@@ -336,11 +336,12 @@ struct Placed {
   Plan plan;
   Laid laid;
   std::vector<ChartChain> charts;
+  std::optional<Packing> packing;
 };
 
 /// @throws Error(verification) when no pixels can be found for some chart
 Placed placed_at(Plan plan, const Progress& progress) {
-  Placed placed{std::move(plan), {}, {}};
+  Placed placed{std::move(plan), {}, {}, {}};
   for (int round = 0;; ++round) {
     if (progress) progress("flatten", 1);
     placed.laid = lay_out(placed.plan);
@@ -354,11 +355,11 @@ Placed placed_at(Plan plan, const Progress& progress) {
   }
 }
 
-/// The share of an image's pixels that charts fill.
-double utilisation_of(const std::vector<ChartChain>& charts) {
+/// Packs the charts. @returns the share of the image's pixels that they fill
+double packed(Placed& placed) {
   std::vector<ChartShape> shape;
   double pixels = 0;
-  for (const ChartChain& c : charts) {
+  for (const ChartChain& c : placed.charts) {
     const std::vector<Pixel>& chain = c.chain.pixel;
     const auto [low, width, height] = frame_of(chain);
     FlatChart chart;
@@ -374,8 +375,8 @@ double utilisation_of(const std::vector<ChartChain>& charts) {
     pixels += (area_twice + static_cast<double>(chain.size())) / 2 + 1;  // Pick 1899
     shape.push_back(chart_shape(chart));
   }
-  const Packing packing = pack_shapes(shape);
-  return pixels / (static_cast<double>(packing.width) * packing.height);
+  placed.packing = pack_shapes(shape);
+  return pixels / (static_cast<double>(placed.packing->width) * placed.packing->height);
 }
 
 /// Where an image lacks little of being well filled, the nearest spacing is taken, a few tenths of a per cent larger or
@@ -384,7 +385,7 @@ void find_fuller_image(Placed& placed, const FlattenOptions& options) {
   constexpr double kStep = 1e-3, kHopeful = 0.985;  // of the spacing; of the utilisation that is enough
   constexpr int kSteps = 10, kAtOnce = 4;
   const double enough = PartingOptions{}.enough;
-  if (const double now = utilisation_of(placed.charts); now >= enough || now < kHopeful * enough) return;
+  if (const double now = packed(placed); now >= enough || now < kHopeful * enough) return;
   for (int first = 1; first <= kSteps; first += kAtOnce / 2) {
     std::array<std::optional<Placed>, kAtOnce> trial;
     tbb::parallel_for(0, kAtOnce, [&](int i) {
@@ -393,7 +394,7 @@ void find_fuller_image(Placed& placed, const FlattenOptions& options) {
       other.spacing = placed.plan.spacing * (1 + (i % 2 == 0 ? -steps : steps) * kStep);
       try {
         Placed p = placed_at(make_plan(placed.plan.developed, other), {});
-        if (utilisation_of(p.charts) >= enough) trial[static_cast<size_t>(i)] = std::move(p);
+        if (packed(p) >= enough) trial[static_cast<size_t>(i)] = std::move(p);
       } catch (const Error&) {  // this one has no room for some chart
       }
     });
@@ -419,7 +420,7 @@ FlatSurface lay_out_panels(std::span<const CutSurface> cuts, const FlattenOption
 FlatSurface lay_out_developed(DevelopedSurface developed, const FlattenOptions& options, const Progress& progress) {
   Placed placed = placed_at(make_plan(std::move(developed), options), progress);
   if (!(options.spacing > 0)) find_fuller_image(placed, options);
-  auto& [plan, laid, charts] = placed;
+  auto& [plan, laid, charts, packing] = placed;
   laid = lay_out(plan, {suit_samples(plan, laid, charts), laid.shift});
 
   FlatSurface flat;
@@ -433,7 +434,7 @@ FlatSurface lay_out_developed(DevelopedSurface developed, const FlattenOptions& 
   flat.clean_vertex = std::move(laid.mesh.clean_vertex);
   flat.clean_triangle = std::move(laid.mesh.clean_triangle);
   set_spacing(flat);
-  pack_charts(flat);
+  packing ? arrange_charts(flat, *packing) : pack_charts(flat);
   return flat;
 }
 

@@ -500,7 +500,10 @@ void pack_charts(FlatSurface& flat) {
   std::vector<ChartShape> shape;
   shape.reserve(flat.charts.size());
   for (const FlatChart& chart : flat.charts) shape.push_back(chart_shape(chart));
-  const Packing packing = pack_shapes(shape);
+  arrange_charts(flat, pack_shapes(shape));
+}
+
+void arrange_charts(FlatSurface& flat, const Packing& packing) {
   flat.width = packing.width;
   flat.height = packing.height;
   for (size_t c = 0; c < flat.charts.size(); ++c) {

@@ -43,5 +43,7 @@ enum class PackEffort : uint8_t { quick, thorough };
 /// Packs the charts of a flat surface: sets its size and the charts' corners, and turns charts with their vertices.
 /// @param flat  complete but for width, height and the charts' corners
 void pack_charts(FlatSurface& flat);
+/// The same where the packing of its charts' shapes is known.
+void arrange_charts(FlatSurface& flat, const Packing& packing);
 
 }  // namespace geocloth
