@@ -4,62 +4,18 @@
 
 #include <gtest/gtest.h>
 
+#include "backend_scene.h"
 #include "cpu/bands.h"
-#include "solver_fixture.h"
-#include "solver_impl.h"
 #include "support/count_allocations.h"
 #include "vulkan/frame_plan.h"
 
 namespace geocloth {
 namespace {
 
-/// What a backend gets to see of a scene.
-struct BackendScene {
-  SimulationData data;
-  FrameInput frame;
-};
-
-/// Keeps what it is given and does nothing.
-class Recorder final : public SolverBackend {
- public:
-  explicit Recorder(FrameInput& frame) : frame_(frame) {}
-  void run_frame(const FrameInput& frame) override { frame_ = frame; }
-  void wait() override {}
-  void read_positions(uint32_t, std::vector<shader::vec4>&) override {}
-  void read_previous(uint32_t, std::vector<shader::vec4>&) override {}
-  void read_carry(uint32_t, std::vector<shader::vec4>&) override {}
-  void read_normals(uint32_t, std::vector<shader::vec4>&) override {}
-  void write_state(uint32_t, std::span<const shader::vec4>, std::span<const shader::vec4>) override {}
-  void replace_topology(uint32_t, ClothData) override {}
-  float longest_way(uint32_t, uint32_t) override { return 0; }
-  void fill_statistics(SolverStatistics&) override {}
-
- private:
-  FrameInput& frame_;
-};
-
-/// A cloth hung by its first row, behind a ball.
-BackendScene make_scene(const test::SheetOptions& sheet, const Material& material, bool collider = true) {
-  const ClothDesc cloth = test::describe(test::make_sheet(sheet), material);
-  SolverSettings settings;
-  settings.substeps = 6;
-  BackendScene scene;
-  Solver::Impl solver(std::vector{cloth}, settings, [&](SimulationData data) {
-    scene.data = std::move(data);
-    return std::make_unique<Recorder>(scene.frame);
-  });
-  solver.set_pins(0, test::pins_at_rest(*cloth.asset, "top"));
-  const Collider ball{"ball", Sphere{{0, 0, 0.1F}, 0.15F}, 0.3F, {}};
-  if (collider) solver.set_colliders(std::vector{ball}, true);
-  solver.step();
-  return scene;
-}
-
-Material attached() {
-  Material material;
-  material.max_stretch = 0.02F;
-  return material;
-}
+using test::attached;
+using test::BackendScene;
+using test::CpuCloth;
+using test::make_scene;
 
 TEST(Cost, TheCpuAllocatesNothingOnceItRuns) {
   for (const uint32_t charts : {1U, 2U}) {
@@ -98,26 +54,8 @@ TEST(Cost, AStepOfTheSolverAllocatesNothingOnceItRuns) {
   }
 }
 
-/// A scene's cloth as the cpu keeps it, in an image as wide as the asset's.
-struct CpuCloth {
-  explicit CpuCloth(const BackendScene& scene)
-      : state(scene.data.cloths.front(), false, false), runs(cpu::valid_runs(state)) {
-    const ClothFrame& input = scene.frame.cloths.front();
-    std::copy(input.inverse_mass.begin(), input.inverse_mass.end(), state.inverse_mass.begin());
-    if (state.data.attachments) state.attachments = input.attachments;
-  }
-  cpu::ClothState state;
-  std::vector<cpu::Run> runs;
-};
-
-/// The plan of a scene's substep.
-std::unique_ptr<cpu::SweepPlan> plan_of(const BackendScene& scene, const CpuCloth& cloth, bool in_bands = false) {
-  const ScheduleOptions options = schedule_options(scene.data, 0, scene.frame);
-  return cpu::SweepPlan::make(cloth.state, substep_schedule(options), scene.frame.cloths.front(), cloth.runs, 1,
-                              in_bands);
-}
 std::unique_ptr<cpu::SweepPlan> plan_of(const BackendScene& scene) {
-  return plan_of(scene, CpuCloth(scene));
+  return CpuCloth(scene).plan();
 }
 
 size_t sweeps_of(const cpu::SweepPlan& plan) {
@@ -145,39 +83,38 @@ TEST(Cost, SeamsPartASubstepIntoThreeSweeps) {
   EXPECT_EQ(sweeps_of(*plan), 3U);
 }
 
-/// Rows that the passes of a sweep go through in a band.
-uint64_t rows_in(const cpu::Sweep& sweep, const cpu::SweepBand& band, uint32_t height) {
+/// Rows that the passes of a sweep go through in a task.
+uint64_t rows_in(const cpu::SweepBand& task) {
   uint64_t rows = 0;
-  for (uint32_t time = band.first_time; time < band.end_time; ++time)
-    for (const cpu::SweepOp& op : sweep.ops) {
-      const cpu::RowRange own = cpu::rows_between(band, op, time, time + 1, height);
-      if (own.first < own.last) ++rows;
-    }
+  for (const cpu::RowRange& own : task.rows) rows += own.last - std::min(own.first, own.last);
   return rows;
 }
 
-/// What threads go through together, and what the one with the most to do in each phase goes through.
+/// What threads go through together, and how long it takes them when each row of a pass takes as long and a thread
+/// does a band.
 struct Shared {
   uint32_t bands = 0;
-  uint64_t all = 0, longest = 0;
+  uint64_t all = 0, time = 0;
 };
 Shared share_out(const test::SheetOptions& sheet, uint32_t threads) {
-  const BackendScene scene = make_scene(sheet, attached());
-  const CpuCloth cloth(scene);
-  const std::unique_ptr<cpu::SweepPlan> plan = plan_of(scene, cloth, true);
+  const CpuCloth cloth(make_scene(sheet, attached()));
+  const std::unique_ptr<cpu::SweepPlan> plan = cloth.plan();
   if (!plan) return {};
-  const cpu::BandPlan bands = cpu::plan_bands(*plan, cloth.state, cloth.runs, threads);
+  const cpu::BandPlan bands = cpu::plan_bands(*plan, cloth.state, threads);
   Shared shared{bands.count()};
-  for (const cpu::BandPhase& phase : bands.phases) {
-    const auto* swept = std::get_if<cpu::Sweep>(&plan->parts()[phase.first_part]);
-    if (swept == nullptr) continue;
-    uint64_t most = 0;
-    for (uint32_t task = 0; task < phase.tasks; ++task) {
-      const uint64_t rows = rows_in(*swept, cpu::band_of_task(bands, *swept, phase.kind, task), sheet.ny);
+  std::vector<std::vector<uint64_t>> ends(bands.count(), {0});  // of as many tasks as its place says
+  for (uint32_t number = 0; number < bands.tasks.size(); ++number) {
+    const cpu::BandTask& task = bands.tasks[number];
+    const bool swept = std::holds_alternative<cpu::Sweep>(plan->parts()[task.first_part]);
+    for (uint32_t band = 0; band < bands.count(); ++band) {
+      const uint64_t rows = swept ? rows_in(bands.rows_of(task.first_part, band, task.kind)) : 0;
+      uint64_t start = ends[band].back();
+      for (uint32_t other = 0; other < bands.count(); ++other)
+        if (other != band) start = std::max(start, ends[other][cpu::tasks_needed(bands, band, number, other)]);
+      ends[band].push_back(start + rows);
       shared.all += rows;
-      most = std::max(most, rows);
+      shared.time = std::max(shared.time, start + rows);
     }
-    shared.longest += most;
   }
   return shared;
 }
@@ -188,7 +125,7 @@ TEST(Cost, TwoThreadsHaveHalfOfCutClothEach) {
   if (alone.bands == 0) GTEST_SKIP() << "no vectors on this machine";
   EXPECT_EQ(two.bands, 2U);
   EXPECT_EQ(two.all, alone.all);  // each row by somebody, and by nobody twice
-  EXPECT_LT(static_cast<double>(two.longest), static_cast<double>(alone.longest) / 1.8);
+  EXPECT_LT(static_cast<double>(two.time), static_cast<double>(alone.time) / 1.8);
 }
 
 TEST(Cost, MaskedChartsCostWhatTheirPixelsCost) {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -98,12 +97,19 @@ inline constexpr uint32_t kLinesAtOnce = 2;
   return size_t{kLineKept + kLineTurned} * lanes * stream.most_points;
 }
 
+/// first <= y < last; none when first is not below last.
+struct RowRange {
+  uint32_t first, last;
+};
+
 /// One pass in a sweep: from the time t to t + n of the sweep it works on the rows t - lag .. t + n - 1 - lag.
 struct SweepOp {
   RowKernel kernel;
   Pass pass = Pass::predict;  ///< whose time it is
   uint32_t lag = 0;
-  uint32_t rise = 0;    ///< like the lag, for passes that run upwards: what they leave to a band above
+  uint32_t up = 0, down = 0;  ///< rows above and below its own that the kernel touches
+  bool spills = false;  ///< rows of this pass that touch the same one must not be worked on at the same time: lanes
+                        ///< over the end of a row write what they found
   uint32_t offset = 0;  ///< pixels from one end of a constraint to the next; bends_along: see ThirdRow
   float share = 1;
   const RowStream* stream = nullptr;
@@ -111,16 +117,24 @@ struct SweepOp {
   bool read_multipliers = false, write_multipliers = false;
 };
 
+/// Rows of a sweep that are worked on by one thread between two waits.
+struct SweepBand {
+  std::vector<RowRange> rows;  ///< of each pass
+  uint32_t first_time = 0, end_time = 0;
+};
+
 /// Passes that run through the rows together.
 struct Sweep {
   std::vector<SweepOp> ops;
-  uint32_t last_lag = 0;  ///< of the last pass
-  uint32_t last_rise = 0;
-  uint32_t longest_reach = 0;  ///< rows up and down from a row that passes touch
-  uint32_t scratch = 0;        ///< floats of SweepFrame::scratch
-  uint32_t distance = 0;       ///< times that the same sweep of the substep before must be ahead
-  uint32_t strip = 1;          ///< times that pass: rows that a pass works on before the next one does
+  SweepBand whole;       ///< all of its rows
+  uint32_t scratch = 0;  ///< floats of SweepFrame::scratch
+  uint32_t strip = 1;    ///< times that pass: rows that a pass works on before the next one does
 };
+
+/// The rows of a pass that a band has from a time on to another one.
+[[nodiscard]] inline RowRange rows_between(const RowRange& own, const SweepOp& op, uint32_t time, uint32_t end) {
+  return {std::max(own.first, time - std::min(time, op.lag)), std::min(own.last, end - std::min(end, op.lag))};
+}
 
 /// A collider from which a point that is this far away is certainly not touched, per substep.
 struct ColliderGuard {
@@ -147,41 +161,9 @@ struct SweepFrame {
   double* seconds = nullptr;              ///< for each substep one for each pass
 };
 
-/// Rows of a sweep that can be done without those of other bands. Band k leaves out the rows at its upper side that
-/// need what the band above does last; when both are done, a gap is what they have left out.
-///
-///   time   band 0 | gap | band 1        pass 0  ......|......
-///                                       pass 1  .....|-|.....
-///   pass k leaves `lag` rows at the     pass 2  ....|---|....
-///   lower side and `rise` at the upper
-struct SweepBand {
-  uint32_t first_time = 0, end_time = 0;
-  uint32_t low = 0;    ///< with `upper`: row from which on, plus its rise, a pass works
-  uint32_t high = 0;   ///< with `lower`: row up to which, plus its rise, a pass works
-  bool upper = false;  ///< a band above has the rows before
-  bool lower = false;  ///< it is a gap: a band below has the rows after
-};
-/// first <= y < last; none when first is not below last.
-struct RowRange {
-  uint32_t first, last;
-};
-/// The rows of a pass that a band has from a time on to another one.
-[[nodiscard]] inline RowRange rows_between(const SweepBand& band, const SweepOp& op, uint32_t time, uint32_t end,
-                                           uint32_t height) {
-  RowRange rows{time > op.lag ? time - op.lag : 0, end > op.lag ? std::min(end - op.lag, height) : 0};
-  if (band.upper) rows.first = std::max(rows.first, band.low + op.rise);
-  if (band.lower) rows.last = std::min(rows.last, band.high + op.rise);
-  return rows;
-}
-[[nodiscard]] inline SweepBand whole_sweep(const Sweep& sweep, uint32_t height) {
-  return {.first_time = 0, .end_time = height + sweep.last_lag};
-}
-
-/// Runs the sweep of one substep. Waits, strip by strip, until `ahead` has come far enough, and tells its own way.
+/// Runs a band of the sweep of one substep.
 /// @param lanes  of the vectors that the streams were made for
-/// @param ahead  times that the substep before has done, or nullptr
-void run_sweep(uint32_t lanes, const SweepFrame& frame, uint32_t substep, const SweepBand& band, const Progress* ahead,
-               Progress* own);
+void run_sweep(uint32_t lanes, const SweepFrame& frame, uint32_t substep, const SweepBand& band);
 
 /// Unit normals of the pixels of some rows from their own cells.
 /// @param runs  none reaches over the end of a row

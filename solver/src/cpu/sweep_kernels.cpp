@@ -33,7 +33,7 @@ namespace geocloth::cpu::HWY_NAMESPACE {
 
 #if HWY_TARGET == HWY_SCALAR  // no vectors: nothing is planned for one lane, the plain path runs
 
-void run_sweep_here(uint32_t, const SweepFrame&, uint32_t, const SweepBand&, const Progress*, Progress*) {}
+void run_sweep_here(uint32_t, const SweepFrame&, uint32_t, const SweepBand&) {}
 void run_normals_here(uint32_t, ClothState& state, std::span<const Run> runs) {
   for (const Run& run : runs) normal_pixels(state, run.first, run.last);
 }
@@ -130,9 +130,6 @@ HWY_INLINE void run_rows(D d, const SweepFrame& frame, const SweepOp& op, uint32
   }
 }
 
-/// Whoever has to wait lets the other one go so many rows farther.
-constexpr uint32_t kRowsAtOnce = 4;
-
 template <class D>
 HWY_NOINLINE void time_rows(D d, const SweepFrame& frame, uint32_t substep, const SweepBand& band, uint32_t time,
                             uint32_t next) {
@@ -141,7 +138,7 @@ HWY_NOINLINE void time_rows(D d, const SweepFrame& frame, uint32_t substep, cons
   double* seconds = frame.seconds + substep * ops.size();
   auto start = Clock::now();
   for (size_t k = 0; k < ops.size() && ops[k].lag < next; ++k) {
-    const RowRange rows = rows_between(band, ops[k], time, next, frame.state->data.height);
+    const RowRange rows = rows_between(band.rows[k], ops[k], time, next);
     if (rows.first >= rows.last) continue;
     run_rows(d, frame, ops[k], substep, rows);
     const auto end = Clock::now();
@@ -151,26 +148,18 @@ HWY_NOINLINE void time_rows(D d, const SweepFrame& frame, uint32_t substep, cons
 }
 
 template <class D>
-void sweep_rows(D d, const SweepFrame& frame, uint32_t substep, const SweepBand& band, const Progress* ahead,
-                Progress* own) {
+void sweep_rows(D d, const SweepFrame& frame, uint32_t substep, const SweepBand& band) {
   const Sweep& sweep = *frame.sweep;
-  const uint32_t height = frame.state->data.height, end = height + sweep.last_lag;
-  uint32_t seen = 0;  // of the way ahead: to look at it every strip costs as much as a row
   for (uint32_t time = band.first_time; time < band.end_time; time += sweep.strip) {
-    const uint32_t next = std::min(band.end_time, time + sweep.strip), needed = next - 1 + sweep.distance;
-    if (ahead != nullptr && seen < std::min(end, needed)) {
-      seen = wait_until(ahead->done, std::min(end, needed + kRowsAtOnce));
-    }
+    const uint32_t next = std::min(band.end_time, time + sweep.strip);
     if (frame.seconds != nullptr) {
       time_rows(d, frame, substep, band, time, next);
     } else {
-      for (const SweepOp& op : sweep.ops) {
-        if (op.lag >= next) break;  // lags ascend
-        const RowRange rows = rows_between(band, op, time, next, height);
-        if (rows.first < rows.last) run_rows(d, frame, op, substep, rows);
+      for (size_t k = 0; k < sweep.ops.size() && sweep.ops[k].lag < next; ++k) {  // lags ascend
+        const RowRange rows = rows_between(band.rows[k], sweep.ops[k], time, next);
+        if (rows.first < rows.last) run_rows(d, frame, sweep.ops[k], substep, rows);
       }
     }
-    if (own != nullptr) own->done.store(next, std::memory_order_release);
   }
 }
 
@@ -183,9 +172,8 @@ HWY_INLINE void with_lanes(uint32_t lanes, const Body& body) {
   body(hn::CappedTag<float, 4>());
 }
 
-void run_sweep_here(uint32_t lanes, const SweepFrame& frame, uint32_t substep, const SweepBand& band,
-                    const Progress* ahead, Progress* own) {
-  with_lanes(lanes, [&](auto d) GEOCLOTH_LANES { sweep_rows(d, frame, substep, band, ahead, own); });
+void run_sweep_here(uint32_t lanes, const SweepFrame& frame, uint32_t substep, const SweepBand& band) {
+  with_lanes(lanes, [&](auto d) GEOCLOTH_LANES { sweep_rows(d, frame, substep, band); });
 }
 
 void run_normals_here(uint32_t lanes, ClothState& state, std::span<const Run> runs) {
@@ -227,9 +215,8 @@ HWY_EXPORT(run_lines_here);
 HWY_EXPORT(lanes_here);
 HWY_EXPORT(target_here);
 
-void run_sweep(uint32_t lanes, const SweepFrame& frame, uint32_t substep, const SweepBand& band, const Progress* ahead,
-               Progress* own) {
-  HWY_DYNAMIC_DISPATCH(run_sweep_here)(lanes, frame, substep, band, ahead, own);
+void run_sweep(uint32_t lanes, const SweepFrame& frame, uint32_t substep, const SweepBand& band) {
+  HWY_DYNAMIC_DISPATCH(run_sweep_here)(lanes, frame, substep, band);
 }
 void run_normals(uint32_t lanes, ClothState& state, std::span<const Run> runs) {
   HWY_DYNAMIC_DISPATCH(run_normals_here)(lanes, state, runs);

@@ -21,31 +21,21 @@ namespace {
 /// Added to a group of ties: those of its springs that take only a share.
 constexpr uint32_t kLastTies = 4;
 
-/// Rows between two bands that one thread makes up for while others wait: from here on it is cheaper to go through the
-/// rows once more.
-constexpr uint32_t kShortGap = 16;
-
-/// Rows above and below its own that a kernel touches.
-struct Reach {
-  uint32_t up = 0, down = 0;
-};
-
 }  // namespace
 
 class SweepPlanner {
  public:
   SweepPlanner(const ClothState& state, const ClothFrame& cloth, const std::vector<Run>& runs,
-               uint32_t relaxation_steps, bool in_bands, uint32_t lanes)
+               uint32_t relaxation_steps, uint32_t lanes)
       : source_{.state = state,
                 .cloth = cloth,
                 .lanes = lanes,
                 .width = state.data.width,
                 .height = state.data.height,
                 .several = relaxation_steps > 1,
-                .strip = rows_at_once(runs, state.data.height, in_bands && state.data.split_rows() == 0)},
+                .strip = rows_at_once(runs, state.data.height)},
         runs_(runs),
-        relaxation_steps_(relaxation_steps),
-        in_bands_(in_bands) {
+        relaxation_steps_(relaxation_steps) {
     plan_->lanes_ = lanes;
   }
 
@@ -53,22 +43,17 @@ class SweepPlanner {
   static bool wide_enough(uint32_t width, uint32_t lanes) { return width >= 3 * lanes + 4; }
 
   std::unique_ptr<SweepPlan> run(const std::vector<PassStep>& substep) {
-    const bool whole =
-        std::all_of(substep.begin(), substep.end(), [](const PassStep& s) { return goes_by_rows(s.pass); });
+    Sweep* sweep = nullptr;  // that passes go on with
     for (const PassStep& step : substep) {
       if (is_with_first_group(step)) continue;
       if (step.pass == Pass::lines) plan_->lines_[step.group] = line_stream(source_, step.group);
       if (!goes_by_rows(step.pass)) {
         plan_->parts_.emplace_back(step);
+        sweep = nullptr;
         continue;
       }
-      const auto* sweep = plan_->parts_.empty() ? nullptr : std::get_if<Sweep>(&plan_->parts_.back());
-      const bool too_far = in_bands_ && !whole && sweep != nullptr && sweep->last_lag + sweep->last_rise > kShortGap;
-      if (sweep == nullptr || too_far) {
-        plan_->parts_.emplace_back(Sweep{});
-        reaches_.clear();
-      }
-      append(std::get<Sweep>(plan_->parts_.back()), step.pass, make_op(step));
+      if (sweep == nullptr) sweep = &std::get<Sweep>(plan_->parts_.emplace_back(Sweep{}));
+      append(*sweep, step.pass, make_op(step));
     }
     return std::move(plan_);
   }
@@ -76,44 +61,32 @@ class SweepPlanner {
  private:
   void append(Sweep& sweep, Pass pass, SweepOp op) {
     op.pass = pass;
-    const Reach reach = reach_of(op);
-    // A band below has begun with its first row already.
-    if (gives_back(op) || reaches_too_far_down(op)) op.lag = reach.down;
-    for (size_t k = 0; k < sweep.ops.size(); ++k) {
-      op.lag = std::max(op.lag, sweep.ops[k].lag + reach.down + reaches_[k].up);
-      op.rise = std::max(op.rise, sweep.ops[k].rise + reach.up + reaches_[k].down);
-    }
-    sweep.ops.push_back(op);
-    reaches_.push_back(reach);
-    sweep.last_lag = op.lag;
-    sweep.last_rise = op.rise;
+    op.spills = gives_back(op) || reaches_too_far_down(op);
+    lay_reach(op);
+    for (const SweepOp& before : sweep.ops) op.lag = std::max(op.lag, before.lag + op.down + before.up);
+    sweep.whole.rows.push_back({0, source_.height});
+    sweep.whole.end_time = source_.height + op.lag;  // lags ascend
     sweep.strip = source_.strip;
     if (op.kernel == RowKernel::bends_along)
       sweep.scratch = std::max(sweep.scratch, source_.strip * kThirdLines * op.offset);
-    for (const Reach& other : reaches_) {
-      sweep.longest_reach = std::max({sweep.longest_reach, reach.up + other.down, other.up + reach.down});
-    }
-    // The next substep's pass j at t is on row t - lag(j); this one's pass k has to be through row t - lag(j) + down(j)
-    // + up(k) by then, and so at the time t + distance.
-    int64_t distance = 0;
-    for (size_t j = 0; j < sweep.ops.size(); ++j)
-      for (size_t k = 0; k < sweep.ops.size(); ++k)
-        distance = std::max(
-            distance, int64_t{sweep.ops[k].lag} + reaches_[k].up + reaches_[j].down - int64_t{sweep.ops[j].lag} + 1);
-    sweep.distance = static_cast<uint32_t>(distance);
+    sweep.ops.push_back(op);
   }
 
-  [[nodiscard]] Reach reach_of(const SweepOp& op) const {
+  void lay_reach(SweepOp& op) const {
     switch (op.kernel) {
       case RowKernel::normals:
-        return {1, 1};
+        op.up = op.down = 1;
+        break;
       case RowKernel::springs_across:
       case RowKernel::ties_across:
-        return {0, rows_below(op)};
+        op.down = rows_below(op);
+        break;
       case RowKernel::bends_across:
-        return {0, 2};
+        op.down = 2;
+        break;
       default:
-        return gives_back(op) ? Reach{0, 1} : Reach{};
+        op.down = gives_back(op) ? 1 : 0;
+        break;
     }
   }
 
@@ -143,13 +116,12 @@ class SweepPlanner {
   }
 
   /// A pass begins with what has to wait for roots and divisions: it should go on for so many pixels then. More would
-  /// be out of the nearest cache when the next pass comes. Threads that follow each other from substep to substep do so
-  /// strip by strip, and wait less where these are short.
-  static uint32_t rows_at_once(const std::vector<Run>& runs, uint32_t height, bool followed) {
-    constexpr uint32_t kPixels = 1400, kPixelsFollowed = 700, kLeast = 4, kMost = 16;
+  /// be out of the nearest cache when the next pass comes.
+  static uint32_t rows_at_once(const std::vector<Run>& runs, uint32_t height) {
+    constexpr uint32_t kPixels = 1400, kLeast = 4, kMost = 16;
     uint64_t pixels = 0;
     for (const Run& run : runs) pixels += run.last - run.first;
-    const uint64_t wanted = uint64_t{followed ? kPixelsFollowed : kPixels} * height;
+    const uint64_t wanted = uint64_t{kPixels} * height;
     return static_cast<uint32_t>(std::clamp<uint64_t>(wanted / std::max<uint64_t>(pixels, 1), kLeast, kMost));
   }
 
@@ -292,19 +264,17 @@ class SweepPlanner {
   const RowSource source_;
   const std::vector<Run>& runs_;
   uint32_t relaxation_steps_;
-  bool in_bands_;
   std::unique_ptr<SweepPlan> plan_ = std::make_unique<SweepPlan>();
   std::array<RowStream*, 2> run_streams_{};                        ///< of pixels, of whole vectors
   std::map<std::pair<Pass, uint32_t>, SweepOp> first_relaxation_;  ///< of what comes again, by pass and group
-  std::vector<Reach> reaches_;                                     ///< of the sweep that is being made
 };
 
 std::unique_ptr<SweepPlan> SweepPlan::make(const ClothState& state, const std::vector<PassStep>& substep,
                                            const ClothFrame& cloth, const std::vector<Run>& runs,
-                                           uint32_t relaxation_steps, bool in_bands) {
+                                           uint32_t relaxation_steps) {
   for (uint32_t lanes = vector_lanes(); lanes >= 4; lanes /= 2) {
     if (!SweepPlanner::wide_enough(state.data.width, lanes)) continue;
-    return SweepPlanner(state, cloth, runs, relaxation_steps, in_bands, lanes).run(substep);
+    return SweepPlanner(state, cloth, runs, relaxation_steps, lanes).run(substep);
   }
   return nullptr;
 }

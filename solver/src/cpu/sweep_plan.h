@@ -16,11 +16,10 @@ class SweepPlan {
  public:
   using Part = std::variant<Sweep, PassStep>;
 
-  /// @param in_bands  threads have bands of rows where the substep has several sweeps, so none may reach far
   /// @return nothing when the image is too narrow for vectors
   [[nodiscard]] static std::unique_ptr<SweepPlan> make(const ClothState& state, const std::vector<PassStep>& substep,
                                                        const ClothFrame& cloth, const std::vector<Run>& runs,
-                                                       uint32_t relaxation_steps, bool in_bands = false);
+                                                       uint32_t relaxation_steps);
 
   [[nodiscard]] uint32_t lanes() const { return lanes_; }
   [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A cloth without seams goes through its substeps in one piece: each thread takes the next substep and follows the one
-// before at the distance that the plan says, so any number of threads does the same operations in the same order for
-// every pixel. Seams need all copies at once, so there the substep is made of several sweeps, and each thread has a
-// band of rows; see bands.cpp.
+// A cloth without seams goes through its substeps in one piece; seams need all copies at once, so there the substep is
+// made of several sweeps. Each thread has a band of rows; see bands.cpp.
 
 #include "cpu/sweep_runner.h"
 
@@ -32,18 +30,13 @@ void SweepRunner::prepare(const ClothState& state, const ClothFrame& cloth, cons
     planned_ = false;
     return;
   }
-  const Recipe recipe{options_of_substeps(options),
-                      p.inverse_dt2,
-                      p.stretch_limit,
-                      p.share_structural,
-                      p.share_shear,
-                      p.share_bending,
-                      threads > 1};
+  const Recipe recipe{options_of_substeps(options), p.inverse_dt2, p.stretch_limit,
+                      p.share_structural,           p.share_shear, p.share_bending};
   if (planned_ && !cloth.pins_changed && recipe == recipe_) return;
   recipe_ = recipe;
   planned_ = true;
   const auto plan = [&](const std::vector<PassStep>& steps, uint32_t relaxation_steps) {
-    return Plan{SweepPlan::make(state, steps, cloth, runs_, relaxation_steps, threads > 1), {}, {}};
+    return Plan{SweepPlan::make(state, steps, cloth, runs_, relaxation_steps), {}, {}};
   };
   substep_ = plan(substep_schedule(options), options.relaxation_steps);
   finish_ = options.ties ? plan(finish_schedule(options), 1) : Plan{};
@@ -103,30 +96,36 @@ void SweepRunner::run_step(const Plan& plan, const PassStep& step, const SweepFr
 
 void SweepRunner::run_in_bands(const Plan& plan, const SweepFrame& frame, uint32_t first, uint32_t last,
                                const Threads& threads, const RunPass& pass) {
-  const uint32_t bands = plan.bands.count(), substeps = static_cast<uint32_t>(contexts_.size());
+  const BandPlan& bands = plan.bands;
+  const auto substeps = static_cast<uint32_t>(contexts_.size()), tasks = static_cast<uint32_t>(bands.tasks.size());
   const std::vector<SweepPlan::Part>& parts = plan.sweeps->parts();
-  const size_t phases = plan.bands.phases.size();
-  first_tasks_.assign(1, 0);
-  for (size_t k = 0; k < phases * (last - first); ++k) {
-    first_tasks_.push_back(first_tasks_.back() + plan.bands.phases[k % phases].tasks);
-  }
-  penetration_.assign(size_t{substeps} * bands, 0.F);
-  threads.for_phases(first_tasks_, bands, [&](size_t k, uint32_t task) {
-    const auto substep = first + static_cast<uint32_t>(k / phases);
-    const BandPhase& phase = plan.bands.phases[k % phases];
-    for (uint32_t n = phase.first_part; n < phase.last_part; ++n) {
+  if (chains_.size() < bands.count()) chains_ = std::vector<TaskChain>(bands.count());
+  penetration_.assign(size_t{substeps} * bands.count(), 0.F);
+  const auto ready = [&](uint32_t band, uint32_t number) {
+    for (uint32_t other = 0; other < bands.count(); ++other) {
+      const uint32_t needed = other == band ? 0 : tasks_needed(bands, band, number, other);
+      if (needed > 0 && chains_[other].done() < needed) return false;
+    }
+    return true;
+  };
+  const std::span<TaskChain> chains(chains_.data(), bands.count());
+  threads.for_chains(chains, tasks * (last - first), ready, [&](uint32_t band, uint32_t number) {
+    const uint32_t substep = first + number / tasks;
+    const BandTask& task = bands.tasks[number % tasks];
+    const bool alone = task.kind == BandTask::Kind::alone;
+    if (alone && band > 0) return;
+    for (uint32_t n = task.first_part; n < task.last_part; ++n) {
       if (const auto* step = std::get_if<PassStep>(&parts[n])) {
         const PassContext& all = contexts_[substep];
-        const Threads& share = phase.kind == BandPhase::Kind::alone ? alone_ : plan.shares[task];
+        const Threads& share = alone ? alone_ : plan.shares[band];
         run_step(plan, *step, frame, {all.frame, all.cloth, share, substep, all.relaxation_steps}, {}, pass);
         continue;
       }
       SweepFrame own = frame;
       own.sweep = &std::get<Sweep>(parts[n]);
-      own.penetration = &penetration_[size_t{task} * substeps];
-      own.scratch = scratch_of(task);
-      run_sweep(plan.sweeps->lanes(), own, substep, band_of_task(plan.bands, *own.sweep, phase.kind, task), nullptr,
-                nullptr);
+      own.penetration = &penetration_[size_t{band} * substeps];
+      own.scratch = scratch_of(band);
+      run_sweep(plan.sweeps->lanes(), own, substep, bands.rows_of(n, band, task.kind));
     }
   });
 }
@@ -150,26 +149,13 @@ uint32_t SweepRunner::place_anchors(const ClothState& state) {
 }
 
 void SweepRunner::run_substeps(SweepFrame& frame, const Sweep& sweep, uint32_t first, uint32_t last,
-                               const Threads& threads, const Measuring& measuring) {
+                               const Measuring& measuring) {
   const auto start = Clock::now();
   frame.sweep = &sweep;
   if (measuring.seconds != nullptr) seconds_.assign(contexts_.size() * sweep.ops.size(), 0.0);
   frame.seconds = measuring.seconds != nullptr ? seconds_.data() : nullptr;
-
-  if (progress_.size() != contexts_.size()) progress_ = std::vector<Progress>(contexts_.size());
-  for (Progress& p : progress_) p.done.store(0, std::memory_order_relaxed);
-  // Substeps are taken in order, so the first unfinished one never waits for one that nobody has begun.
-  std::atomic<uint32_t> next{first}, next_thread{0};
-  const auto work = [&] {
-    SweepFrame own = frame;
-    own.scratch = scratch_of(next_thread.fetch_add(1));
-    for (uint32_t s = next.fetch_add(1); s < last; s = next.fetch_add(1)) {
-      run_sweep(substep_.sweeps->lanes(), own, s, whole_sweep(sweep, frame.state->data.height),
-                s > first ? &progress_[s - 1] : nullptr, &progress_[s]);
-    }
-  };
-  threads.for_each_thread(last - first, work);
-
+  frame.scratch = scratch_.data();
+  for (uint32_t s = first; s < last; ++s) run_sweep(substep_.sweeps->lanes(), frame, s, sweep.whole);
   if (measuring.seconds == nullptr) return;
   const double timed = std::accumulate(seconds_.begin(), seconds_.end(), 0.0);
   const double all = std::chrono::duration<double>(Clock::now() - start).count();
@@ -184,23 +170,22 @@ void SweepRunner::run_plan(Plan& plan, SweepFrame frame, uint32_t first, uint32_
   frame.penetration = penetration_.data();
   const std::vector<SweepPlan::Part>& parts = plan.sweeps->parts();
   const bool in_one_piece = parts.size() == 1 && std::holds_alternative<Sweep>(parts.front());
-  const bool threads_share = threads.count() > 1 && measuring.seconds == nullptr;
-  if (in_one_piece && (last - first > 1 || !threads_share)) {
-    run_substeps(frame, std::get<Sweep>(parts.front()), first, last, threads, measuring);
-  } else if (threads_share) {
+  if (threads.count() > 1 && measuring.seconds == nullptr) {
     if (plan.bands.rows.empty()) {
-      plan.bands = plan_bands(*plan.sweeps, *frame.state, runs_, threads.count());
+      plan.bands = plan_bands(*plan.sweeps, *frame.state, threads.count());
       plan.shares.clear();
       for (uint32_t k = 0; k < plan.bands.count(); ++k) plan.shares.emplace_back(k, plan.bands.count());
     }
     run_in_bands(plan, frame, first, last, threads, pass);
+  } else if (in_one_piece) {
+    run_substeps(frame, std::get<Sweep>(parts.front()), first, last, measuring);
   } else {
     for (uint32_t s = first; s < last; ++s) {
       for (const SweepPlan::Part& part : parts) {
         if (const auto* step = std::get_if<PassStep>(&part)) {
           run_step(plan, *step, frame, contexts_[s], measuring, pass);
         } else {
-          run_substeps(frame, std::get<Sweep>(part), s, s + 1, threads, measuring);
+          run_substeps(frame, std::get<Sweep>(part), s, s + 1, measuring);
         }
       }
     }

@@ -43,7 +43,6 @@ class SweepRunner {
   struct Recipe {
     ScheduleOptions options;
     float inverse_dt2 = 0, stretch_limit = 0, share_structural = 0, share_shear = 0, share_bending = 0;
-    bool in_bands = false;
     bool operator==(const Recipe&) const = default;
   };
 
@@ -67,18 +66,16 @@ class SweepRunner {
   /// Runs a plan in the substeps first .. last - 1.
   void run_plan(Plan& plan, SweepFrame frame, uint32_t first, uint32_t last, const Threads& threads,
                 const Measuring& measuring, const RunPass& pass);
-  /// The plan's parts one after another, each by all threads.
+  /// The plan's parts one after another, each by all threads, without times.
   void run_in_bands(const Plan& plan, const SweepFrame& frame, uint32_t first, uint32_t last, const Threads& threads,
                     const RunPass& pass);
   /// Runs a sweep in the substeps first .. last - 1 and shares its time out among its passes.
-  void run_substeps(SweepFrame& frame, const Sweep& sweep, uint32_t first, uint32_t last, const Threads& threads,
-                    const Measuring& measuring);
+  void run_substeps(SweepFrame& frame, const Sweep& sweep, uint32_t first, uint32_t last, const Measuring& measuring);
 
   std::vector<Run> runs_;
   bool planned_ = false;
   Recipe recipe_;
   Plan substep_, finish_;
-  std::vector<uint32_t> first_tasks_;
   Threads alone_{1};
   std::vector<PassContext> contexts_;
   Floats anchors_;  ///< see SweepFrame
@@ -88,7 +85,7 @@ class SweepRunner {
   size_t scratch_length_ = 0;
   Floats line_scratch_;  ///< for the blocks of LineStream
   std::vector<double> seconds_;
-  std::vector<Progress> progress_;
+  std::vector<TaskChain> chains_;  ///< of the bands
 };
 
 }  // namespace geocloth::cpu

@@ -48,6 +48,10 @@ void Threads::run_range(uint32_t count, uint32_t grain, const std::function<void
   });
 }
 
+uint32_t Threads::own_place() {
+  return static_cast<uint32_t>(std::max(0, tbb::this_task_arena::current_thread_index()));
+}
+
 void Threads::run_in_each(uint32_t most, const std::function<void()>& body) const {
   const int workers = arena_ ? std::min(arena_->arena.max_concurrency(), static_cast<int>(most)) : 1;
   if (workers <= 1) return body();
