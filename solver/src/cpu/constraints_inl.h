@@ -76,19 +76,25 @@ struct SpringKind {
   static constexpr bool kPullsOnly = kOnlyPull;  ///< ties and spans, lib/span.h
 };
 
-/// lib/spring.h with inverse = 1 / (wa + wb + compliance), 0 where there is no spring.
+/// lib/spring.h with inverse = 1 / (wa + wb + compliance), 0 where there is no spring; lib/span.h with the longest
+/// length and share / (wa + wb).
 /// @param block  its number
 template <class Kind, class D>
 HWY_INLINE Vec<D> spring_factor(D d, const SweepOp& op, const float* all_constants, size_t block, Vec<D> length,
                                 Vec<D> share) {
   const size_t lanes = hn::Lanes(d);
   const float* const constants = all_constants + block * spring_floats(lanes, Kind::kSeveral);
-  return change_over_length(d, length, hn::LoadU(d, constants), hn::LoadU(d, constants + lanes), constants + 2 * lanes,
-                            Multipliers<Kind::kSeveral, D>(op, block, lanes), [&](Vec<D> error) GEOCLOTH_LANES {
-                              if constexpr (Kind::kPullsOnly) return hn::Max(error, hn::Zero(d));
-                              if constexpr (Kind::kWhole) return error;
-                              return hn::Mul(share, error);
-                            });
+  const auto rest = hn::LoadU(d, constants), inverse = hn::LoadU(d, constants + lanes);
+  if constexpr (Kind::kPullsOnly) {
+    const auto change = hn::Mul(hn::Sub(length, rest), inverse);
+    return hn::IfThenElseZero(hn::Gt(length, rest), hn::Mul(change, hn::Div(hn::Set(d, 1.F), length)));
+  } else {
+    return change_over_length(d, length, rest, inverse, constants + 2 * lanes,
+                              Multipliers<Kind::kSeveral, D>(op, block, lanes), [&](Vec<D> error) GEOCLOTH_LANES {
+                                if constexpr (Kind::kWhole) return error;
+                                return hn::Mul(share, error);
+                              });
+  }
 }
 template <class D>
 HWY_INLINE void apply_spring(D d, Vec<D> factor, Points<D>& a, Vec<D> wa, Points<D>& b, Vec<D> wb) {
@@ -276,7 +282,7 @@ HWY_NOINLINE void limit(D d, const SweepOp& op, ClothState& state, const float* 
       [&](size_t block, Vec<D> l) GEOCLOTH_LANES {
         const auto longest = hn::LoadU(d, longest_of + block * hn::Lanes(d));
         const auto far = hn::Gt(l, longest);
-        return hn::IfThenElse(far, hn::Mul(longest, hn::Div(one, hn::IfThenElse(far, l, one))), within);
+        return hn::IfThenElse(far, hn::Mul(longest, hn::Div(one, l)), within);
       },
       [&](size_t block, size_t i, Vec<D> factor) GEOCLOTH_LANES {
         const auto far = hn::Ge(factor, hn::Zero(d));
