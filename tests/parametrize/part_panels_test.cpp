@@ -175,8 +175,8 @@ TEST(PartPanels, TheMostPromisingWayComesFirstAndPays) {
       << "already with seams along the mesh's edges";
 }
 
-// A sweater in one piece whose image is half empty is to be parted though its border comes to be a little too long; one
-// whose image lacks little is not.
+// A half empty image is worse than one whose border is a little too long; but what is met stays so, unless another
+// target is met for it.
 TEST(PartPanels, WhatIsFarOffItsTargetCountsForMore) {
   const PartingOptions options;
   const auto misses = [&](double utilisation, double border) {
@@ -186,6 +186,9 @@ TEST(PartPanels, WhatIsFarOffItsTargetCountsForMore) {
   EXPECT_GT(misses(0.74, 0.080), misses(0.72, 0.065));
   EXPECT_LT(misses(0.80, 0.060), misses(0.74, 0.060)) << "to be full enough is worth something by itself";
   EXPECT_DOUBLE_EQ(misses(0.80, 0.060), misses(0.95, 0.020)) << "what is reached is enough";
+  EXPECT_TRUE(gives_up_border({0.60, 0.072, 0}, {0.47, 0.065, 0}, options));
+  EXPECT_FALSE(gives_up_border({0.78, 0.072, 0}, {0.47, 0.065, 0}, options)) << "another target is met for it";
+  EXPECT_FALSE(gives_up_border({0.60, 0.085, 0}, {0.47, 0.080, 0}, options)) << "it was too long already";
   EXPECT_LE(least_misses(0.08, 0.2, options), misses(1, 0.08)) << "no packing is better";
 }
 

@@ -381,11 +381,16 @@ ChartedSurface parted_where_that_pays(const CutSurface& cut, const Sheet& sheet,
   const ChartedSurface loose = straightened(cut, sheet, charts, options);
   ThreadMemory memory(loose.charts);
   ChartedSurface best{loose.cut, with_straight_threads(loose.charts, 1, memory)};
-  const std::vector<PartedPanels> ways = ways_to_part(loose.charts, find_sheet(loose.cut), parting);
+  if (!(parting.pixel > 0)) return best;
+  const double more_border =
+      unpacked(best.charts, find_sheet(best.cut), parting.pixel).border -
+      unpacked(loose.charts, find_sheet(loose.cut), parting.pixel).border;  // of straight threads
+  PartingOptions before_threads = parting;
+  before_threads.most_border -= std::max(more_border, 0.0);
+  const std::vector<PartedPanels> ways = ways_to_part(loose.charts, find_sheet(loose.cut), before_threads);
   if (ways.empty()) return best;
   const Filling whole = filling_of(best.charts, find_sheet(best.cut), parting.pixel);
   const ThreadMeasure before = measure_threads(best.charts);
-  const double more_border = whole.border - unpacked(loose.charts, find_sheet(loose.cut), parting.pixel).border;
   double least = misses_of(whole, 0, parting) - kLeastGain;
   std::vector<PartingTrial> trials(ways.size());
   tbb::parallel_for(size_t{0}, ways.size(), [&](size_t i) {
@@ -414,7 +419,9 @@ ChartedSurface parted_where_that_pays(const CutSurface& cut, const Sheet& sheet,
     for (PartingTrial& t : trials) {
       if (t.is_over) continue;
       const double misses = misses_of(t.filling, t.filling.seam - whole.seam, parting);
-      if (t.filling.seam <= most_seam(whole, parting) && misses < least) {
+      const bool within_limits =
+          t.filling.seam <= most_seam(whole, parting) && !gives_up_border(t.filling, whole, parting);
+      if (within_limits && misses < least) {
         least = misses - kBetter;
         best = {t.parted.cut, t.charts};
       }

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <optional>
 #include <set>
@@ -40,6 +41,7 @@ constexpr double kMostDetour = 1.25;                          // of the path of 
 constexpr size_t kMostCharts = 24;  // more are small beside the image, and lie in each other's hollows anyway
 constexpr double kFine = 256;       // cells by the root of the area in which pixels are counted at most
 constexpr double kUnpacked = 1e3;   // what an image misses that cannot be
+constexpr double kGivenUp = 1;      // and what it costs to give a target up for none
 constexpr double kSame = 1e-6;      // mirrored partings miss the same but for rounding: the first is taken
 
 struct Chord {
@@ -357,31 +359,37 @@ class PanelParter {
   [[nodiscard]] std::vector<Choice> choose() {
     const Parting whole = unparted(kCells);
     if (whole.utilisation >= options_.wanted) return {};
-    most_misses_ = misses(whole);
+    most_misses_ = misses(whole, Ripe::now);
     const bool sparse = whole.utilisation < kSparse;  // such as ribbons: every trial takes long
     const ChordFinder finder(plan_, area_);
     const std::vector<Chord> chord = finder.find(forbidden_);
     std::vector<Parting> beam{whole}, best;
     for (size_t depth = 0; depth < kMostPartings && !beam.empty(); ++depth) {
       beam = measured(parted_further(beam, chord));
-      shorten(beam, sparse ? kBeam / 2 : kBeam);
-      if (!beam.empty()) most_misses_ = std::min(most_misses_, misses(beam[0]));
-      for (size_t i = 0; i < std::min(beam.size(), kWaysPerDepth); ++i) best.push_back(beam[i]);
+      std::vector<Parting> ripe = beam;
+      shorten(ripe, kWaysPerDepth, Ripe::now);
+      if (!ripe.empty()) most_misses_ = std::min(most_misses_, misses(ripe[0], Ripe::now));
+      shorten(beam, sparse ? kBeam / 2 : kBeam, Ripe::not_yet);
+      for (size_t i = 0; i < std::min(beam.size(), kWaysPerDepth); ++i) {
+        const auto same = [&](const Parting& p) { return p.name() == beam[i].name(); };
+        if (std::none_of(ripe.begin(), ripe.end(), same)) ripe.push_back(beam[i]);
+      }
+      std::move(ripe.begin(), ripe.end(), std::back_inserter(best));
     }
-    shorten(best, sparse ? 1 : kShifted);
+    shorten(best, sparse ? 1 : kShifted, Ripe::now);
     const Parting fine = unparted(kFineCells);
     for (Parting& p : best) shift(fine, finder, p);
-    shorten(best, best.size());
+    shorten(best, best.size(), Ripe::now);
     std::vector<Choice> result;
     for (Parting& p : best) {
-      if (result.size() == kWays || rounded(misses(p)) >= rounded(misses(fine))) break;
+      if (result.size() == kWays || rounded(misses(p, Ripe::now)) >= rounded(misses(fine, Ripe::now))) break;
       const auto is_like = [&](const Choice& other) {
         return other.chord.size() == p.chord.size() && std::all_of(p.chord.begin(), p.chord.end(), [&](const Chord& c) {
                  return finder.is_near(other.chord, c);
                });
       };
       if (std::any_of(result.begin(), result.end(), is_like)) continue;
-      result.push_back({p.chord, misses(p)});
+      result.push_back({p.chord, misses(p, Ripe::now)});
     }
     return result;
   }
@@ -392,6 +400,9 @@ class PanelParter {
   [[nodiscard]] uint32_t vertex(uint32_t chart, uint32_t place) const { return plan_[chart].loop()[place]; }
 
  private:
+  /// Partings may be on their way to better ones.
+  enum class Ripe : uint8_t { not_yet, now };
+
   /// Nothing parted, in so many cells by the root of the area.
   [[nodiscard]] Parting unparted(double cells) const {
     Parting result;
@@ -438,9 +449,10 @@ class PanelParter {
   }
 
   /// Keeps the best ones.
-  void shorten(std::vector<Parting>& partings, size_t count) const {
-    std::stable_sort(partings.begin(), partings.end(),
-                     [&](const Parting& a, const Parting& b) { return rounded(misses(a)) < rounded(misses(b)); });
+  void shorten(std::vector<Parting>& partings, size_t count, Ripe ripe) const {
+    std::stable_sort(partings.begin(), partings.end(), [&](const Parting& a, const Parting& b) {
+      return rounded(misses(a, ripe)) < rounded(misses(b, ripe));
+    });
     if (partings.size() > count) partings.resize(count);
   }
 
@@ -458,8 +470,8 @@ class PanelParter {
         }
       }
       std::vector<Parting> other = measured(trial);
-      shorten(other, 1);
-      if (!other.empty() && rounded(misses(other[0])) < rounded(misses(parting))) {
+      shorten(other, 1, Ripe::now);
+      if (!other.empty() && rounded(misses(other[0], Ripe::now)) < rounded(misses(parting, Ripe::now))) {
         parting = std::move(other[0]);
       } else {
         step /= 2;
@@ -467,8 +479,10 @@ class PanelParter {
     }
   }
 
-  [[nodiscard]] double misses(const Parting& p) const {
-    return misses_of({p.utilisation, border_share(p.added), 0}, p.added / side_, options_);
+  [[nodiscard]] double misses(const Parting& p, Ripe ripe) const {
+    const Filling f{p.utilisation, border_share(p.added), 0};
+    const bool gives_up = ripe == Ripe::now && gives_up_border(f, {0, border_share(0), 0}, options_);
+    return misses_of(f, p.added / side_, options_) + (gives_up ? kGivenUp : 0);
   }
 
   [[nodiscard]] Piece make_piece(uint32_t chart, std::vector<uint32_t> loop, double cell) const {
@@ -630,6 +644,12 @@ double misses_of(const Filling& f, double new_seam, const PartingOptions& option
   const double reached = std::clamp((f.utilisation - options.enough) / (options.wanted - options.enough), 0.0, 1.0);
   const double lacks = f.utilisation > 0 ? std::max(options.enough / f.utilisation - 1, 0.0) : kUnpacked;
   return lacks + options.reaching * (1 - reached) + least_misses(f.border, new_seam, options);
+}
+
+bool gives_up_border(const Filling& f, const Filling& whole, const PartingOptions& options) {
+  constexpr double kUnknown = 0.0015;  // of the border, before pixels are found for it
+  return f.border > options.most_border - kUnknown && whole.border <= options.most_border + kUnknown &&
+         f.utilisation < options.wanted;
 }
 
 std::vector<PartedPanels> ways_to_part(const std::vector<Chart>& charts, const Sheet& sheet,

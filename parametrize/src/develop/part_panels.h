@@ -39,6 +39,9 @@ struct Filling {
 [[nodiscard]] double misses_of(const Filling& f, double new_seam, const PartingOptions& options);
 [[nodiscard]] double least_misses(double border, double new_seam, const PartingOptions& options);
 
+/// Is a border that was short enough given up, though it is not sure that the image is well filled for it?
+[[nodiscard]] bool gives_up_border(const Filling& f, const Filling& whole, const PartingOptions& options);
+
 /// Charts that keep their places in the plane; outlines as they were are pinned in the sheet, so that only new seams
 /// are drawn straight: drawn once more, the others would become still shorter, and the cloth more stretched.
 struct PartedPanels {
