@@ -61,7 +61,7 @@ struct SolverSettings {
   /// angular momentum, which it loses else by the share w^2 dt a second of a spin w [1/s]. About three times as slow.
   bool keep_momentum = false;
   Vec3 gravity{0, -9.81F, 0};  ///< [m/s^2]
-  bool timings = false;        ///< measure every pass (slower)
+  bool timings = false;        ///< measure every pass (slower; cpu: a cloth runs on one thread)
   SolverPath path = SolverPath::automatic;
   /// [m/s] A cloth none of whose points has been faster for `sleep_time` is asleep: it stays as it is and costs
   /// nothing, until a collider moves so that it may touch it, a pin of it or its parent moves, or it is cut, written
