@@ -272,6 +272,7 @@ class ThreadMemory {
   /// The same as straighten_threads() of all charts.
   void straighten(std::vector<Chart>& charts, double share) {
     std::vector<Known*> known;  // per chart
+    known.reserve(charts.size());
     std::vector<uint8_t> is_taken(chart_.size(), 0);
     for (const Chart& c : charts) known.push_back(known_of(c, is_taken));
     tbb::parallel_for(size_t{0}, charts.size(), [&](size_t i) {
