@@ -23,6 +23,7 @@
 namespace geocloth {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using Json = nlohmann::json;
@@ -104,6 +105,23 @@ TEST_F(Import, TextsThatOpenWithAByteOrderMark) {
                                  "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
                 .triangle.size(),
             1U);
+}
+
+/// What a shell's redirection and some editors make of a text: told by its name, not by the first broken record.
+TEST_F(Import, Utf16IsRefusedWithTheRemedy) {
+  const std::string obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  std::string little, big;
+  for (const char c : obj) {
+    little += {c, '\0'};
+    big += {'\0', c};
+  }
+  for (const std::string& text : {"\xFF\xFE" + little, "\xFE\xFF" + big, little, big}) {
+    for (const char* name : {"a.obj", "a.ply", "a.gltf", "a.dae"}) {
+      const Error e = refusal(name, text);
+      EXPECT_EQ(e.code(), ErrorCode::unsupported);
+      EXPECT_THAT(e.what(), HasSubstr("save it as UTF-8"));
+    }
+  }
 }
 
 TEST_F(Import, ObjBadRecordsAreNamedByLine) {
@@ -229,6 +247,7 @@ TEST_F(Import, AQuadIsCutTheSameWayFromAnyCorner) {
 
 TEST_F(Import, ManyCornersAndDegeneratePolygons) {
   std::vector<Point3> circle;
+  circle.reserve(2000);
   for (int i = 0; i < 2000; ++i) circle.push_back({std::cos(i * 0.00314159), std::sin(i * 0.00314159), 0});
   std::vector<Triangle> out;
   import_detail::triangulate_polygon(circle, out);
@@ -284,6 +303,31 @@ TEST_F(Import, GltfWithFilesAndWithDataUris) {
   EXPECT_EQ(read("data.gltf", g.json.dump()).triangle.size(), 2U);
   g.json["buffers"][0]["uri"] = "data:application/octet-stream;base64,!!!!";
   EXPECT_THAT(refusal("broken.gltf", g.json.dump()).what(), HasSubstr("base64"));
+}
+
+/// A mesh from somewhere must not have other files of this machine read; one that lies beside it is taken by its name,
+/// whatever folder the exporting machine had it in.
+TEST_F(Import, GltfBuffersOutsideOfItsFolderAreNotOpened) {
+  Gltf g = square();
+  const std::filesystem::path outside = write("outside.bin", g.binary);
+  std::filesystem::create_directories(outside.parent_path() / "garment/buffers");
+  write("garment/buffers/inside.bin", g.binary);
+  write("garment/beside.bin", g.binary);
+  const auto with = [&](const std::string& uri) {
+    g.json["buffers"] = Json::array({{{"byteLength", g.binary.size()}, {"uri", uri}}});
+    return g.json.dump();
+  };
+  for (const std::string& uri :
+       {std::string("../outside.bin"), std::string("%2e%2e/outside.bin"), std::string("buffers/../../outside.bin"),
+        std::string("..\\outside.bin"), outside.string(), "file://" + outside.string()}) {
+    const Error e = refusal("garment/a.gltf", with(uri));
+    EXPECT_EQ(e.code(), ErrorCode::unsupported) << uri;
+    EXPECT_THAT(e.what(), AllOf(HasSubstr("buffers[0]"), HasSubstr("outside"), HasSubstr("put it beside"))) << uri;
+  }
+  for (const char* uri : {"buffers/inside.bin", "buffers/../beside.bin", "../beside.bin", "/export/beside.bin",
+                          "C:\\export\\beside.bin"}) {
+    EXPECT_EQ(read("garment/a.gltf", with(uri)).triangle.size(), 2U) << uri;
+  }
 }
 
 TEST_F(Import, GlbTwoPrimitivesTwoNodesAndASkin) {

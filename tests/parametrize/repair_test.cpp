@@ -309,6 +309,74 @@ TEST(Repair, DropsADuplicateQuadCutTheOtherWay) {
   EXPECT_EQ(r.cleaned.non_manifold_edges, 0U);
 }
 
+/// A sheet with a bend, and its back with other diagonals, each triangle a face as in glTF.
+TriangleMesh double_sided_sheet(uint32_t nx, uint32_t ny) {
+  TriangleMesh mesh = sheet(nx, ny);
+  for (Point3& p : mesh.position) p[2] = 0.1 * std::sin(p[0] + 0.5 * p[1]);
+  const std::size_t front = mesh.triangle.size();
+  for (std::size_t t = 0; t < front; t += 2) {
+    const auto [a, b, c] = mesh.triangle[t];
+    const uint32_t d = mesh.triangle[t + 1][2];
+    mesh.triangle.push_back({a, d, b});
+    mesh.triangle.push_back({b, d, c});
+  }
+  mesh.polygon.clear();
+  mesh.part[0].triangle_count = static_cast<uint32_t>(mesh.triangle.size());
+  return mesh;
+}
+
+// Without quads to tell them by, the backs would make a closed pillow of every quad.
+TEST(Repair, DropsTheBackOfADoubleSidedSheetCutTheOtherWay) {
+  const TriangleMesh mesh = double_sided_sheet(7, 5);
+  const RepairResult r = repair(mesh);
+  EXPECT_EQ(r.surface.triangle, sheet(7, 5).triangle);
+  EXPECT_EQ(repaired(r, "duplicate_faces"), 70U);
+  EXPECT_EQ(r.cleaned.components, 1U);
+  EXPECT_EQ(r.cleaned.boundary_loops, 1U);
+  EXPECT_EQ(r.cleaned.non_manifold_edges, 0U);
+}
+
+// A back with vertices of its own, in the same places, and in another part of the file.
+TEST(Repair, DropsABackWithVerticesOfItsOwn) {
+  const TriangleMesh both = double_sided_sheet(4, 4);
+  const std::size_t half = both.triangle.size() / 2;
+  TriangleMesh mesh = both, back = both;
+  mesh.triangle.resize(half);
+  mesh.part[0].triangle_count = static_cast<uint32_t>(half);
+  back.triangle.erase(back.triangle.begin(), back.triangle.begin() + static_cast<std::ptrdiff_t>(half));
+  append(mesh, back);
+  const RepairResult r = repair(mesh);
+  EXPECT_EQ(r.surface.triangle.size(), half);
+  EXPECT_EQ(r.cleaned.components, 1U);
+  EXPECT_EQ(r.cleaned.non_manifold_edges, 0U);
+}
+
+// One pillow on a sheet is a thing of its own, and how the sheet hangs together with it is kept.
+TEST(Repair, KeepsASingleFlatPillowOnASheet) {
+  TriangleMesh mesh = sheet(4, 4);
+  mesh.triangle.push_back({6, 11, 7});
+  mesh.triangle.push_back({7, 11, 12});
+  mesh.polygon.clear();
+  mesh.part[0].triangle_count = static_cast<uint32_t>(mesh.triangle.size());
+  EXPECT_EQ(repair(mesh).surface.triangle.size(), mesh.triangle.size());
+}
+
+// A small solid that stands on a sheet by one of its edges is no back of anything.
+TEST(Repair, KeepsATetrahedronThatStandsOnASheet) {
+  TriangleMesh mesh = sheet(4, 4);
+  const uint32_t a = 6, b = 7, c = static_cast<uint32_t>(mesh.position.size()), d = c + 1;
+  mesh.position.push_back({1.5, 0.6, 0.8});
+  mesh.position.push_back({1.5, 1.4, 0.8});
+  for (const Triangle& t : {Triangle{a, b, c}, Triangle{b, a, d}, Triangle{a, c, d}, Triangle{c, b, d}}) {
+    mesh.triangle.push_back(t);
+  }
+  mesh.polygon.clear();
+  mesh.part[0].triangle_count = static_cast<uint32_t>(mesh.triangle.size());
+  const RepairResult r = repair(mesh);
+  EXPECT_EQ(r.surface.triangle.size(), mesh.triangle.size());
+  EXPECT_EQ(repaired(r, "duplicate_faces"), 0U);
+}
+
 TEST(Repair, IgnoresVerticesThatNoFaceUses) {
   TriangleMesh mesh = sheet(2, 2);
   mesh.position.insert(mesh.position.begin(), {100, 100, 100});
@@ -386,6 +454,7 @@ TEST(Repair, PairsFourSheetsStraightAcross) {
 
 TEST(Repair, ManySheetsOnAnEdge) {
   std::vector<double> degrees;
+  degrees.reserve(200);
   for (int i = 0; i < 200; ++i) degrees.push_back(i * 1.8);
   const RepairResult r = repair(sheets_on_an_edge(degrees));
   EXPECT_EQ(repaired(r, "detached_sheets"), 198U);

@@ -480,6 +480,15 @@ double file_unit(const aiScene& scene, Format format) {
 /// Some editors open every UTF-8 text with it.
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
+/// By its byte order mark, or by the zero beside its first letter.
+bool looks_like_utf16(std::string_view text) {
+  if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF")) return true;
+  if (text.size() < 4) return false;
+  const auto is_ascii = [](char c) { return c > 0 && c < 127; };
+  return (is_ascii(text[0]) && text[1] == 0 && is_ascii(text[2]) && text[3] == 0) ||
+         (text[0] == 0 && is_ascii(text[1]) && text[2] == 0 && is_ascii(text[3]));
+}
+
 /// What assimp gets to see of a file: the file first, then what goes with it. The name's ending decides the reader.
 /// @param obj           filled when the file is an OBJ
 /// @param applied_unit  metres per unit of the file that assimp applies by itself
@@ -488,6 +497,9 @@ std::vector<MemoryFile> prepare(const std::filesystem::path& file, Format format
                                 ObjText& obj, double& applied_unit, std::vector<std::string>& left_out) {
   std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   if (text.starts_with(kByteOrderMark)) text.erase(0, kByteOrderMark.size());
+  if (format != Format::stl && looks_like_utf16(text)) {  // a binary STL opens with whatever its program likes
+    fail(file, ErrorCode::unsupported, "its text is UTF-16, as some editors and shells write it; save it as UTF-8");
+  }
   switch (format) {
     case Format::gltf:
     case Format::glb:

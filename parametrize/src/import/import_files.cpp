@@ -38,6 +38,35 @@ bool is_file(const std::filesystem::path& path) {
   return std::filesystem::is_regular_file(path, error);
 }
 
+/// A reference as a path with slashes.
+std::string slashed(std::string_view reference) {
+  std::string text(reference.substr(0, reference.find('\0')));
+  std::replace(text.begin(), text.end(), '\\', '/');
+  if (text.starts_with("file://")) text.erase(0, 7);
+  return text;
+}
+
+/// How far references may lead.
+enum class Reach : uint8_t { folder, anywhere };
+
+bool leaves_folder(const std::filesystem::path& reference) {
+  const std::filesystem::path normal = reference.lexically_normal();
+  return normal.is_absolute() || (!normal.empty() && *normal.begin() == "..");
+}
+
+/// The file that a reference points to, or else the one of that name beside the mesh.
+std::optional<std::filesystem::path> find_file(const std::filesystem::path& mesh_file, const std::string& text,
+                                               Reach reach) {
+  const std::filesystem::path folder = mesh_file.parent_path();
+  for (const std::string& form : {text, decode_percent(text)}) {
+    const bool is_near = reach == Reach::anywhere || !leaves_folder(form);
+    if (is_near && is_file(folder / form)) return folder / form;
+    std::filesystem::path beside = folder / std::filesystem::path(form).filename();
+    if (is_file(beside)) return beside;
+  }
+  return std::nullopt;
+}
+
 /// @returns false when the text is no base64
 bool decode_base64(std::string_view text, std::vector<std::byte>& out) {
   constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -59,26 +88,24 @@ bool decode_base64(std::string_view text, std::vector<std::byte>& out) {
 }  // namespace
 
 std::filesystem::path resolve(const std::filesystem::path& mesh_file, std::string_view reference) {
-  std::string text(reference.substr(0, reference.find('\0')));
-  std::replace(text.begin(), text.end(), '\\', '/');
-  if (text.starts_with("file://")) text.erase(0, 7);
-  const std::filesystem::path folder = mesh_file.parent_path();
-  for (const std::string& form : {text, decode_percent(text)}) {
-    if (is_file(folder / form)) return folder / form;
-    std::filesystem::path beside = folder / std::filesystem::path(form).filename();
-    if (is_file(beside)) return beside;
-  }
-  return folder / text;
+  const std::string text = slashed(reference);
+  return find_file(mesh_file, text, Reach::anywhere).value_or(mesh_file.parent_path() / text);
 }
 
 std::vector<std::byte> read_uri(const std::filesystem::path& mesh_file, const std::string& uri,
                                 const std::string& where) {
   if (!uri.starts_with("data:")) {
-    const std::filesystem::path file = resolve(mesh_file, uri);
-    if (is_file(file)) return read_file(file, kMaxFileBytes);
-    fail(
-        mesh_file, ErrorCode::io,
-        where + " is in the file '" + file.filename().string().substr(0, 200) + "', which is not beside the mesh file");
+    const std::string text = slashed(uri);
+    if (const auto file = find_file(mesh_file, text, Reach::folder)) return read_file(*file, kMaxFileBytes);
+    if (find_file(mesh_file, text, Reach::anywhere)) {
+      fail(mesh_file, ErrorCode::unsupported,
+           where + " is in the file '" + text.substr(0, 200) +
+               "', outside of the mesh file's folder, where nothing is opened; put it beside the mesh file, or export "
+               "as .glb");
+    }
+    fail(mesh_file, ErrorCode::io,
+         where + " is in the file '" + std::filesystem::path(text).filename().string().substr(0, 200) +
+             "', which is not beside the mesh file");
   }
   const std::size_t comma = uri.find(',');
   std::vector<std::byte> bytes;

@@ -20,7 +20,9 @@ inline constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{4} << 30U;
 
 /// Bytes of a data URI or of the file that a URI names.
 /// @param where  the element that holds the URI, for messages
-/// @throws Error(io) when there is no such file, Error(invalid_data) when a data URI is broken
+/// @throws Error(io) when there is no such file, Error(unsupported) when it is not in the mesh file's folder or below
+///         (a mesh from somewhere must not have files of this machine read), Error(invalid_data) when a data URI is
+///         broken
 [[nodiscard]] std::vector<std::byte> read_uri(const std::filesystem::path& mesh_file, const std::string& uri,
                                               const std::string& where);
 

@@ -14,6 +14,7 @@
 #include <queue>
 #include <unordered_map>
 
+#include "geocloth/asset/disjoint_sets.h"
 #include "mesh/point_math.h"
 #include "mesh/point_tree.h"
 
@@ -87,6 +88,114 @@ uint64_t mark_duplicate_triangles(const Soup& soup, std::vector<bool>& keep) {
       ++gone;
     }
     one_kept = true;
+  }
+  return gone;
+}
+
+/// Finds triangles of double-sided sheets whose back is cut along the other diagonals: two triangles across a diagonal
+/// from two others over the same four points, about flat, where more than two faces meet at an edge around them.
+class BackFinder {
+ public:
+  BackFinder(const Soup& soup, const std::vector<bool>& keep) : soup_(soup), keep_(keep) {
+    for (uint32_t i = 0; i < soup.triangle.size(); ++i) {
+      const Triangle& t = soup.triangle[i];
+      for (uint32_t k = 0; k < 3 && keep[i]; ++k) side_.emplace_back(edge_key(t[k], t[(k + 1) % 3]), 3 * i + k);
+    }
+    std::sort(side_.begin(), side_.end());
+  }
+
+  std::vector<uint32_t> find() {
+    if (!any_crowded()) return {};
+    for (uint32_t i = 0; i < soup_.triangle.size(); ++i) {
+      for (uint32_t k = 0; k < 3 && keep_[i]; ++k) find_beyond(i, k);
+    }
+    return found_;
+  }
+
+ private:
+  using Side = std::pair<uint64_t, uint32_t>;  // edge; 3 * triangle + corner from which it runs
+
+  [[nodiscard]] std::span<const Side> sides_at(uint32_t a, uint32_t b) const {
+    const auto [first, end] = std::equal_range(side_.begin(), side_.end(), Side{edge_key(a, b), 0},
+                                               [](const Side& x, const Side& y) { return x.first < y.first; });
+    return {first, end};
+  }
+  [[nodiscard]] bool is_crowded(uint32_t a, uint32_t b) const { return sides_at(a, b).size() > 2; }
+  [[nodiscard]] bool any_crowded() const {
+    for (std::size_t i = 2; i < side_.size(); ++i) {
+      if (side_[i].first == side_[i - 2].first) return true;
+    }
+    return false;
+  }
+
+  [[nodiscard]] uint32_t apex(const Side& side) const {
+    return soup_.triangle[side.second / 3][(side.second % 3 + 2) % 3];
+  }
+
+  /// The triangle over an edge and a point that comes after the first; kNone where there is none.
+  [[nodiscard]] uint32_t find_over(uint32_t a, uint32_t b, uint32_t c, uint32_t first) const {
+    for (const Side& side : sides_at(a, b)) {
+      const uint32_t i = side.second / 3;
+      if (i > first && keep_[i] && apex(side) == c) return i;
+    }
+    return kNone;
+  }
+
+  /// Do two triangles, on a-b from both sides, lie about flat?
+  [[nodiscard]] bool is_flat(uint32_t a, uint32_t b, uint32_t c, uint32_t d) const {
+    constexpr double kMostFolded = 0.5;  // cosine
+    const auto at = [&](uint32_t p) -> const Point3& { return soup_.position[p]; };
+    const Point3 one = cross(at(b) - at(a), at(c) - at(a)), other = cross(at(d) - at(a), at(b) - at(a));
+    return dot(one, other) >= kMostFolded * std::sqrt(dot(one, one) * dot(other, other));
+  }
+
+  /// What is cut otherwise than a triangle and one beyond its side.
+  void find_beyond(uint32_t i, uint32_t k) {
+    const Triangle& t = soup_.triangle[i];
+    const uint32_t a = t[k], b = t[(k + 1) % 3], c = t[(k + 2) % 3];
+    for (const Side& side : sides_at(a, b)) {
+      const uint32_t d = apex(side);
+      if (side.second / 3 <= i || !keep_[side.second / 3] || d == c) continue;
+      const uint32_t over_a = find_over(c, d, a, i), over_b = find_over(c, d, b, i);
+      if (over_a == kNone || over_b == kNone || !is_flat(a, b, c, d) || !is_flat(c, d, a, b)) continue;
+      if (!is_crowded(a, c) && !is_crowded(c, b) && !is_crowded(b, d) && !is_crowded(d, a)) continue;
+      for (const uint32_t over : {over_a, over_b}) {
+        keep_[over] = false;
+        found_.push_back(over);
+      }
+      return;
+    }
+  }
+
+  const Soup& soup_;
+  std::vector<bool> keep_;
+  std::vector<Side> side_;  // ascending
+  std::vector<uint32_t> found_;
+};
+
+/// Marks the backs of parts that are double-sided, with the duplicates among them, for the greater part: a single flat
+/// pillow is what it is.
+uint64_t mark_backs(const Soup& soup, std::vector<bool>& keep) {
+  constexpr double kLeastShare = 0.25;  // of a part's triangles; with a whole back it is a half
+  const std::vector<uint32_t> found = BackFinder(soup, keep).find();
+  if (found.empty()) return 0;
+  DisjointSets parts(soup.position.size());
+  for (const Triangle& t : soup.triangle) {
+    parts.join(t[0], t[1]);
+    parts.join(t[1], t[2]);
+  }
+  std::vector<uint32_t> all(soup.position.size(), 0), doubled(soup.position.size(), 0);  // by a part's first point
+  const auto part_of = [&](std::size_t i) { return parts.find(soup.triangle[i][0]); };
+  for (std::size_t i = 0; i < soup.triangle.size(); ++i) {
+    ++all[part_of(i)];
+    if (!keep[i]) ++doubled[part_of(i)];
+  }
+  for (const uint32_t i : found) ++doubled[part_of(i)];
+  uint64_t gone = 0;
+  for (const uint32_t i : found) {
+    if (doubled[part_of(i)] < kLeastShare * all[part_of(i)]) continue;
+    keep[i] = false;
+    ++gone;
   }
   return gone;
 }
@@ -352,6 +461,7 @@ uint64_t drop_duplicates(Soup& soup, std::span<const uint32_t> polygon) {
   std::vector<bool> keep(soup.triangle.size(), true);
   uint64_t gone = polygon.empty() ? 0 : mark_duplicate_polygons(soup, polygon, keep);
   gone += mark_duplicate_triangles(soup, keep);
+  gone += mark_backs(soup, keep);
   filter(soup, keep);
   return gone;
 }
