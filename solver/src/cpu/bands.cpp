@@ -109,7 +109,7 @@ class SweepRows {
 
   /// Rows of a task of a band between two borders, or none at the image's ends.
   [[nodiscard]] SweepBand rows_of(Kind kind, const Border* upper, const Border* lower) const {
-    SweepBand band{{}, std::numeric_limits<uint32_t>::max(), 0};
+    SweepBand band{{}, std::numeric_limits<uint32_t>::max(), 0, {}};
     for (size_t k = 0; k < sweep_.ops.size(); ++k) {
       const BorderRows nothing_above{0, 0, 0, 0}, nothing_below{height_, height_, height_, height_};
       const BorderRows& above = upper != nullptr ? upper->passes[k] : nothing_above;
@@ -272,7 +272,10 @@ std::vector<SweepBand> bands_of(const SweepPlan& plan, const BorderSearch& searc
     for (uint32_t band = 0; band < bands.count(); ++band) {
       const Border* const upper = band > 0 ? &borders[band] : nullptr;
       const Border* const lower = band + 1 < bands.count() ? &borders[band + 1] : nullptr;
-      for (const Kind kind : kKinds) all.push_back(rows->rows_of(kind, upper, lower));
+      for (const Kind kind : kKinds) {
+        all.push_back(rows->rows_of(kind, upper, lower));
+        lay_turns(std::get<Sweep>(part), all.back());
+      }
     }
     ++rows;
   }

@@ -94,6 +94,12 @@ HWY_INLINE void respond(D d, PointStates<D>& point, const shader::ColliderPose& 
   replace(contact.touches, sub(kept, sub(position, previous)), point.carry);
 }
 
+/// Not the bits of the shared text: for guards, which have room for rounding.
+template <class D>
+HWY_INLINE Vec<D> fused_dot(D, const Points<D>& a, const Points<D>& b) {
+  return hn::MulAdd(a.z, b.z, hn::MulAdd(a.y, b.y, hn::Mul(a.x, b.x)));
+}
+
 /// The colliders of a substep, from which most points are too far.
 struct Guards {
   const ColliderGuard* guards;
@@ -107,15 +113,15 @@ struct Guards {
   template <class D>
   static HWY_INLINE Mask<D> near(D d, const ColliderGuard& guard, const Points<D>& position, Vec<D> twice) {
     const Points<D> place = set(d, guard.x, guard.y, guard.z);
-    const auto reach = hn::Add(hn::Set(d, guard.reach), hn::Mul(twice, hn::Set(d, guard.spread)));
-    if (guard.kind == ColliderGuard::Kind::plane) return hn::Lt(dot(d, position, place), reach);
+    const auto reach = hn::MulAdd(twice, hn::Set(d, guard.spread), hn::Set(d, guard.reach));
+    if (guard.kind == ColliderGuard::Kind::plane) return hn::Lt(fused_dot(d, position, place), reach);
     Points<D> from = sub(position, place);
     if (guard.kind == ColliderGuard::Kind::segment) {
       const Points<D> axis = set(d, guard.axis_x, guard.axis_y, guard.axis_z);
       const auto end = hn::Set(d, guard.half_length);
-      from = sub(from, scale(d, axis, hn::Min(hn::Max(dot(d, from, axis), hn::Neg(end)), end)));
+      from = sub(from, scale(d, axis, hn::Min(hn::Max(fused_dot(d, from, axis), hn::Neg(end)), end)));
     }
-    return hn::Lt(dot(d, from, from), hn::Mul(reach, reach));
+    return hn::Lt(fused_dot(d, from, from), hn::Mul(reach, reach));
   }
   template <class D>
   HWY_INLINE Mask<D> near(D d, const Points<D>& position, Vec<D> way) const {
@@ -326,9 +332,10 @@ constexpr uint32_t kWordVectors = 64;
 
 /// A bit for each of some vectors in a row: a collider may touch one of its points. One collider after the other, so
 /// that nothing is read and chosen anew for each vector.
+/// @param before  where the points were before they moved
 template <class D>
 HWY_INLINE uint64_t near_vectors(D d, const Guards& guards, const PointRow& positions, const PointRow& before,
-                                 const float* inverse_mass, uint32_t count) {
+                                 uint32_t count) {
   uint64_t bits = 0;
   for (size_t c = 0; c < guards.count; ++c) {
     const ColliderGuard guard = guards.guards[c];
@@ -336,10 +343,7 @@ HWY_INLINE uint64_t near_vectors(D d, const Guards& guards, const PointRow& posi
       const size_t i = k * hn::Lanes(d);
       const Points<D> p = load(d, after(positions, i));
       const auto way = at_most(d, sub(p, load(d, after(before, i))));
-      const auto near_guard = Guards::near(d, guard, p, hn::Add(way, way));
-      if (hn::AllFalse(d, near_guard)) continue;
-      const bool near = !hn::AllFalse(d, hn::And(near_guard, free_lanes(d, inverse_mass + i)));
-      bits |= uint64_t{near} << k;
+      if (!hn::AllFalse(d, Guards::near(d, guard, p, hn::Add(way, way)))) bits |= uint64_t{1} << k;
     }
   }
   return bits;
@@ -358,10 +362,10 @@ HWY_NOINLINE void collide(D d, const SweepFrame& frame, uint32_t substep, std::s
   for (const Run& run : runs) {
     for (uint32_t first = run.first; first < run.last; first += kWordVectors * lanes) {
       const uint32_t count = std::min(kWordVectors, (run.last - first) / lanes);
-      uint64_t near =
-          near_vectors(d, guards, after(positions, first), after(before, first), &state.inverse_mass[first], count);
+      uint64_t near = near_vectors(d, guards, after(positions, first), after(before, first), count);
       for (; near != 0; near &= near - 1) {
-        collide_from<false>(d, frame, substep, first + static_cast<uint32_t>(std::countr_zero(near)) * lanes);
+        const uint32_t i = first + static_cast<uint32_t>(std::countr_zero(near)) * lanes;
+        if (!hn::AllFalse(d, free_lanes(d, &state.inverse_mass[i]))) collide_from<false>(d, frame, substep, i);
       }
     }
   }

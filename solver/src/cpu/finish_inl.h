@@ -61,24 +61,49 @@ HWY_INLINE void keep_out(D d, const Meeting& meeting, Mask<D> lanes, const Point
   moved = choose<D>(again, start, position);
 }
 
+/// way_given() of lib/finish.h from pixel i on, where a collider may touch a point.
+template <class D>
+HWY_NOINLINE void give_way_near(D d, const SweepFrame& frame, uint32_t substep, uint32_t i) {
+  ClothState& state = *frame.state;
+  const Meeting meeting(frame, substep);
+  const PointRow p = at(state.position, i), pp = at(state.previous, i), pc = at(state.carry, i);
+  const Points<D> moved = load(d, p), way = load(d, pp), start = load(d, pc);
+  const auto free = free_lanes(d, &state.inverse_mass[i]);
+  const auto near = hn::And(free, meeting.guards.near(d, moved, at_most(d, sub(moved, start))));
+  Points<D> position = moved;
+  if (!hn::AllFalse(d, near)) keep_out(d, meeting, near, start, position);
+  const Points<D> previous = sub(position, way);
+  store(d, choose<D>(free, position, moved), p);
+  store(d, choose<D>(free, previous, way), pp);
+  store(d, choose<D>(free, sub(way, sub(position, previous)), start), pc);
+}
+
 template <class D>
 HWY_NOINLINE void give_way(D d, const SweepFrame& frame, uint32_t substep, std::span<const Run> runs) {
   ClothState& state = *frame.state;
   const Guards guards(frame, substep);
+  const auto lanes = static_cast<uint32_t>(hn::Lanes(d));
+  const PointRow positions = at(state.position, 0), ways = at(state.previous, 0), starts = at(state.carry, 0);
   const float* const inverse_mass = state.inverse_mass.data();
-  for_vectors(d, runs, [&](uint32_t i) GEOCLOTH_LANES {
-    const PointRow p = at(state.position, i), pp = at(state.previous, i), pc = at(state.carry, i);
-    const Points<D> moved = load(d, p), way = load(d, pp), start = load(d, pc);
-    const auto free = free_lanes(d, inverse_mass + i);
-    const Points<D> tied = sub(moved, start);
-    const auto near = hn::And(free, guards.near(d, moved, at_most(d, tied)));
-    Points<D> position = moved;
-    if (!hn::AllFalse(d, near)) keep_out(d, Meeting(frame, substep), near, start, position);
-    const Points<D> previous = sub(position, way);
-    store(d, choose<D>(free, position, moved), p);
-    store(d, choose<D>(free, previous, way), pp);
-    store(d, choose<D>(free, sub(way, sub(position, previous)), start), pc);
-  });
+  for (const Run& run : runs) {
+    for (uint32_t first = run.first; first < run.last; first += kWordVectors * lanes) {
+      const uint32_t count = std::min(kWordVectors, (run.last - first) / lanes);
+      const uint64_t near = near_vectors(d, guards, after(positions, first), after(starts, first), count);
+      for (uint32_t k = 0; k < count; ++k) {
+        const uint32_t i = first + k * lanes;
+        if ((near >> k & 1) != 0) {
+          give_way_near(d, frame, substep, i);
+          continue;
+        }
+        const PointRow pp = after(ways, i), pc = after(starts, i);
+        const Points<D> position = load(d, after(positions, i)), way = load(d, pp), start = load(d, pc);
+        const auto free = free_lanes(d, inverse_mass + i);
+        const Points<D> previous = sub(position, way);
+        store(d, choose<D>(free, previous, way), pp);
+        store(d, choose<D>(free, sub(way, sub(position, previous)), start), pc);
+      }
+    }
+  }
 }
 
 #endif

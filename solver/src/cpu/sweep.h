@@ -117,10 +117,18 @@ struct SweepOp {
   bool read_multipliers = false, write_multipliers = false;
 };
 
+/// What a pass does before the next one goes on: some rows, and their blocks, runs or pins first .. last - 1.
+struct SweepTurn {
+  uint32_t op;
+  RowRange rows;
+  uint32_t first, last;
+};
+
 /// Rows of a sweep that are worked on by one thread between two waits.
 struct SweepBand {
   std::vector<RowRange> rows;  ///< of each pass
   uint32_t first_time = 0, end_time = 0;
+  std::vector<SweepTurn> turns;  ///< one after the other; those with nothing to do are left out
 };
 
 /// Passes that run through the rows together.
@@ -134,6 +142,22 @@ struct Sweep {
 /// The rows of a pass that a band has from a time on to another one.
 [[nodiscard]] inline RowRange rows_between(const RowRange& own, const SweepOp& op, uint32_t time, uint32_t end) {
   return {std::max(own.first, time - std::min(time, op.lag)), std::min(own.last, end - std::min(end, op.lag))};
+}
+
+/// Lists what a band of a sweep does.
+inline void lay_turns(const Sweep& sweep, SweepBand& band) {
+  band.turns.clear();
+  for (uint32_t time = band.first_time; time < band.end_time; time += sweep.strip) {
+    const uint32_t next = std::min(band.end_time, time + sweep.strip);
+    for (uint32_t k = 0; k < sweep.ops.size(); ++k) {
+      const SweepOp& op = sweep.ops[k];
+      const RowRange rows = rows_between(band.rows[k], op, time, next);
+      if (rows.first >= rows.last) continue;
+      const std::vector<uint32_t>& entries = op.stream->row_first;
+      const uint32_t first = entries[rows.first], last = entries[rows.last];
+      if (first < last) band.turns.push_back({k, rows, first, last});
+    }
+  }
 }
 
 /// A collider from which a point that is this far away is certainly not touched, per substep.

@@ -60,11 +60,12 @@ HWY_INLINE void with_kind(const SweepOp& op, const Body& body) {
 using Pulls = SpringKind<false, true, true>;
 
 template <class D>
-HWY_INLINE void run_rows(D d, const SweepFrame& frame, const SweepOp& op, uint32_t substep, const RowRange& rows) {
+HWY_INLINE void run_turn(D d, const SweepFrame& frame, uint32_t substep, const SweepTurn& turn) {
   ClothState& state = *frame.state;
+  const SweepOp& op = frame.sweep->ops[turn.op];
   const RowStream& stream = *op.stream;
-  const uint32_t first = stream.row_first[rows.first], last = stream.row_first[rows.last];
-  if (first == last) return;
+  const RowRange& rows = turn.rows;
+  const uint32_t first = turn.first, last = turn.last;
   const bool several = op.multipliers != nullptr;  // relaxation steps
   const auto runs = [&] { return std::span(stream.runs).subspan(first, last - first); };
   switch (op.kernel) {
@@ -131,36 +132,22 @@ HWY_INLINE void run_rows(D d, const SweepFrame& frame, const SweepOp& op, uint32
 }
 
 template <class D>
-HWY_NOINLINE void time_rows(D d, const SweepFrame& frame, uint32_t substep, const SweepBand& band, uint32_t time,
-                            uint32_t next) {
+HWY_NOINLINE void time_turns(D d, const SweepFrame& frame, uint32_t substep, const SweepBand& band) {
   using Clock = std::chrono::steady_clock;
-  const std::vector<SweepOp>& ops = frame.sweep->ops;
-  double* seconds = frame.seconds + substep * ops.size();
+  double* seconds = frame.seconds + substep * frame.sweep->ops.size();
   auto start = Clock::now();
-  for (size_t k = 0; k < ops.size() && ops[k].lag < next; ++k) {
-    const RowRange rows = rows_between(band.rows[k], ops[k], time, next);
-    if (rows.first >= rows.last) continue;
-    run_rows(d, frame, ops[k], substep, rows);
+  for (const SweepTurn& turn : band.turns) {
+    run_turn(d, frame, substep, turn);
     const auto end = Clock::now();
-    seconds[k] += std::chrono::duration<double>(end - start).count();
+    seconds[turn.op] += std::chrono::duration<double>(end - start).count();
     start = end;
   }
 }
 
 template <class D>
-void sweep_rows(D d, const SweepFrame& frame, uint32_t substep, const SweepBand& band) {
-  const Sweep& sweep = *frame.sweep;
-  for (uint32_t time = band.first_time; time < band.end_time; time += sweep.strip) {
-    const uint32_t next = std::min(band.end_time, time + sweep.strip);
-    if (frame.seconds != nullptr) {
-      time_rows(d, frame, substep, band, time, next);
-    } else {
-      for (size_t k = 0; k < sweep.ops.size() && sweep.ops[k].lag < next; ++k) {  // lags ascend
-        const RowRange rows = rows_between(band.rows[k], sweep.ops[k], time, next);
-        if (rows.first < rows.last) run_rows(d, frame, sweep.ops[k], substep, rows);
-      }
-    }
-  }
+void run_turns(D d, const SweepFrame& frame, uint32_t substep, const SweepBand& band) {
+  if (frame.seconds != nullptr) return time_turns(d, frame, substep, band);
+  for (const SweepTurn& turn : band.turns) run_turn(d, frame, substep, turn);
 }
 
 /// Calls body(tag) with the tag of vectors of that many lanes.
@@ -173,7 +160,7 @@ HWY_INLINE void with_lanes(uint32_t lanes, const Body& body) {
 }
 
 void run_sweep_here(uint32_t lanes, const SweepFrame& frame, uint32_t substep, const SweepBand& band) {
-  with_lanes(lanes, [&](auto d) GEOCLOTH_LANES { sweep_rows(d, frame, substep, band); });
+  with_lanes(lanes, [&](auto d) GEOCLOTH_LANES { run_turns(d, frame, substep, band); });
 }
 
 void run_normals_here(uint32_t lanes, ClothState& state, std::span<const Run> runs) {

@@ -55,6 +55,8 @@ class SweepPlanner {
       if (sweep == nullptr) sweep = &std::get<Sweep>(plan_->parts_.emplace_back(Sweep{}));
       append(*sweep, step.pass, make_op(step));
     }
+    for (SweepPlan::Part& part : plan_->parts_)
+      if (auto* whole = std::get_if<Sweep>(&part)) lay_turns(*whole, whole->whole);
     return std::move(plan_);
   }
 
