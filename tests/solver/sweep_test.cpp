@@ -133,6 +133,12 @@ Material without_grain() {
   material.bend_warp = material.bend_weft = material.bend_bias = 2e-5F;
   return material;
 }
+/// So rigid beside its springs that a fourth point takes up where a bend turns within the sheet.
+Material rigid() {
+  Material material = attached();
+  material.bend_warp = material.bend_weft = 0.05F;
+  return material;
+}
 std::vector<Collider> all_shapes() {
   return {
       {"floor", Plane{{0, -0.45F, 0}, {0.6F, 0.8F, 0}}, 0.4F, {}},
@@ -200,6 +206,12 @@ std::vector<Case> cases() {
   list.push_back({"wind", make_sheet({.nx = 80, .ny = 20}), {}, few_substeps(), {}, breeze, "top"});
   list.push_back({"seams", make_sheet({.nx = 60, .ny = 45, .charts_x = 3, .charts_y = 2, .gap = 3}), attached(),
                   few_substeps(), all_shapes(), breeze});
+  list.push_back({"rigid cloth with seams that lines turn at",
+                  make_sheet({.nx = 50, .ny = 40, .charts_x = 3, .charts_y = 2, .jitter = 0.3F}),
+                  rigid(),
+                  few_substeps(),
+                  all_shapes(),
+                  {}});
   list.push_back(
       {"holes", with_holes(make_sheet({.nx = 90, .ny = 40}), 0.15), attached(), few_substeps(), all_shapes(), breeze});
   list.push_back({"islands", with_holes(make_sheet({.nx = 77, .ny = 40}), 0.6), stiff(), few_substeps(), {}, breeze});

@@ -55,6 +55,7 @@ class SweepPlanner {
       if (sweep == nullptr) sweep = &std::get<Sweep>(plan_->parts_.emplace_back(Sweep{}));
       append(*sweep, step.pass, make_op(step));
     }
+    plan_->seams_ = seam_stream(source_.state, source_.cloth, substep, relaxation_steps_);
     for (SweepPlan::Part& part : plan_->parts_)
       if (auto* whole = std::get_if<Sweep>(&part)) lay_turns(*whole, whole->whole);
     return std::move(plan_);
@@ -289,7 +290,7 @@ size_t SweepPlan::memory_bytes() const {
            bytes(s->multipliers) + bytes(s->anchors) + bytes(s->first_anchor) + bytes(s->runs) + bytes(s->thirds);
   }
   for (const LineStream& s : lines_) sum += bytes(s.blocks) + bytes(s.constants);
-  return sum;
+  return sum + seams_.memory_bytes();
 }
 
 size_t SweepPlan::bytes_per_substep() const {

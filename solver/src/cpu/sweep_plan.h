@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "cpu/seam_stream.h"
 #include "cpu/sweep.h"
 
 namespace geocloth::cpu {
@@ -25,6 +26,7 @@ class SweepPlan {
   [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
   /// Of the pass lines, along rows and along columns; empty without it.
   [[nodiscard]] const LineStream& lines(uint32_t group) const { return lines_[group]; }
+  [[nodiscard]] const SeamStream& seams() const { return seams_; }
   /// Place of each pin among the anchors; none without attachments.
   [[nodiscard]] const std::vector<uint32_t>& anchor_of_pin() const { return anchor_of_pin_; }
   [[nodiscard]] size_t memory_bytes() const;
@@ -37,6 +39,7 @@ class SweepPlan {
   std::vector<std::unique_ptr<RowStream>> streams_;
   std::vector<Part> parts_;
   std::array<LineStream, 2> lines_;
+  SeamStream seams_;
   std::vector<uint32_t> anchor_of_pin_;
 };
 

@@ -83,14 +83,16 @@ void SweepRunner::run_line_blocks(const SweepPlan& plan, const SweepFrame& frame
 
 void SweepRunner::run_step(const Plan& plan, const PassStep& step, const SweepFrame& frame, const PassContext& context,
                            const Measuring& measuring, const RunPass& pass) {
-  if (step.pass != Pass::collide_cells && step.pass != Pass::lines) return pass(step, context);
-  const auto start = Clock::now();
+  const bool timed = measuring.seconds != nullptr;
+  const auto start = timed ? Clock::now() : Clock::time_point();
   if (step.pass == Pass::lines) {
     run_line_blocks(*plan.sweeps, frame, context, step.group);
-  } else {
+  } else if (step.pass == Pass::collide_cells) {
     run_cell_rows(frame, context, step.group);
+  } else if (!run_seams(plan.sweeps->seams(), step, context, *frame.state)) {
+    return pass(step, context);
   }
-  if (measuring.seconds == nullptr) return;
+  if (!timed) return;
   (*measuring.seconds)[static_cast<size_t>(step.pass)] += std::chrono::duration<double>(Clock::now() - start).count();
 }
 

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "cpu/passes.h"
+
+namespace geocloth::cpu {
+
+/// Two copies of a point.
+struct CopyPair {
+  uint32_t first, second;
+  float mass;   ///< [kg] of the second one
+  float share;  ///< [1/kg] 1 / mass of both
+};
+
+/// More copies of a point than two.
+struct CopyRow {
+  uint32_t first, last;  ///< entries of SeamStream::copies
+  float share;           ///< [1/kg] 1 / mass of all
+};
+struct CopyMass {
+  uint32_t pixel;
+  float mass;  ///< [kg]
+};
+
+/// A span over a seam, or a tie on one; see lib/span.h.
+struct SeamSpan {
+  uint32_t a, b;
+  float slack;    ///< [m^2] up to this square of its length it pulls nothing
+  float longest;  ///< [m]
+  float inverse;  ///< [kg] 1 / (wa + wb)
+};
+
+/// A bend over a seam; see turned_bend_move() of lib/bend.h.
+struct SeamBend {
+  uint32_t a, middle, b, beside;
+  float rest, chord, turn;
+  float inverse;                                           ///< 1 / (w + compliance)
+  float weight_a, weight_middle, weight_b, weight_beside;  ///< [1/kg] inverse mass times the point's part in it
+};
+
+/// What passes over seams go through, with all that stays the same while the cloth moves.
+struct SeamStream {
+  std::vector<CopyPair> pairs;
+  std::vector<CopyRow> rows;
+  std::vector<CopyMass> copies;
+  std::vector<std::vector<SeamSpan>> spans;  ///< of each colour of ClothData::seam_springs
+  std::vector<std::vector<SeamBend>> bends;
+
+  [[nodiscard]] size_t memory_bytes() const;
+};
+
+/// @param steps  that it is for
+[[nodiscard]] SeamStream seam_stream(const ClothState& state, const ClothFrame& cloth,
+                                     const std::vector<PassStep>& steps, uint32_t relaxation_steps);
+
+/// Runs a pass over seams.
+/// @return false, with nothing done, when it is not one that the stream is for
+bool run_seams(const SeamStream& stream, const PassStep& step, const PassContext& context, ClothState& state);
+
+}  // namespace geocloth::cpu
