@@ -98,7 +98,7 @@ class Touched {
       case RowKernel::springs_along:
       case RowKernel::springs_along_two:
       case RowKernel::ties_along:
-        add(pass, stream.pixel[k], stream.pixel[k] + 2 * lanes_);
+        for (const uint32_t first : {stream.pixel[k], stream.second[k]}) add(pass, first, first + lanes_);
         return;
       case RowKernel::bends_across:
         for (uint32_t n = 0; n < 3; ++n)

@@ -166,14 +166,14 @@ HWY_INLINE Vec<D> odd_columns(D d, Vec<D> low, Vec<D> high) {
   if constexpr (hn::MaxLanes(D()) == 4) return hn::ConcatOdd(d, high, low);
 }
 
-/// Two vectors of neighbouring columns taken apart: 1 even and odd columns, 2 the first and the last two of four.
+/// Two vectors of columns, from p and q on, taken apart: 1 even and odd columns, 2 the first and the last two of four.
 template <class D>
 struct Ends {
   Vec<D> a, b;
 };
 template <size_t kColumns, class D>
-HWY_INLINE Ends<D> take_apart(D d, const float* p) {
-  const auto low = hn::LoadU(d, p), high = hn::LoadU(d, p + hn::Lanes(d));
+HWY_INLINE Ends<D> take_apart(D d, const float* p, const float* q) {
+  const auto low = hn::LoadU(d, p), high = hn::LoadU(d, q);
   if constexpr (kColumns == 1) {
     return {even_columns(d, low, high), odd_columns(d, low, high)};
   } else {
@@ -184,15 +184,15 @@ HWY_INLINE Ends<D> take_apart(D d, const float* p) {
   }
 }
 template <size_t kColumns, class D>
-HWY_INLINE void put_together(D d, Vec<D> a, Vec<D> b, float* p) {
+HWY_INLINE void put_together(D d, Vec<D> a, Vec<D> b, float* p, float* q) {
   if constexpr (kColumns == 1) {
     hn::StoreU(hn::InterleaveLower(d, a, b), d, p);
-    hn::StoreU(hn::InterleaveUpper(d, a, b), d, p + hn::Lanes(d));
+    hn::StoreU(hn::InterleaveUpper(d, a, b), d, q);
   } else {
     const hn::Repartition<uint64_t, D> pairs;
     const auto a2 = hn::BitCast(pairs, a), b2 = hn::BitCast(pairs, b);
     hn::StoreU(hn::BitCast(d, hn::InterleaveLower(pairs, a2, b2)), d, p);
-    hn::StoreU(hn::BitCast(d, hn::InterleaveUpper(pairs, a2, b2)), d, p + hn::Lanes(d));
+    hn::StoreU(hn::BitCast(d, hn::InterleaveUpper(pairs, a2, b2)), d, q);
   }
 }
 
@@ -220,27 +220,30 @@ template <size_t kColumns, class Kind, class D>
 HWY_NOINLINE void springs_along(D d, const SweepOp& op, ClothState& state, uint32_t first, uint32_t last) {
   const PointBase points(state, 0);
   const float* const constants = op.stream->constants.data();
+  const uint32_t* const second = op.stream->second.data();
   const auto share = hn::Set(d, op.share);
   in_turn(
       d, *op.stream, first, last,
-      [&](size_t, size_t i) GEOCLOTH_LANES {
-        const PointRow p = points.at(i);
-        const Ends<D> x = take_apart<kColumns>(d, p.x), y = take_apart<kColumns>(d, p.y);
-        const Ends<D> z = take_apart<kColumns>(d, p.z);
+      [&](size_t block, size_t i) GEOCLOTH_LANES {
+        const PointRow p = points.at(i), q = points.at(second[block]);
+        const Ends<D> x = take_apart<kColumns>(d, p.x, q.x), y = take_apart<kColumns>(d, p.y, q.y);
+        const Ends<D> z = take_apart<kColumns>(d, p.z, q.z);
         return length(d, Points<D>{hn::Sub(x.b, x.a), hn::Sub(y.b, y.a), hn::Sub(z.b, z.a)});
       },
       [&](size_t block, Vec<D> l) GEOCLOTH_LANES { return spring_factor<Kind>(d, op, constants, block, l, share); },
-      [&](size_t, size_t i, Vec<D> factor) GEOCLOTH_LANES {
-        const PointRow p = points.at(i);
-        const Ends<D> x = take_apart<kColumns>(d, p.x), y = take_apart<kColumns>(d, p.y);
-        const Ends<D> z = take_apart<kColumns>(d, p.z);
-        const Ends<D> w = take_apart<kColumns>(d, points.inverse_mass + i);
+      [&](size_t block, size_t i, Vec<D> factor) GEOCLOTH_LANES {
+        const size_t j = second[block];
+        const PointRow p = points.at(i), q = points.at(j);
+        const Ends<D> x = take_apart<kColumns>(d, p.x, q.x), y = take_apart<kColumns>(d, p.y, q.y);
+        const Ends<D> z = take_apart<kColumns>(d, p.z, q.z);
+        const Ends<D> w = take_apart<kColumns>(d, points.inverse_mass + i, points.inverse_mass + j);
         Points<D> a{x.a, y.a, z.a}, b{x.b, y.b, z.b};
         apply_spring(d, factor, a, w.a, b, w.b);
-        const PointRow q = points.at(anew(i));
-        put_together<kColumns>(d, a.x, b.x, q.x);
-        put_together<kColumns>(d, a.y, b.y, q.y);
-        put_together<kColumns>(d, a.z, b.z, q.z);
+        const PointRow to = points.at(anew(i)), to_second = points.at(j);
+        // The second half after the first one, whose lanes over the end of its row may lie on it.
+        put_together<kColumns>(d, a.x, b.x, to.x, to_second.x);
+        put_together<kColumns>(d, a.y, b.y, to.y, to_second.y);
+        put_together<kColumns>(d, a.z, b.z, to.z, to_second.z);
       });
 }
 

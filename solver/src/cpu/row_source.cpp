@@ -7,14 +7,11 @@ float RowSource::scaled_compliance(uint32_t component, size_t pixel) const {
   return state.compliance[component][pixel] * cloth.params.inverse_dt2;
 }
 
-uint32_t lane_of(RowKernel kernel, uint32_t column, uint32_t lanes) {
-  const bool high = column >= lanes;
-  const uint32_t c = high ? column - lanes : column;
+uint32_t lane_of(RowKernel kernel, uint32_t column) {
   switch (kernel) {
     case RowKernel::springs_along:
-      return c / 4 * 4 + c % 4 / 2 + (high ? 2 : 0);
-    case RowKernel::springs_along_two:
-      return c / 4 * 4 + c % 4 + (high ? 2 : 0);
+      return column / 4 * 4 + column % 4 / 2;
+    case RowKernel::springs_along_two:  // as they lie
     default:
       return column;
   }

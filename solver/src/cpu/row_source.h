@@ -34,8 +34,11 @@ struct BlockShape {
   return {kernel, lanes, lanes, 0, end};
 }
 
-/// Lane of the constraint that starts `column` columns after its block; see even_columns() in constraints_inl.h.
-[[nodiscard]] uint32_t lane_of(RowKernel kernel, uint32_t column, uint32_t lanes);
+/// Lane of the constraint that starts `column` columns after its block, or the first half of it; see even_columns() in
+/// constraints_inl.h.
+[[nodiscard]] uint32_t lane_of(RowKernel kernel, uint32_t column);
+/// By so much larger it is in the second half.
+inline constexpr uint32_t kSecondHalf = 2;
 
 /// Appends a block whose constants are 0: without a constraint.
 void add_block(RowStream& stream, uint32_t first, uint32_t constants, uint32_t lanes);
@@ -57,7 +60,7 @@ void cover_row(const RowSource& source, const BlockShape& shape, uint32_t y, con
     add(y * source.width + start);
     uint32_t covered = x;
     for (; covered < start + shape.span; ++covered) {
-      if (covered < shape.end && has(covered)) fill(lane_of(shape.kernel, covered - start, source.lanes), covered);
+      if (covered < shape.end && has(covered)) fill(lane_of(shape.kernel, covered - start), covered);
     }
     x = covered;
   }

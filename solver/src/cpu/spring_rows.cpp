@@ -26,6 +26,32 @@ float spring_inverse(const RowSource& source, uint32_t component, size_t a, uint
   return 1.F / (compliant ? w + source.scaled_compliance(component, a) : w);
 }
 
+/// Springs along rows come in halves of a block. One that is left over at a row's end takes one of the next row with
+/// it: rows seldom are as long as so many blocks.
+class HalfBlocks {
+ public:
+  /// A half that begins at a pixel becomes the second one of the last block, if that has none yet.
+  [[nodiscard]] bool take_second(RowStream& stream, uint32_t y, uint32_t first) {
+    second_ = open_ && y <= row_ + 1;
+    open_ = false;
+    if (second_) stream.second.back() = first;
+    return second_;
+  }
+  /// A block has been added.
+  /// @param unused  where its second half lies as long as it has no springs: after the first one, where no other is
+  void begin(RowStream& stream, uint32_t y, uint32_t unused) {
+    stream.second.push_back(unused);
+    row_ = y;
+    open_ = true;
+  }
+  /// Whether the half that was begun last is the second one of its block.
+  [[nodiscard]] bool is_second() const { return second_; }
+
+ private:
+  uint32_t row_ = 0;
+  bool open_ = false, second_ = false;
+};
+
 SweepOp lay_out_springs(const RowSource& source, uint32_t group, bool tie, float tie_share, RowStream& stream) {
   const uint32_t component = shader::group_component(group), odd = group % 2;
   const bool along = shader::group_by_column(group) == 1;
@@ -35,8 +61,9 @@ SweepOp lay_out_springs(const RowSource& source, uint32_t group, bool tie, float
   const shader::uvec2 end = shader::spring_end(component, 1, 0);
   const uint32_t offset = end.y * source.width + end.x - 1;
   BlockShape shape = vectors(kernel, source.lanes, source.width);
-  if (component == 0) shape = {kernel, 2 * source.lanes, 2, odd, source.width};
-  if (component == 4) shape = {kernel, 2 * source.lanes, 4, 2 * odd, source.width};
+  if (component == 0) shape = {kernel, source.lanes, 2, odd, source.width};
+  if (component == 4) shape = {kernel, source.lanes, 4, 2 * odd, source.width};
+  HalfBlocks halves;
   const auto in_row = [&](uint32_t y) { return along || group_has_line(group, y); };
   const auto in_column = [&](uint32_t x) { return !along || group_has_line(group, x); };
   for (uint32_t y = 0; y < source.height; ++y) {
@@ -47,8 +74,13 @@ SweepOp lay_out_springs(const RowSource& source, uint32_t group, bool tie, float
     };
     cover_row(
         source, shape, y, [&](uint32_t x) { return inverse_of(x) > 0; },
-        [&](uint32_t first) { add_block(stream, first, source.several ? 3 : 2, source.lanes); },
-        [&](uint32_t lane, uint32_t x) {
+        [&](uint32_t first) {
+          if (along && halves.take_second(stream, y, first)) return;
+          add_block(stream, first, source.several ? 3 : 2, source.lanes);
+          if (along) halves.begin(stream, y, first + source.lanes);
+        },
+        [&](uint32_t lane_of_half, uint32_t x) {
+          const uint32_t lane = lane_of_half + (halves.is_second() ? kSecondHalf : 0);
           float* block = &stream.constants[stream.constants.size() - size_t{source.several ? 3U : 2U} * source.lanes];
           block[lane] =
               source.state.rest[component][y * source.width + x] * (tie ? source.cloth.params.stretch_limit : 1.F);

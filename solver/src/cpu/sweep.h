@@ -20,10 +20,10 @@ enum class RowKernel : uint8_t {
   predict,            ///< runs of whole vectors
   pins,               ///< pins of the row
   springs_across,     ///< blocks: rest, inverse, compliance
-  springs_along,      ///< blocks over every second column and its neighbour: rest, inverse, compliance
+  springs_along,      ///< two halves over every second column and its neighbour: rest, inverse, compliance
   ties_across,        ///< as springs_across, pulling only, also spans over rows: longest, inverse
   ties_along,         ///< as springs_along, pulling only: longest, inverse
-  springs_along_two,  ///< blocks over two of four columns and the next two: rest, inverse, compliance
+  springs_along_two,  ///< two halves over two of four columns and the next two: rest, inverse, compliance
   bends_across,       ///< blocks: rest, inverse, chord, compliance
   bends_along,        ///< all three groups; blocks over every third column, from places in the scratch on: rest,
                       ///< inverse, chord, compliance
@@ -58,6 +58,8 @@ struct RowStream {
   std::vector<uint32_t>
       group_first;              ///< bends_along: for each group as row_first, which counts the blocks of all three
   std::vector<uint32_t> pixel;  ///< first pixel of a block
+  std::vector<uint32_t>
+      second;  ///< springs along rows: that of its second half, as many pixels wide as a vector; maybe in the next row
   std::vector<uint8_t> beside;  ///< limit: for each row whether each lane's anchor lies beside the lane's before
   Floats constants;
   std::vector<float> multipliers;      ///< of constraints with several relaxation steps, for each lane

@@ -87,8 +87,12 @@ class SweepPlanner {
       case RowKernel::bends_across:
         op.down = 2;
         break;
+      case RowKernel::springs_along:
+      case RowKernel::springs_along_two:
+      case RowKernel::ties_along:
+        op.down = rows_below_halves(op);
+        break;
       default:
-        op.down = gives_back(op) ? 1 : 0;
         break;
     }
   }
@@ -100,6 +104,16 @@ class SweepPlanner {
     return (column + source_.lanes - 1 + op.offset) / source_.width;
   }
 
+  /// Of both halves of blocks along rows.
+  [[nodiscard]] uint32_t rows_below_halves(const SweepOp& op) const {
+    uint32_t rows = 0;
+    for (size_t k = 0; k < op.stream->pixel.size(); ++k) {
+      const uint32_t first = op.stream->pixel[k], last = std::max(first, op.stream->second[k]) + source_.lanes - 1;
+      rows = std::max(rows, last / source_.width - first / source_.width);
+    }
+    return rows;
+  }
+
   /// Whether lanes without a constraint, over the end of a row, write rows that no constraint leads to: of springs in
   /// different rows none share a pixel, of such lanes some do.
   [[nodiscard]] bool reaches_too_far_down(const SweepOp& op) const {
@@ -109,13 +123,14 @@ class SweepPlanner {
 
   /// Passes that write what follows a row as they found it.
   [[nodiscard]] bool gives_back(const SweepOp& op) const {
-    if (op.kernel != RowKernel::springs_along && op.kernel != RowKernel::springs_along_two &&
-        op.kernel != RowKernel::ties_along) {
-      return false;
+    const std::vector<uint32_t>&first = op.stream->pixel, &second = op.stream->second;
+    const auto end_of = [&](uint32_t p) { return p % source_.width + source_.lanes; };
+    for (size_t k = 0; k < second.size(); ++k) {
+      const bool unused = second[k] == first[k] + source_.lanes;  // or right behind it, which comes to the same
+      if (end_of(first[k]) + (unused ? source_.lanes : 0) > source_.width || end_of(second[k]) > source_.width)
+        return true;
     }
-    const std::vector<uint32_t>& blocks = op.stream->pixel;
-    return std::any_of(blocks.begin(), blocks.end(),
-                       [&](uint32_t p) { return p % source_.width + 2 * source_.lanes > source_.width; });
+    return false;
   }
 
   /// A pass begins with what has to wait for roots and divisions: it should go on for so many pixels then. More would
@@ -286,8 +301,9 @@ size_t SweepPlan::memory_bytes() const {
   const auto bytes = [](const auto& values) { return values.capacity() * sizeof(values.front()); };
   size_t sum = 0;
   for (const auto& s : streams_) {
-    sum += bytes(s->row_first) + bytes(s->group_first) + bytes(s->pixel) + bytes(s->beside) + bytes(s->constants) +
-           bytes(s->multipliers) + bytes(s->anchors) + bytes(s->first_anchor) + bytes(s->runs) + bytes(s->thirds);
+    sum += bytes(s->row_first) + bytes(s->group_first) + bytes(s->pixel) + bytes(s->second) + bytes(s->beside) +
+           bytes(s->constants) + bytes(s->multipliers) + bytes(s->anchors) + bytes(s->first_anchor) + bytes(s->runs) +
+           bytes(s->thirds);
   }
   for (const LineStream& s : lines_) sum += bytes(s.blocks) + bytes(s.constants);
   return sum + seams_.memory_bytes();
@@ -306,7 +322,7 @@ size_t SweepPlan::bytes_per_substep() const {
       moves_history = moves_history || op.kernel == RowKernel::predict || op.kernel == RowKernel::collide ||
                       op.kernel == RowKernel::hold_way;
       sum += sizeof(float) * (op.stream->constants.size() + op.stream->anchors.size()) +
-             sizeof(uint32_t) * op.stream->pixel.size();
+             sizeof(uint32_t) * (op.stream->pixel.size() + op.stream->second.size());
       if (op.kernel == RowKernel::normals) sum += pixels * (sizeof(uint32_t) + kPoint + sizeof(float));
     }
     sum += pixels * (2 * kPoint + sizeof(float));         // position both ways, inverse mass
