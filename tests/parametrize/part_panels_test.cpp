@@ -131,7 +131,7 @@ TEST(PartPanels, DoesNotDependOnTheUnit) {
 TEST(PartPanels, SeamsThatAreLongerThanTheirBudgetAlreadyMayGrowByAShareOfThemselves) {
   Laid laid = laid_flat(fan(0.9 * kPi, 0.5));
   const double pixel = std::sqrt(area_of(laid.charts)) / 256;
-  ASSERT_TRUE(part_panels(laid, {.pixel = pixel, .wanted = 0.6, .most_seam = 0.5}));
+  ASSERT_TRUE(part_panels(laid, {.pixel = pixel, .wanted = 0.6, .much_fuller = 1, .most_seam = 0.5}));
   const Filling once = filling_of(laid.charts, laid.sheet, pixel);
   ASSERT_GT(once.seam, 0.2);
   PartingOptions options{.pixel = pixel, .wanted = 0.9, .seam_price = 0.01, .most_seam = 0.2, .most_longer = 3};
@@ -186,10 +186,24 @@ TEST(PartPanels, WhatIsFarOffItsTargetCountsForMore) {
   EXPECT_GT(misses(0.74, 0.080), misses(0.72, 0.065));
   EXPECT_LT(misses(0.80, 0.060), misses(0.74, 0.060)) << "to be full enough is worth something by itself";
   EXPECT_DOUBLE_EQ(misses(0.80, 0.060), misses(0.95, 0.020)) << "what is reached is enough";
-  EXPECT_TRUE(gives_up_border({0.60, 0.072, 0}, {0.47, 0.065, 0}, options));
-  EXPECT_FALSE(gives_up_border({0.78, 0.072, 0}, {0.47, 0.065, 0}, options)) << "another target is met for it";
-  EXPECT_FALSE(gives_up_border({0.60, 0.085, 0}, {0.47, 0.080, 0}, options)) << "it was too long already";
+  EXPECT_TRUE(gives_up_too_much({0.60, 0.072, 0}, {0.47, 0.065, 0}, options));
+  EXPECT_FALSE(gives_up_too_much({0.78, 0.072, 0}, {0.47, 0.065, 0}, options)) << "another target is met for it";
+  EXPECT_FALSE(gives_up_too_much({0.60, 0.085, 0}, {0.47, 0.080, 0}, options)) << "it was too long already";
+  EXPECT_TRUE(gives_up_too_much({0.46, 0.05, 0.3}, {0.40, 0.03, 0}, options)) << "what lies flat is not cut for little";
+  EXPECT_FALSE(gives_up_too_much({0.61, 0.05, 0.3}, {0.40, 0.03, 0}, options)) << "a half more is not little";
+  EXPECT_FALSE(gives_up_too_much({0.78, 0.05, 0.3}, {0.70, 0.03, 0}, options)) << "the image is well filled for it";
+  EXPECT_FALSE(gives_up_too_much({0.46, 0.05, 0.8}, {0.40, 0.03, 0.5}, options)) << "it has seams already";
   EXPECT_LE(least_misses(0.08, 0.2, options), misses(1, 0.08)) << "no packing is better";
+}
+
+// No one wants a flat sheet cut for a few points of memory.
+TEST(PartPanels, AFlatSheetIsNotCutForALittleMoreUtilisation) {
+  const Laid laid = laid_flat(fan(0.9 * kPi, 0.5));
+  const double pixel = std::sqrt(area_of(laid.charts)) / 256;
+  PartingOptions options{.pixel = pixel, .most_seam = 0.5};
+  EXPECT_TRUE(ways_to_part(laid.charts, laid.sheet, options).empty()) << "so short a seam brings little";
+  options.much_fuller = 1;
+  EXPECT_FALSE(ways_to_part(laid.charts, laid.sheet, options).empty()) << "though it would bring something";
 }
 
 TEST(PartPanels, FillingIsThatOfTheImage) {

@@ -421,7 +421,7 @@ ChartedSurface parted_where_that_pays(const CutSurface& cut, const Sheet& sheet,
       if (t.is_over) continue;
       const double misses = misses_of(t.filling, t.filling.seam - whole.seam, parting);
       const bool within_limits =
-          t.filling.seam <= most_seam(whole, parting) && !gives_up_border(t.filling, whole, parting);
+          t.filling.seam <= most_seam(whole, parting) && !gives_up_too_much(t.filling, whole, parting);
       if (within_limits && misses < least) {
         least = misses - kBetter;
         best = {t.parted.cut, t.charts};

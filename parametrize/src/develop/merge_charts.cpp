@@ -7,7 +7,9 @@
 #include "develop/merge_charts.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <set>
@@ -58,14 +60,29 @@ size_t narrow_steps(const Chart& c, double width) {
   }
   constexpr size_t kBeside = 8;  // steps along the outline that are not far
   const size_t n = place.size();
+  using Cell = std::array<int64_t, 2>;  // of a board of squares as wide as the width
+  const auto cell_of = [&](const Point2& p) {
+    return Cell{static_cast<int64_t>(std::floor(p[0] / width)), static_cast<int64_t>(std::floor(p[1] / width))};
+  };
+  std::vector<std::pair<Cell, size_t>> board(n);
+  for (size_t i = 0; i < n; ++i) board[i] = {cell_of(place[i]), i};
+  std::sort(board.begin(), board.end());
+  const auto is_narrow = [&](size_t i) {
+    const auto [x, y] = cell_of(place[i]);
+    for (const int64_t dx : {-1, 0, 1}) {  // the squares of a column lie side by side on the board
+      auto at = std::lower_bound(board.begin(), board.end(), std::pair{Cell{x + dx, y - 1}, size_t{0}});
+      for (; at != board.end() && at->first <= Cell{x + dx, y + 1}; ++at) {
+        const size_t k = (at->second + n - i) % n;
+        const Point2& other = place[at->second];
+        const bool is_far = k >= kBeside && k + kBeside < n;
+        if (is_far && std::hypot(place[i][0] - other[0], place[i][1] - other[1]) < width) return true;
+      }
+    }
+    return false;
+  };
   size_t narrow = 0;
   for (size_t i = 0; i < n; ++i) {
-    for (size_t k = kBeside; k + kBeside < n; ++k) {
-      const Point2& other = place[(i + k) % n];
-      if (std::hypot(place[i][0] - other[0], place[i][1] - other[1]) >= width) continue;
-      ++narrow;
-      break;
-    }
+    if (is_narrow(i)) ++narrow;
   }
   return narrow;
 }

@@ -40,6 +40,8 @@ constexpr size_t kWays = 6, kWaysPerDepth = 4, kShifted = 8;  // that are worth 
 constexpr double kMostDetour = 1.25;                          // of the path of edges beside its chord
 constexpr size_t kMostCharts = 24;  // more are small beside the image, and lie in each other's hollows anyway
 constexpr double kFine = 256;       // cells by the root of the area in which pixels are counted at most
+constexpr double kNet = 0.5;        // share of pixels on borders, and
+constexpr double kNetOutline = 40;  // outlines by the root of the area, of cloth that is all threads: too many to part
 constexpr double kUnpacked = 1e3;   // what an image misses that cannot be
 constexpr double kGivenUp = 1;      // and what it costs to give a target up for none
 constexpr double kSame = 1e-6;      // mirrored partings miss the same but for rounding: the first is taken
@@ -357,8 +359,10 @@ class PanelParter {
 
   /// The best ways to part the charts, none like another.
   [[nodiscard]] std::vector<Choice> choose() {
+    if (border_share(0) > kNet && outline_ > kNetOutline * side_) return {};
     const Parting whole = unparted(kCells);
     if (whole.utilisation >= options_.wanted) return {};
+    whole_utilisation_ = whole.utilisation;
     most_misses_ = misses(whole, Ripe::now);
     const bool sparse = whole.utilisation < kSparse;  // such as ribbons: every trial takes long
     const ChordFinder finder(plan_, area_);
@@ -480,8 +484,9 @@ class PanelParter {
   }
 
   [[nodiscard]] double misses(const Parting& p, Ripe ripe) const {
-    const Filling f{p.utilisation, border_share(p.added), 0};
-    const bool gives_up = ripe == Ripe::now && gives_up_border(f, {0, border_share(0), 0}, options_);
+    const Filling f{p.utilisation, border_share(p.added), (seam_ + p.added) / side_};
+    const Filling whole{whole_utilisation_, border_share(0), seam_ / side_};
+    const bool gives_up = ripe == Ripe::now && gives_up_too_much(f, whole, options_);
     return misses_of(f, p.added / side_, options_) + (gives_up ? kGivenUp : 0);
   }
 
@@ -543,6 +548,7 @@ class PanelParter {
   double border_ = 0;              // [pixels]
   double area_ = 0, side_ = 0;
   double most_seam_ = 0;
+  double whole_utilisation_ = 0;
   double most_misses_ = 0;  // partings that cannot miss less are not gone on with
 };
 
@@ -646,10 +652,14 @@ double misses_of(const Filling& f, double new_seam, const PartingOptions& option
   return lacks + options.reaching * (1 - reached) + least_misses(f.border, new_seam, options);
 }
 
-bool gives_up_border(const Filling& f, const Filling& whole, const PartingOptions& options) {
+bool gives_up_too_much(const Filling& f, const Filling& whole, const PartingOptions& options) {
   constexpr double kUnknown = 0.0015;  // of the border, before pixels are found for it
-  return f.border > options.most_border - kUnknown && whole.border <= options.most_border + kUnknown &&
-         f.utilisation < options.wanted;
+  if (f.utilisation >= options.wanted) return false;
+  const bool gives_up_border =
+      f.border > options.most_border - kUnknown && whole.border <= options.most_border + kUnknown;
+  const bool cuts_whole_cloth =
+      f.seam > 0 && !(whole.seam > 0) && f.utilisation < options.much_fuller * whole.utilisation;
+  return gives_up_border || cuts_whole_cloth;
 }
 
 std::vector<PartedPanels> ways_to_part(const std::vector<Chart>& charts, const Sheet& sheet,

@@ -15,6 +15,7 @@ struct PartingOptions {
   double enough = 0.75;       ///< utilisation at which an image counts as well filled
   double wanted = 0.77;       ///< above which nothing is parted: what is estimated on outlines may come to be less
   double reaching = 0.05;     ///< what it is worth besides to get from the one to the other
+  double much_fuller = 1.3;   ///< times the utilisation for which cloth that needs no seam is cut in any case
   double seam_price = 0.12;   ///< of new seams, by length / root of the area
   double most_seam = 1.79;    ///< seams in all, by the root of the area
   double most_longer = 1.22;  ///< where they are longer already: than they are
@@ -39,8 +40,9 @@ struct Filling {
 [[nodiscard]] double misses_of(const Filling& f, double new_seam, const PartingOptions& options);
 [[nodiscard]] double least_misses(double border, double new_seam, const PartingOptions& options);
 
-/// Is a border that was short enough given up, though it is not sure that the image is well filled for it?
-[[nodiscard]] bool gives_up_border(const Filling& f, const Filling& whole, const PartingOptions& options);
+/// Is a border that was short enough given up, or cloth cut that lies flat without any seam, though it is not sure that
+/// the image is well filled for it? (Nor much fuller than before: cloth without seams may be a ribbon.)
+[[nodiscard]] bool gives_up_too_much(const Filling& f, const Filling& whole, const PartingOptions& options);
 
 /// Charts that keep their places in the plane; outlines as they were are pinned in the sheet, so that only new seams
 /// are drawn straight: drawn once more, the others would become still shorter, and the cloth more stretched.
