@@ -89,13 +89,15 @@ void PlaceMender::begin_pass() {
 }
 
 /// The triangles around a point, and those of their points that may move.
-void PlaceMender::gather(uint32_t middle, int rings) {
+bool PlaceMender::gather(uint32_t middle, int rings) {
+  constexpr std::size_t kMostTriangles = 1024;  // a third of that lies around places of garments at most
   region_.clear();
   moving_.assign(1, middle);
   std::vector<uint32_t> ring = moving_;
   for (int k = 0; k <= rings; ++k) {
     std::vector<uint32_t> next;
     for (const uint32_t p : ring) {
+      if (region_.size() + triangles_of_[p].size() > kMostTriangles) return false;
       for (const uint32_t t : triangles_of_[p]) {
         if (holds(region_, t)) continue;
         region_.push_back(t);
@@ -109,6 +111,7 @@ void PlaceMender::gather(uint32_t middle, int rings) {
   }
   // Hems stay where they are, unless it is one that is far off.
   if (is_hem_[middle] == 0) std::erase_if(moving_, [&](uint32_t p) { return is_hem_[p] != 0; });
+  return true;
 }
 
 const PlaneLocator& PlaceMender::locator(uint32_t chart) {
@@ -271,7 +274,7 @@ void PlaceMender::put(const std::vector<Point3>& places) {
 }
 
 bool PlaceMender::mend_around(uint32_t point, int rings) {
-  gather(point, rings);
+  if (!gather(point, rings)) return false;
   sample_surface();
   for (const uint32_t p : moving_) is_tried_[p] = 1;
   const std::vector<Point3> normal_before = normals();

@@ -68,7 +68,8 @@ class PlaceMender {
     Point3 way;  ///< [m] that it has to go
   };
 
-  void gather(uint32_t middle, int rings);
+  /// @returns false where hundreds of sheets hang on one seam: each round would look at each of them from each
+  bool gather(uint32_t middle, int rings);
   const PlaneLocator& locator(uint32_t chart);
   void sample_surface();
   double find_misses(std::vector<Miss>& misses);

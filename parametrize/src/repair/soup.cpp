@@ -113,7 +113,8 @@ class BackFinder {
   }
 
  private:
-  using Side = std::pair<uint64_t, uint32_t>;  // edge; 3 * triangle + corner from which it runs
+  using Side = std::pair<uint64_t, uint32_t>;   // edge; 3 * triangle + corner from which it runs
+  static constexpr std::size_t kMostSides = 8;  // at an edge; two sheets make four, and pairs of many take for ever
 
   [[nodiscard]] std::span<const Side> sides_at(uint32_t a, uint32_t b) const {
     const auto [first, end] = std::equal_range(side_.begin(), side_.end(), Side{edge_key(a, b), 0},
@@ -153,7 +154,9 @@ class BackFinder {
   void find_beyond(uint32_t i, uint32_t k) {
     const Triangle& t = soup_.triangle[i];
     const uint32_t a = t[k], b = t[(k + 1) % 3], c = t[(k + 2) % 3];
-    for (const Side& side : sides_at(a, b)) {
+    const std::span<const Side> sides = sides_at(a, b);
+    if (sides.size() > kMostSides) return;
+    for (const Side& side : sides) {
       const uint32_t d = apex(side);
       if (side.second / 3 <= i || !keep_[side.second / 3] || d == c) continue;
       const uint32_t over_a = find_over(c, d, a, i), over_b = find_over(c, d, b, i);
