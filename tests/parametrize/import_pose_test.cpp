@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Skinned and morphed glTF comes out where every viewer shows it before anything moves: a body that lies on its back,
-// or a garment of another size than its wearer, would be of no use.
+// Skinned and morphed glTF, and skinned DAE, come out where every viewer shows it before anything moves: a body that
+// lies on its back, or a garment of another size than its wearer, would be of no use.
 #include "import_fixture.h"
 
 namespace geocloth::test {
@@ -53,6 +53,7 @@ TEST_F(ImportPose, ASkinnedMeshStandsWhereItsJointsAreAndNotWhereItsNodeIs) {
                                           Point3{0, 2, 0}, Point3{1, 2, 0}));
   ASSERT_EQ(bound.part.size(), 1U);
   EXPECT_EQ(bound.part[0].name, "strip");
+  EXPECT_EQ(read("avatar.vrm", g.glb()).position, bound.position);  // VRM is GLB under a name of its own
 
   // An armature in centimetres that stands on its head.
   g.json["nodes"][1]["scale"] = {0.01, 0.01, 0.01};
@@ -143,6 +144,74 @@ TEST_F(ImportPose, DamagedSkinsAreReadOrRefused) {
   Gltf g = skinned_strip();
   g.json["nodes"][2]["rotation"] = {0, 0, 0.38268343, 0.92387953};
   survive_damage("damaged.glb", g.glb(), 300);
+}
+
+// --- DAE
+
+/// The strip of skinned_strip() as DAE, in centimetres that only the bind shape takes to metres.
+const std::string kSkinnedDae = R"(<?xml version="1.0"?>
+<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+<asset><unit meter="1"/><up_axis>Y_UP</up_axis></asset>
+<library_geometries><geometry id="g"><mesh>
+<source id="p"><float_array id="pa" count="18">0 0 0 100 0 0 0 100 0 100 100 0 0 200 0 100 200 0</float_array>
+<technique_common><accessor source="#pa" count="6" stride="3"><param name="X" type="float"/>
+<param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
+<polylist count="2"><input semantic="VERTEX" source="#v" offset="0"/><vcount>4 4</vcount><p>0 1 3 2 2 3 5 4</p>
+</polylist></mesh></geometry></library_geometries>
+<library_controllers><controller id="c"><skin source="#g">
+<bind_shape_matrix>.01 0 0 0  0 .01 0 0  0 0 .01 0  0 0 0 1</bind_shape_matrix>
+<source id="j"><Name_array id="ja" count="2">hip knee</Name_array><technique_common>
+<accessor source="#ja" count="2"><param name="JOINT" type="name"/></accessor></technique_common></source>
+<source id="b"><float_array id="ba" count="32">1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1  1 0 0 0 0 1 0 -1 0 0 1 0 0 0 0 1
+</float_array><technique_common><accessor source="#ba" count="2" stride="16"><param name="T" type="float4x4"/></accessor>
+</technique_common></source>
+<source id="w"><float_array id="wa" count="2">1 0.5</float_array><technique_common>
+<accessor source="#wa" count="2"><param name="WEIGHT" type="float"/></accessor></technique_common></source>
+<joints><input semantic="JOINT" source="#j"/><input semantic="INV_BIND_MATRIX" source="#b"/></joints>
+<vertex_weights count="6"><input semantic="JOINT" source="#j" offset="0"/><input semantic="WEIGHT" source="#w" offset="1"/>
+<vcount>1 1 2 2 1 1</vcount><v>0 0 0 0 0 1 1 1 0 1 1 1 1 0 1 0</v></vertex_weights>
+</skin></controller></library_controllers>
+<library_visual_scenes><visual_scene id="s">
+<node id="hip" sid="hip" name="hip" type="JOINT"><node id="knee" sid="knee" name="knee" type="JOINT">
+<translate>0 1 0</translate><rotate sid="bend">1 0 0 0</rotate></node></node>
+<node id="strip" name="strip"><translate>7 0 0</translate><instance_controller url="#c"><skeleton>#hip</skeleton>
+</instance_controller></node></visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#s"/></scene>
+</COLLADA>
+)";
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+  text.replace(text.find(what), what.size(), by);
+  return text;
+}
+
+// A garment of 200 m, or beside its wearer, would be of no use; nor one in another pose than its file shows.
+TEST_F(ImportPose, ASkinnedDaeStandsWhereItsJointsAre) {
+  const TriangleMesh bound = read("a.dae", kSkinnedDae);
+  ASSERT_EQ(bound.position.size(), 6U);
+  expect_at(bound.position[1], 1, 0, 0);
+  expect_at(bound.position[4], 1, 2, 0);  // in order of first use
+
+  const TriangleMesh bent = read("bent.dae", replaced(kSkinnedDae, "1 0 0 0</rotate>", "1 0 0 90</rotate>"));
+  ASSERT_EQ(bent.position.size(), 6U);
+  expect_at(bent.position[1], 1, 0, 0);
+  expect_at(bent.position[2], 1, 1, 0);  // held by both joints
+  expect_at(bent.position[4], 1, 1, 1);
+  EXPECT_EQ(bent.polygon, bound.polygon);
+}
+
+// What names no joint of the scene is where its node is, not lost.
+TEST_F(ImportPose, ADaeWithoutItsJointsIsPlacedByItsNode) {
+  std::string text = kSkinnedDae;
+  for (int i = 0; i < 3; ++i) text = replaced(text, "\"hip\"", "\"other\"");
+  const TriangleMesh mesh = read("a.dae", text);
+  ASSERT_EQ(mesh.position.size(), 6U);
+  EXPECT_NEAR(mesh.position[0][0], 7, 1e-5);
+}
+
+TEST_F(ImportPose, DamagedSkinsOfDaeNeverCrash) {
+  survive_damage("a.dae", kSkinnedDae, 150);
 }
 
 }  // namespace

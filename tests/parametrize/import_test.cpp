@@ -601,6 +601,17 @@ TEST_F(Import, DaeInItsUnitWithItsUpAxis) {
   EXPECT_NEAR(read("a.dae", kDae, {.scale = 2.0}).position[2][0], 22, 1e-5);
 }
 
+// As exporters on machines with a decimal comma write it, and as people line numbers up.
+TEST_F(Import, DaeWithACommaInItsUnitAndBlanksAroundItsNumbers) {
+  const TriangleMesh plain = read("a.dae", kDae);
+  EXPECT_EQ(read("b.dae", replaced(kDae, "0.0254", "0,025400")).position, plain.position);
+  const std::string material = R"(<library_effects><effect id="e"><profile_COMMON><technique sid="t"><lambert><diffuse>
+    <color>  0.5 0.5 0.5 1.0  </color></diffuse></lambert></technique></profile_COMMON></effect></library_effects>)";
+  EXPECT_EQ(read("c.dae", replaced(kDae, "<library_geometries>", material + "<library_geometries>")).position,
+            plain.position);
+  EXPECT_THAT(refusal("d.dae", replaced(kDae, "0.0254", "0,0,254")).what(), HasSubstr("unit"));
+}
+
 TEST_F(Import, BrokenDaeIsRefused) {
   expect_truncations_refused("a.dae", kDae, 1);
   const auto message = [&](const std::string& what, const std::string& by) {

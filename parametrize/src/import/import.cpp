@@ -25,6 +25,7 @@
 #include "geocloth/asset/output_file.h"
 #include "import/import_detail.h"
 #include "import/import_files.h"
+#include "import/scene_pose.h"
 
 #if defined(__SANITIZE_ADDRESS__)
 // assimp 5.2.5 leaves tokens of a broken FBX file behind, and that is not to be laid at our door.
@@ -54,11 +55,12 @@ Format format_of(const std::filesystem::path& file) {
   for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   const std::map<std::string, Format> known{{".obj", Format::obj}, {".gltf", Format::gltf}, {".glb", Format::glb},
                                             {".ply", Format::ply}, {".stl", Format::stl},   {".fbx", Format::fbx},
-                                            {".dae", Format::dae}};
+                                            {".dae", Format::dae}, {".vrm", Format::glb}};
   const auto it = known.find(ending);
   if (it != known.end()) return it->second;
   fail(file, ErrorCode::unsupported,
-       "unknown ending '" + ending + "'; geocloth reads .obj, .gltf, .glb, .ply, .stl, .fbx and .dae");
+       "unknown ending '" + ending +
+           "'; geocloth reads .obj, .gltf, .glb, .vrm, .ply, .stl, .fbx and .dae: export the mesh as one of these");
 }
 
 // --- files for assimp --------------------------------------------------------------------------------------------
@@ -135,10 +137,11 @@ struct Placement {
   const aiNode* node;
 };
 
-void collect(const aiNode* node, const aiMatrix4x4& parent, std::vector<Placement>& out) {
+void collect(const aiNode* node, const aiMatrix4x4& parent, std::vector<Placement>& out, ScenePose& pose) {
   const aiMatrix4x4 to_world = parent * node->mTransformation;
+  pose.add(*node, to_world);
   for (unsigned i = 0; i < node->mNumMeshes; ++i) out.push_back({node->mMeshes[i], to_world, node});
-  for (unsigned i = 0; i < node->mNumChildren; ++i) collect(node->mChildren[i], to_world, out);
+  for (unsigned i = 0; i < node->mNumChildren; ++i) collect(node->mChildren[i], to_world, out, pose);
 }
 
 Point3 transform(const aiMatrix4x4& m, const Point3& p, double scale) {
@@ -158,6 +161,27 @@ aiMatrix3x3 normal_matrix(const aiMatrix4x4& m) {
   aiMatrix3x3 n(m);
   return n.Determinant() != 0 ? n.Inverse().Transpose() : aiMatrix3x3(m);
 }
+
+/// How the points and normals of one mesh get to the world.
+struct Pose {
+  explicit Pose(ScenePose::Matrices from)
+      : matrices(std::move(from)),
+        normal_of_all(normal_matrix(matrices.all)),
+        all_mirrored(aiMatrix3x3(matrices.all).Determinant() < 0) {}
+
+  [[nodiscard]] bool bent() const { return !matrices.each.empty(); }
+  [[nodiscard]] aiMatrix3x3 normal(unsigned vertex) const {
+    return bent() ? normal_matrix(matrices.each[vertex]) : normal_of_all;
+  }
+  /// Turns the faces at a vertex inside out.
+  [[nodiscard]] bool mirrored(unsigned vertex) const {
+    return bent() ? aiMatrix3x3(matrices.each[vertex]).Determinant() < 0 : all_mirrored;
+  }
+
+  ScenePose::Matrices matrices;
+  aiMatrix3x3 normal_of_all;
+  bool all_mirrored;
+};
 
 /// The rotation that turns an FBX file's up axis to +y and its front axis to +z; assimp leaves them as they are.
 aiMatrix4x4 upright(const aiScene& scene) {
@@ -188,7 +212,7 @@ class MeshBuilder {
 
   TriangleMesh build() {
     std::vector<Placement> placements;
-    collect(scene_.mRootNode, format_ == Format::fbx ? upright(scene_) : aiMatrix4x4(), placements);
+    collect(scene_.mRootNode, format_ == Format::fbx ? upright(scene_) : aiMatrix4x4(), placements, pose_);
     // Nodes stand in the order of the hierarchy; the file's order is that of the meshes.
     std::stable_sort(placements.begin(), placements.end(),
                      [](const Placement& a, const Placement& b) { return a.mesh < b.mesh; });
@@ -206,6 +230,12 @@ class MeshBuilder {
 
  private:
   const aiMesh& mesh_of(const Placement& placement) const { return *scene_.mMeshes[placement.mesh]; }
+
+  Pose pose_of(const Placement& placement) const {
+    // Skinned glTF comes posed already (gltf_pose.h); FBX keeps its bind pose, which is how assimp places it.
+    if (format_ != Format::dae) return Pose({placement.to_world, {}});
+    return Pose(pose_.matrices(scene_, *placement.node, mesh_of(placement), placement.to_world));
+  }
 
   std::string name_of(const Placement& placement) const {
     const aiString& own = mesh_of(placement).mName;
@@ -238,18 +268,19 @@ class MeshBuilder {
   }
 
   /// Numbers in `position` of the vertices of one placed mesh.
-  std::vector<uint32_t> add_vertices(const Placement& placement) {
+  std::vector<uint32_t> add_vertices(const Placement& placement, const Pose& pose) {
     const aiMesh& mesh = mesh_of(placement);
     std::vector<uint32_t> number(mesh.mNumVertices);
     // FBX and DAE come with a vertex per face corner: corners at one place are one vertex, in order of first use.
     const bool merge = format_ == Format::fbx || format_ == Format::dae;
     std::map<std::array<float, 3>, uint32_t> seen;
     for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
-      const aiVector3D& p = mesh.mVertices[i];
+      aiVector3D p = mesh.mVertices[i];
       if (format_ == Format::obj) {
         number[i] = decode_obj_vertex(p.x, p.y);
         continue;
       }
+      if (pose.bent()) p *= pose.matrices.each[i];
       const auto fresh = static_cast<uint32_t>(mesh_.position.size());
       if (merge && std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)) {
         const auto [it, inserted] = seen.try_emplace({p.x, p.y, p.z}, fresh);
@@ -257,18 +288,18 @@ class MeshBuilder {
         if (!inserted) continue;
       }
       number[i] = fresh;
-      add_vertex(transform(placement.to_world, {double{p.x}, double{p.y}, double{p.z}}, scale_));
+      const Point3 at{double{p.x}, double{p.y}, double{p.z}};
+      add_vertex(transform(pose.bent() ? aiMatrix4x4() : pose.matrices.all, at, scale_));
     }
     return number;
   }
 
   void add_part(const Placement& placement) {
     const aiMesh& mesh = mesh_of(placement);
-    const std::vector<uint32_t> number = add_vertices(placement);
+    const Pose pose = pose_of(placement);
+    const std::vector<uint32_t> number = add_vertices(placement, pose);
     const auto first = static_cast<uint32_t>(mesh_.triangle.size());
-    const aiMatrix3x3 to_world_normal = normal_matrix(placement.to_world);
-    const bool mirrored = aiMatrix3x3(placement.to_world).Determinant() < 0;
-    for (unsigned f = 0; f < mesh.mNumFaces; ++f) add_polygon(mesh, mesh.mFaces[f], number, to_world_normal, mirrored);
+    for (unsigned f = 0; f < mesh.mNumFaces; ++f) add_polygon(mesh, mesh.mFaces[f], number, pose);
     const auto count = static_cast<uint32_t>(mesh_.triangle.size()) - first;
     if (count == 0) return;
     const std::string name = name_of(placement);
@@ -278,33 +309,32 @@ class MeshBuilder {
     add_bones(mesh, number);
   }
 
-  void add_polygon(const aiMesh& mesh, const aiFace& face, const std::vector<uint32_t>& number,
-                   const aiMatrix3x3& to_world_normal, bool mirrored) {
+  void add_polygon(const aiMesh& mesh, const aiFace& face, const std::vector<uint32_t>& number, const Pose& pose) {
     if (face.mNumIndices < 3) return;  // points and lines
     if (face.mNumIndices > kMaxPolygonCorners) {
       bad("a polygon of more than 4096 corners; triangulate it before exporting");
     }
     std::vector<unsigned> corner(face.mIndices, face.mIndices + face.mNumIndices);
-    // A mirroring node turns the faces inside out.
-    if (mirrored) std::reverse(corner.begin(), corner.end());
-    corner_position_.clear();
     for (const unsigned c : corner) {
       if (c >= number.size() || number[c] >= mesh_.position.size()) bad("a face uses a vertex that does not exist");
-      corner_position_.push_back(mesh_.position[number[c]]);
     }
+    // A mirroring node turns the faces inside out.
+    if (pose.mirrored(corner[0])) std::reverse(corner.begin(), corner.end());
+    corner_position_.clear();
+    for (const unsigned c : corner) corner_position_.push_back(mesh_.position[number[c]]);
     cut_.clear();
     triangulate_polygon(corner_position_, cut_);
     for (const Triangle& t : cut_) {
       const std::array<unsigned, 3> c{corner[t[0]], corner[t[1]], corner[t[2]]};
       mesh_.triangle.push_back({number[c[0]], number[c[1]], number[c[2]]});
       mesh_.polygon.push_back(polygon_count_);
-      add_corners(mesh, c, to_world_normal);
+      add_corners(mesh, c, pose);
     }
     ++polygon_count_;
     if (mesh_.triangle.size() > kMaxTriangles) fail(file_, ErrorCode::limit, "more than 20 million triangles");
   }
 
-  void add_corners(const aiMesh& mesh, const std::array<unsigned, 3>& c, const aiMatrix3x3& to_world_normal) {
+  void add_corners(const aiMesh& mesh, const std::array<unsigned, 3>& c, const Pose& pose) {
     if (has_uv_) {
       std::array<Point2, 3> uv{};
       for (std::size_t k = 0; mesh.HasTextureCoords(0) && k < 3; ++k) {
@@ -314,15 +344,13 @@ class MeshBuilder {
       }
       mesh_.uv.push_back(uv);
     }
-    if (has_normal_)
-      mesh_.normal.push_back(mesh.HasNormals() ? given_normals(mesh, c, to_world_normal) : flat_normal());
+    if (has_normal_) mesh_.normal.push_back(mesh.HasNormals() ? given_normals(mesh, c, pose) : flat_normal());
   }
 
-  std::array<Point3, 3> given_normals(const aiMesh& mesh, const std::array<unsigned, 3>& c,
-                                      const aiMatrix3x3& to_world_normal) const {
+  std::array<Point3, 3> given_normals(const aiMesh& mesh, const std::array<unsigned, 3>& c, const Pose& pose) const {
     std::array<Point3, 3> normal;
     for (std::size_t k = 0; k < 3; ++k) {
-      const aiVector3D n = to_world_normal * mesh.mNormals[c[k]];
+      const aiVector3D n = pose.normal(c[k]) * mesh.mNormals[c[k]];
       normal[k] = unit({double{n.x}, double{n.y}, double{n.z}});
     }
     return normal;
@@ -453,6 +481,7 @@ class MeshBuilder {
   Format format_;
   const aiScene& scene_;
   double scale_;
+  ScenePose pose_;
   std::vector<Point3> obj_position_;
   std::vector<std::string> obj_part_name_;
   TriangleMesh mesh_;

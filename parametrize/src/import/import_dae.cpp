@@ -59,6 +59,7 @@ class DaeReader {
     for (const pugi::xml_node skin : skins_) check_skin(skin);
     check_hierarchy(file_, instances());
     DaeText out;
+    mend_unit();
     out.metres_per_unit = root_.child("asset").child("unit").attribute("meter").as_double(1);
     if (!std::isfinite(out.metres_per_unit) || out.metres_per_unit <= 0) bad("asset.unit.meter is no positive number");
     std::ostringstream text;
@@ -104,8 +105,27 @@ class DaeReader {
     return value;
   }
 
+  /// Exporters on German machines write "0,010000".
+  void mend_unit() {
+    pugi::xml_attribute metres = root_.child("asset").child("unit").attribute("meter");
+    std::string text = metres.value();
+    if (std::count(text.begin(), text.end(), ',') != 1 || text.find('.') != std::string::npos) return;
+    text[text.find(',')] = '.';
+    metres.set_value(text.c_str());
+  }
+
+  /// Blanks around a value are as good as none (XML Schema, list types); assimp trips over them in single numbers.
+  static void trim(pugi::xml_node text) {
+    const std::string_view value = text.value();
+    const std::size_t first = value.find_first_not_of(kBlank);
+    if (text.type() != pugi::node_pcdata || first == std::string_view::npos) return;
+    const std::size_t last = value.find_last_not_of(kBlank);
+    if (last + 1 - first < value.size()) text.set_value(std::string(value.substr(first, last + 1 - first)).c_str());
+  }
+
   void walk(pugi::xml_node node) {
     for (const pugi::xml_node child : node.children()) {
+      trim(child);
       const std::string_view name = child.name();
       if (name.ends_with("_array")) add_array(child);
       if (name == "accessor") accessors_.push_back(child);

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <assimp/scene.h>
+
+namespace geocloth::import_detail {
+
+/// Where the nodes and bones of a DAE or FBX file put its meshes before anything moves; of glTF, gltf_pose.h takes
+/// care.
+class ScenePose {
+ public:
+  /// The matrices of the vertices of one mesh.
+  struct Matrices {
+    aiMatrix4x4 all;                ///< of every vertex, where `each` is empty
+    std::vector<aiMatrix4x4> each;  ///< one per vertex, where bones bend the mesh
+  };
+
+  /// The world matrix of a node; to be called for every node before matrices().
+  void add(const aiNode& node, const aiMatrix4x4& to_world);
+
+  /// A node's own matrix where no bones hold its meshes, or where they hold them just there.
+  [[nodiscard]] Matrices matrices(const aiScene& scene, const aiNode& node, const aiMesh& mesh,
+                                  const aiMatrix4x4& to_world) const;
+
+ private:
+  [[nodiscard]] bool bends(const aiScene& scene, const aiNode& node, const aiMatrix4x4& to_world,
+                           aiMatrix4x4& common) const;
+  [[nodiscard]] bool blend(const aiMesh& mesh, std::vector<aiMatrix4x4>& sum, std::vector<float>& weight) const;
+
+  std::map<std::string, aiMatrix4x4, std::less<>> bone_;
+};
+
+}  // namespace geocloth::import_detail
