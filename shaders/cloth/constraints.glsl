@@ -156,3 +156,29 @@ void seam_span_at(uint i) {
   SeamSpring span = seam_springs[i];
   pull_span(pixel_at(span.a), pixel_at(span.b), span.rest, 1.0f);
 }
+
+// Copies of a point lie on each other.
+void place_copies(uint pixel, uint row, vec3 place) {
+  if (row == kNoRow) {
+    store_point(pixel_at(pixel), place, load_point(pixel_at(pixel)).w);
+    return;
+  }
+  for (uint i = split_offset[row]; i < split_offset[row + 1u]; ++i) {
+    uvec2 p = pixel_at(split_pixel[i]);
+    store_point(p, place, load_point(p).w);
+  }
+}
+
+void whole_tie_at(uint i) {
+  SeamSpring tie = seam_springs[i];
+  vec4 a = load_point(pixel_at(tie.a));
+  vec4 b = load_point(pixel_at(tie.b));
+  float wa = whole_tie_weight(a.w);
+  float wb = whole_tie_weight(b.w);
+  float share = constants.read_multiplier != 0u ? kTieShare : 1.0f;
+  precise float longest = tie.rest * params.stretch_limit;
+  SpanMove move = span_move(way_between(pixel_at(tie.a), a, pixel_at(tie.b), b), wa, wb, longest, share);
+  if (!move.pulls) return;
+  place_copies(tie.a, tie.row_a, shifted(a.xyz, move.step, wa));
+  place_copies(tie.b, tie.row_b, shifted(b.xyz, -move.step, wb));
+}

@@ -118,6 +118,9 @@ void run_list(uint pass) {
       case kTileSeamSpans:
         seam_span_at(constants.first + i);
         break;
+      case kTileWholeTies:
+        whole_tie_at(constants.first + i);
+        break;
       case kTileStitch:
         stitch_at(i);
         break;

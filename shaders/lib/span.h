@@ -65,6 +65,14 @@ inline SpanMove span_move(vec3 d, float wa, float wb, float longest, float share
   return r;
 }
 
+// Whole ties join points of the cloth with all their copies, which lie on each other and are moved together: a tie
+// between copies is taken back by the stitch as far as the others weigh, and where that leaves a short spring too long,
+// it is by much. Ends move by as much each, light or heavy, as nothing of it becomes speed: a chain of light points
+// between heavy ones would leave all that it is too long to the spring that comes last.
+inline float whole_tie_weight(float mass_inverse) {
+  return mass_inverse > 0.0f ? 1.0f : 0.0f;
+}
+
 #ifdef __cplusplus
 }  // namespace geocloth::shader
 #endif

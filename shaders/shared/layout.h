@@ -146,8 +146,8 @@ struct Attachment {
 };
 const uint kNoAnchor = 0xFFFFFFFFu;
 
-// Over a seam: bending, by a spring from a to b or by the curvature at the middle (lib/bend.h), or a span from a to b
-// (lib/span.h). Those of one colour share no pixel; a colour is a contiguous range.
+// Over a seam: bending, by a spring from a to b or by the curvature at the middle (lib/bend.h), or a span or a tie from
+// a to b (lib/span.h). Those of one colour share no pixel; a colour is a contiguous range.
 struct SeamSpring {
   uint a;
   uint middle;
@@ -158,7 +158,10 @@ struct SeamSpring {
   float middle_share;  // and share of the middle point's mass that its pixel carries
   float turn;          // and g of lib/bend.h; 0: `beside` is left out
   uint beside;         // pixel of its fourth point
+  uint row_a;  // for a tie between whole points: the copies of a, which is the first; kNoRow: it is the only one
+  uint row_b;  // and of b
 };
+const uint kNoRow = 0xFFFFFFFFu;
 
 // A point of the cloth for self-collision: a valid pixel, of copies the first.
 struct SelfPoint {
@@ -204,7 +207,7 @@ struct PassConstants {
   uint first;             // first seam bend of the colour, first row, first pin
   uint count;             // how many of them
   uint read_multiplier;   // 1: XPBD's accumulated multiplier is read (not in the first relaxation step);
-                          // of ties: only kTieShare is taken
+                          // of ties and whole ties: only kTieShare is taken
   uint write_multiplier;  // 1: and written (not in the last one)
 };
 
@@ -212,7 +215,7 @@ struct PassConstants {
 static_assert(sizeof(ClothParams) == 256 && offsetof(ClothParams, whole) == 128 &&
               offsetof(ClothParams, gravity_step) == 16 && offsetof(ClothParams, dt) == 48);
 static_assert(sizeof(Wave) == 32 && sizeof(Substep) == 16 + 32 * kWindWaves);
-static_assert(sizeof(PinTarget) == 48 && sizeof(Attachment) == 8 && sizeof(SeamSpring) == 36 &&
+static_assert(sizeof(PinTarget) == 48 && sizeof(Attachment) == 8 && sizeof(SeamSpring) == 44 &&
               sizeof(SelfPoint) == 32);
 static_assert(sizeof(ColliderShape) == 64 && sizeof(ColliderPose) == 48 && sizeof(PassConstants) == 24);
 }  // namespace geocloth::shader

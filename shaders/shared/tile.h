@@ -36,6 +36,7 @@ const uint kTileHoldWay = 14u;
 const uint kTileTies = 15u;
 const uint kTileGiveWay = 16u;
 const uint kTileLines = 17u;
+const uint kTileWholeTies = 18u;
 
 // One pass, with what it would get as PassConstants.
 struct TileStep {

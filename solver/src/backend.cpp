@@ -32,7 +32,8 @@ ScheduleOptions schedule_options(const SimulationData& data, uint32_t cloth, con
           .motion_word = frame.motion_word,
           .seam_bend_colors = c.seam_bend_colors,
           .seam_span_colors = c.seam_span_colors,
-          .seam_tie_colors = c.seam_tie_colors};
+          .seam_tie_colors = c.seam_tie_colors,
+          .whole_tie_colors = c.whole_tie_colors};
 }
 
 }  // namespace geocloth

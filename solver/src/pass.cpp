@@ -91,13 +91,20 @@ std::vector<PassStep> finish_schedule(const ScheduleOptions& options) {
   if (!options.ties) return steps;
   steps.push_back({Pass::hold_way});
   for (uint32_t direction = 0; direction < 2; ++direction) steps.push_back({Pass::lines, direction});
+  const auto add_whole_ties = [&](bool last) {
+    const uint32_t first = options.seam_bend_colors + options.seam_span_colors + options.seam_tie_colors;
+    for (uint32_t color = 0; color < options.whole_tie_colors; ++color)
+      steps.push_back({Pass::whole_ties, first + color, last ? 1U : 0U});
+  };
   for (uint32_t r = 0; r < kRounds; ++r) {
+    add_whole_ties(false);
     for (uint32_t g = 0; g < kGroupsPerFamily; ++g)
       steps.push_back({Pass::ties, g, r + 1 == kRounds && g % 2 == 1 ? 1U : 0U});
     for (uint32_t color = 0; color < options.seam_tie_colors; ++color)
       steps.push_back({Pass::seam_spans, options.seam_bend_colors + options.seam_span_colors + color});
     if (options.splits) steps.push_back({Pass::stitch});
   }
+  add_whole_ties(true);
   steps.push_back({Pass::give_way});
   add_checks(steps, options);
   return steps;

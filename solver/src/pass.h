@@ -39,6 +39,7 @@ enum class Pass : uint8_t {
   hold_way,         ///< per pixel, at a frame's end: its way is put aside, for lib/finish.h
   lines,            ///< per row (group 0) or column (group 1): runs of structural springs at once, lib/lines.h
   ties,             ///< per structural spring, groups 0..3: pulled to its longest length; relaxation 1: by kTieShare
+  whole_ties,       ///< per short spring at a seam, one group for each colour after those of seam_spans; as ties
   give_way,         ///< per pixel: out of colliders, and the way that was put aside
   check_copies,     ///< per split row: largest distance between copies
   check_colliders,  ///< per pixel: largest depth in a collider
@@ -50,7 +51,7 @@ struct PassInfo {
   std::string_view name;
   std::string_view shader;  ///< file in shaders/cloth/
 };
-inline constexpr std::array<PassInfo, 32> kPasses{{
+inline constexpr std::array<PassInfo, 33> kPasses{{
     {Pass::normals, "normals", "normals.comp"},
     {Pass::normals_stitch, "normals_stitch", "normals_stitch.comp"},
     {Pass::rescale, "rescale", "rescale.comp"},
@@ -79,6 +80,7 @@ inline constexpr std::array<PassInfo, 32> kPasses{{
     {Pass::hold_way, "hold_way", "hold_way.comp"},
     {Pass::lines, "lines", "lines.comp"},
     {Pass::ties, "ties", "ties.comp"},
+    {Pass::whole_ties, "whole_ties", "whole_ties.comp"},
     {Pass::give_way, "give_way", "give_way.comp"},
     {Pass::check_copies, "check_copies", "check_copies.comp"},
     {Pass::check_colliders, "check_colliders", "check_colliders.comp"},
@@ -90,7 +92,8 @@ inline constexpr std::array<PassInfo, 32> kPasses{{
 
 /// Passes over a colour of the list over seams.
 [[nodiscard]] constexpr bool is_over_seams(Pass pass) {
-  return pass == Pass::seam_bends || pass == Pass::seam_curvature || pass == Pass::seam_spans;
+  return pass == Pass::seam_bends || pass == Pass::seam_curvature || pass == Pass::seam_spans ||
+         pass == Pass::whole_ties;
 }
 
 /// One entry of a schedule: a pass over all of a cloth, or one group of springs of it.
@@ -131,7 +134,7 @@ struct ScheduleOptions {
   bool asleep = false;       ///< the frame has no passes
   bool motion = false;       ///< how far points go is measured after the last substep
   uint32_t motion_word = 0;  ///< 0 or 1, for even and odd frames
-  uint32_t seam_bend_colors = 0, seam_span_colors = 0, seam_tie_colors = 0;
+  uint32_t seam_bend_colors = 0, seam_span_colors = 0, seam_tie_colors = 0, whole_tie_colors = 0;
 
   bool operator==(const ScheduleOptions&) const = default;
 };
@@ -150,8 +153,8 @@ struct ScheduleOptions {
 ///   { collide_cells, stitch_contacts } x rounds, collide [check]
 [[nodiscard]] std::vector<PassStep> substep_schedule(const ScheduleOptions& options);
 
-/// The passes after those of a frame's last substep, which belong to it: hold_way, lines x 2, { ties, [ties on seams,
-/// stitch] } x 3, give_way [check], or none.
+/// The passes after those of a frame's last substep, which belong to it: hold_way, lines x 2, { [whole_ties], ties,
+/// [ties on seams, stitch] } x 3, [whole_ties], give_way [check], or none.
 [[nodiscard]] std::vector<PassStep> finish_schedule(const ScheduleOptions& options);
 
 /// The passes after all of a frame: normals [measure_motion].

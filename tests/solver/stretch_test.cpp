@@ -4,10 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "geocloth/solver/scene.h"
 #include "lib/span.h"
 #include "rest/upload.h"
 #include "solver_fixture.h"
@@ -109,6 +113,69 @@ TEST(Ties, JoinTheCopiesThatNoSpringJoins) {
     EXPECT_EQ(asset.chart[tie.a], asset.chart[tie.b]);
     EXPECT_EQ(asset.spring_mask[std::min(tie.a, tie.b)] & kSpringDown, 0);
   }
+}
+
+/// A sheet in four charts, one below the other, whose seams run close to the row above.
+ClothAsset with_short_springs_at_seams(double share) {
+  ClothAsset asset = test::make_sheet({.nx = 49, .ny = 49, .charts_y = 4, .horizontal = true});
+  const auto s = static_cast<float>(share);
+  for (const uint32_t p : asset.splits.pixel) {
+    asset.rest_position[p].z -= (1 - s) * asset.spacing;
+    const bool upper = asset.valid(p - asset.width);  // of the two copies, that of the chart above
+    asset.area[p] *= upper ? s : 2 - s;
+    asset.area[upper ? p - asset.width : p + asset.width] *= 0.5F * (upper ? 1 + s : 3 - s);
+  }
+  return asset;
+}
+
+// Short springs at seams join points of which one side's copy is light: what a tie moved of it, the stitch took back
+// from, and they were stretched by 34 % while the sheet fell and by 13 % in the end.
+TEST(WholeTies, HoldShortSpringsAtSeams) {
+  ClothDesc cloth;
+  cloth.asset = std::make_shared<const ClothAsset>(with_short_springs_at_seams(0.3));
+  SolverSettings settings;
+  settings.backend = Backend::cpu;
+  settings.substeps = 16;
+  Solver solver({&cloth, 1}, settings);
+  std::vector<Pin> pins;
+  for (const uint32_t p : select_pixels(*cloth.asset, cloth.transform, WhereVertexGroup{"corners"}))
+    pins.push_back({p, cloth.asset->rest_position[p]});
+  solver.set_pins(0, pins);
+  std::vector<Vec3> positions;
+  StretchStatistics stretch;
+  for (uint32_t f = 0; f < 120; ++f) {
+    solver.step();
+    solver.read_positions(0, positions);
+    stretch = measure_stretch(*cloth.asset, 1, positions);
+    EXPECT_LE(stretch.max, 1.15) << "frame " << f;
+  }
+  EXPECT_LE(stretch.max, 1.06);
+}
+
+// Each joins whole points and is there once, whatever copies its spring joins; those of a colour share no point.
+TEST(WholeTies, AreTheShortSpringsAtSeams) {
+  const ClothAsset asset = with_short_springs_at_seams(0.3);
+  const ClothData data = make_cloth_data({std::make_shared<const ClothAsset>(asset), {}, {}}, {});
+  const uint32_t first = data.seam_bend_colors + data.seam_span_colors + data.seam_tie_colors;
+  size_t ties = 0;
+  for (uint32_t color = first; color < first + data.whole_tie_colors; ++color) {
+    std::set<uint32_t> seen;
+    for (uint32_t k = data.seam_color_offset[color]; k < data.seam_color_offset[color + 1]; ++k, ++ties) {
+      const shader::SeamSpring& tie = data.seam_springs[k];
+      EXPECT_NEAR(tie.rest, 0.3 * static_cast<double>(asset.spacing), 1e-5);
+      EXPECT_TRUE(seen.insert(tie.a).second && seen.insert(tie.b).second);
+      for (const auto& [pixel, row] : {std::pair{tie.a, tie.row_a}, std::pair{tie.b, tie.row_b}}) {
+        const auto& copies = asset.splits.pixel;
+        const auto place = std::find(copies.begin(), copies.end(), pixel) - copies.begin();
+        const bool is_copy = place < std::ssize(copies);
+        ASSERT_EQ(is_copy, row != shader::kNoRow);
+        if (is_copy) {
+          EXPECT_EQ(asset.splits.offset[row], place);
+        }
+      }
+    }
+  }
+  EXPECT_EQ(ties, 3U * 49U);
 }
 
 // A cloth that lies over a ball without a pin has no attachments.

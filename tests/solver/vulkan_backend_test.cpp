@@ -247,14 +247,14 @@ Material limited(bool springs) {
 TEST_F(VulkanBackendTest, TilesGiveWhatThePassesGive) {
   for (const uint32_t charts : {1U, 2U}) {
     SCOPED_TRACE(charts);
-    Play scene = busy({.nx = 61, .ny = 43, .charts_x = charts, .gap = charts}, limited(charts == 2));
+    Play scene = busy({.nx = 61, .ny = 43, .charts_x = charts, .gap = charts, .jitter = 0.3F}, limited(charts == 2));
     scene.settings.path = SolverPath::tiled;
     EXPECT_EQ(expect_same_as_cpu(scene).statistics.path, "tiled");
   }
 }
 
 TEST_F(VulkanBackendTest, AWorkGroupForEachClothGivesWhatThePassesGive) {
-  Play scene = busy({.nx = 13, .ny = 11, .charts_x = 3, .charts_y = 2, .jitter = 0.2F}, limited(false));
+  Play scene = busy({.nx = 13, .ny = 11, .charts_x = 3, .charts_y = 2, .jitter = 0.3F}, limited(false));
   scene.cloths.push_back(cloth_of({.nx = 41, .ny = 20}, limited(true)));
   scene.settings.path = SolverPath::tiny;
   scene.settings.relaxation_steps = 2;

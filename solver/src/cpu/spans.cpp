@@ -85,4 +85,26 @@ void seam_spans(const PassContext& context, ClothState& state, const PassStep& s
                 });
 }
 
+void whole_ties(const PassContext& context, ClothState& state, const PassStep& step) {
+  const float limit = context.cloth.params.stretch_limit, share = step.relaxation > 0 ? shader::kTieShare : 1;
+  const uint32_t begin = state.data.seam_color_offset[step.group], end = state.data.seam_color_offset[step.group + 1];
+  const auto weight = [&](uint32_t pixel) { return shader::whole_tie_weight(state.inverse_mass[pixel]); };
+  const auto place_copies = [&](uint32_t pixel, uint32_t row, const shader::vec3& place) {
+    if (row == shader::kNoRow) return state.position.set(pixel, place);
+    for (uint32_t k = state.data.split_offset[row]; k < state.data.split_offset[row + 1]; ++k)
+      state.position.set(state.data.split_pixel[k], place);
+  };
+  context.threads.for_range(end - begin, kRowGrain, [&](uint32_t first, uint32_t last) {
+    for (uint32_t k = first; k < last; ++k) {
+      const shader::SeamSpring& tie = state.data.seam_springs[begin + k];
+      const shader::vec3 a = state.position.at(tie.a), b = state.position.at(tie.b);
+      const float wa = weight(tie.a), wb = weight(tie.b);
+      const shader::SpanMove move = shader::span_move(b - a, wa, wb, tie.rest * limit, share);
+      if (!move.pulls) continue;
+      place_copies(tie.a, tie.row_a, shader::shifted(a, move.step, wa));
+      place_copies(tie.b, tie.row_b, shader::shifted(b, -move.step, wb));
+    }
+  });
+}
+
 }  // namespace geocloth::cpu

@@ -259,7 +259,9 @@ class BendBuilder {
     std::vector<shader::SeamSpring> springs;
     for (const SeamBend& bend : asset_.seam_bends) {
       const double rest = rest_.rest_length(bend.a, bend.b);
-      if (rest > 0) springs.push_back({bend.a, bend.middle, bend.b, static_cast<float>(rest), 0, 0, 1, 0, bend.middle});
+      if (rest > 0)
+        springs.push_back({bend.a, bend.middle, bend.b, static_cast<float>(rest), 0, 0, 1, 0, bend.middle,
+                           shader::kNoRow, shader::kNoRow});
     }
     append(springs);
   }

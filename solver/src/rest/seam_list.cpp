@@ -9,6 +9,7 @@
 namespace geocloth {
 
 uint32_t append_by_color(std::span<const shader::SeamSpring> entries, uint32_t most_colors, ClothData& data) {
+  data.most_seam_springs += entries.size();
   std::vector<std::vector<uint32_t>> colors_at(data.pixel_count());
   std::vector<std::vector<shader::SeamSpring>> by_color;
   for (const shader::SeamSpring& entry : entries) {

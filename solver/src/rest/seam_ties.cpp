@@ -51,6 +51,7 @@ void add_seam_ties(const ClothAsset& asset, const RestShape& rest, ClothData& da
   std::vector<shader::SeamSpring> ties;
   for (const auto& [points, springs] : springs_on_seams(asset, point, copies)) {
     std::vector<uint32_t> free_a = copies.at(points.first), free_b = copies.at(points.second);
+    data.most_seam_springs += springs.size();  // any may be cut, and its copies be tied instead
     for (const auto& [a, b] : springs) {
       std::erase(free_a, a);
       std::erase(free_b, b);

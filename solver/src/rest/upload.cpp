@@ -25,6 +25,7 @@
 #include "rest/seam_ties.h"
 #include "rest/self_points.h"
 #include "rest/surface_graph.h"
+#include "rest/whole_ties.h"
 
 namespace geocloth {
 namespace {
@@ -148,6 +149,7 @@ ClothData make_cloth_data(const ClothDesc& cloth, const Vec3& origin) {
   if (data.attachments) {
     add_seam_spans(asset, rest, data);
     add_seam_ties(asset, rest, data);
+    add_whole_ties(asset, rest, data);
   }
   if (cloth.self_collision) add_self_points(cloth, data);
   return data;

@@ -32,7 +32,7 @@ size_t bytes_of(const std::vector<T>& values) {
 
 /// One multiplier for each spring component of each pixel and one for each seam bend.
 size_t multiplier_bytes(const ClothData& data) {
-  return sizeof(float) * (size_t{shader::kSpringComponents} * data.pixel_count() + data.seam_springs.size());
+  return sizeof(float) * (size_t{shader::kSpringComponents} * data.pixel_count() + data.most_seam_springs);
 }
 
 /// Cuts may part a row, but one has at least two copies.
@@ -62,7 +62,7 @@ ClothResources::ClothResources(const std::shared_ptr<const Context>& context, co
                        .usage = kRestUsage}),
       multipliers(make_buffer(context, with_multipliers ? multiplier_bytes(data) : 0)),
       attachments(make_buffer(context, data.attachments ? sizeof(shader::Attachment) * data.pixel_count() : 0)),
-      seam_springs(make_buffer(context, bytes_of(data.seam_springs))),
+      seam_springs(make_buffer(context, data.most_seam_springs * sizeof(shader::SeamSpring))),
       split_offset(make_buffer(context, most_split_offsets(data) * sizeof(uint32_t))),
       split_pixel(make_buffer(context, bytes_of(data.split_pixel))),
       measures(context, sizeof(uint32_t) * shader::kMeasureCount, BufferUsage::eStorageBuffer, Memory::readback),

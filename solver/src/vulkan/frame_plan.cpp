@@ -47,6 +47,8 @@ std::optional<uint32_t> tile_pass(Pass pass) {
       return shader::kTileLines;
     case Pass::ties:
       return shader::kTileTies;
+    case Pass::whole_ties:
+      return shader::kTileWholeTies;
     case Pass::give_way:
       return shader::kTileGiveWay;
     case Pass::limit:

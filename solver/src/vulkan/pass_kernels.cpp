@@ -39,6 +39,7 @@
 #include "stitch_comp.h"
 #include "stitch_contacts_comp.h"
 #include "ties_comp.h"
+#include "whole_ties_comp.h"
 
 namespace geocloth::vulkan {
 namespace {
@@ -99,6 +100,8 @@ std::span<const uint32_t> spirv(Pass pass) {
       return lines_comp;
     case Pass::ties:
       return ties_comp;
+    case Pass::whole_ties:
+      return whole_ties_comp;
     case Pass::give_way:
       return give_way_comp;
     case Pass::check_copies:
@@ -218,6 +221,7 @@ void PassKernels::dispatch(const vk::raii::CommandBuffer& commands, const ClothR
     case Pass::seam_bends:
     case Pass::seam_curvature:
     case Pass::seam_spans:
+    case Pass::whole_ties:
       constants.first = cloth.seam_color_offset[step.group];
       break;
     case Pass::normals_stitch:

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which springs are tied by their whole points (shaders/lib/span.h): short ones at seams, where an outline cuts a cell.
+// What a tie moves of a seam's point, the stitch takes back for the most part if that copy is the lighter one; of a
+// long spring little is left then, a short one stays too long by a large part of itself (by 61 % in a hat that falls).
+
+#include "rest/whole_ties.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "geocloth/asset/grid_mesh.h"
+#include "rest/seam_list.h"
+
+namespace geocloth {
+namespace {
+
+constexpr float kShort = 0.7F;  ///< of the image's spacing
+constexpr uint32_t kMostColors = 8;
+
+/// Of every pixel its row of the table, kNoRow where it has no copies.
+std::vector<uint32_t> split_rows(const ClothAsset& asset) {
+  std::vector<uint32_t> rows(asset.pixel_count(), shader::kNoRow);
+  for (uint32_t r = 0; r < asset.splits.rows(); ++r)
+    for (uint32_t k = asset.splits.offset[r]; k < asset.splits.offset[r + 1]; ++k) rows[asset.splits.pixel[k]] = r;
+  return rows;
+}
+
+}  // namespace
+
+void add_whole_ties(const ClothAsset& asset, const RestShape& rest, ClothData& data) {
+  const std::vector<uint32_t> point = first_copies(asset), row = split_rows(asset);
+  std::map<std::pair<uint32_t, uint32_t>, shader::SeamSpring> ties;  // the sides of a seam may have the same spring
+  const auto add = [&](uint32_t from, uint32_t to) {
+    const auto [a, b] = std::minmax(point[from], point[to]);
+    if (a == b || (row[a] == shader::kNoRow && row[b] == shader::kNoRow)) return;
+    if (!(length(asset.rest_position[b] - asset.rest_position[a]) < kShort * asset.spacing)) return;
+    shader::SeamSpring tie{};
+    tie.a = tie.middle = tie.beside = a;
+    tie.b = b;
+    tie.row_a = row[a];
+    tie.row_b = row[b];
+    tie.rest = static_cast<float>(rest.rest_length(a, b));
+    if (tie.rest > 0) ties.try_emplace({a, b}, tie);
+  };
+  for (uint32_t p = 0; p < asset.pixel_count(); ++p) {
+    if ((asset.spring_mask[p] & kSpringRight) != 0) add(p, p + 1);
+    if ((asset.spring_mask[p] & kSpringDown) != 0) add(p, p + asset.width);
+  }
+  std::vector<shader::SeamSpring> list;
+  list.reserve(ties.size());
+  for (const auto& [points, tie] : ties) list.push_back(tie);
+  data.whole_tie_colors = append_by_color(list, kMostColors, data);
+}
+
+}  // namespace geocloth
