@@ -305,23 +305,23 @@ void PrintTo(const NamedSurface& s, std::ostream* out) {
 }
 
 std::vector<NamedSurface> surfaces_of_every_topology() {
-  return {{"disk", disk(9, 7)},
-          {"ribbon", disk(200, 4, 50, 1)},
-          {"cylinder", cylinder(16, 9)},
-          {"tube", cylinder(12, 60, 0.3, 8)},
-          {"torus", torus(12, 16)},
-          {"coarse_torus", torus(3, 3)},
-          {"sphere", sphere(12, 8)},
-          {"tetrahedron", tetrahedron()},
-          {"single_triangle", single_triangle()},
-          {"moebius", moebius(24, 5)},
-          {"sheet_with_flap", sheet_with_flap(9, 7)},
-          {"cylinder_with_belt", cylinder_with_belt(16, 9)},
-          {"touching_spheres", touching_spheres()},
-          {"sphere_with_fin", sphere_with_fin()},
-          {"holes", sheet_with_holes(3, 2, false)},
-          {"touching_holes", sheet_with_holes(4, 4, true)},
-          {"shirt", shirt(6)}};
+  return {{"disk", [] { return disk(9, 7); }},
+          {"ribbon", [] { return disk(200, 4, 50, 1); }},
+          {"cylinder", [] { return cylinder(16, 9); }},
+          {"tube", [] { return cylinder(12, 60, 0.3, 8); }},
+          {"torus", [] { return torus(12, 16); }},
+          {"coarse_torus", [] { return torus(3, 3); }},
+          {"sphere", [] { return sphere(12, 8); }},
+          {"tetrahedron", [] { return tetrahedron(); }},
+          {"single_triangle", [] { return single_triangle(); }},
+          {"moebius", [] { return moebius(24, 5); }},
+          {"sheet_with_flap", [] { return sheet_with_flap(9, 7); }},
+          {"cylinder_with_belt", [] { return cylinder_with_belt(16, 9); }},
+          {"touching_spheres", [] { return touching_spheres(); }},
+          {"sphere_with_fin", [] { return sphere_with_fin(); }},
+          {"holes", [] { return sheet_with_holes(3, 2, false); }},
+          {"touching_holes", [] { return sheet_with_holes(4, 4, true); }},
+          {"shirt", [] { return shirt(6); }}};
 }
 
 }  // namespace geocloth::test

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <ostream>
 #include <string>
 #include <vector>
@@ -40,7 +41,8 @@ CleanSurface shirt(uint32_t detail);
 
 struct NamedSurface {
   std::string name;
-  CleanSurface surface;
+  std::function<CleanSurface()>
+      make;  ///< in the test itself: each is a process that would make those of all others too
 };
 void PrintTo(const NamedSurface& s, std::ostream* out);
 /// Disks, tubes, closed and one-sided surfaces, handles, ties and holes: for parametrised tests.

@@ -15,7 +15,10 @@
 namespace geocloth {
 namespace {
 
-class Cut : public ::testing::TestWithParam<test::NamedSurface> {};
+class Cut : public ::testing::TestWithParam<test::NamedSurface> {
+ protected:
+  const CleanSurface surface_ = GetParam().make();
+};
 
 std::vector<Triangle> over_points(const std::vector<Triangle>& triangle, const std::vector<uint32_t>& point) {
   std::vector<Triangle> result;
@@ -25,8 +28,8 @@ std::vector<Triangle> over_points(const std::vector<Triangle>& triangle, const s
 
 // Every part must be laid out in the plane as one piece without holes.
 TEST_P(Cut, EveryComponentIsADisk) {
-  const CutSurface cut = cut_to_disks(GetParam().surface);
-  ASSERT_GE(cut.triangle.size(), GetParam().surface.triangle.size());
+  const CutSurface cut = cut_to_disks(surface_);
+  ASSERT_GE(cut.triangle.size(), surface_.triangle.size());
   std::vector<std::vector<Triangle>> part(cut.component_count);
   for (size_t t = 0; t < cut.triangle.size(); ++t) part[cut.component[t]].push_back(cut.triangle[t]);
   for (const auto& triangles : part) {
@@ -42,7 +45,7 @@ TEST_P(Cut, EveryComponentIsADisk) {
 
 // The pieces sewn together again by their points are the surface we began with, split where cuts cross its edges.
 TEST_P(Cut, PointsSewItTogetherAgain) {
-  const CleanSurface& surface = GetParam().surface;
+  const CleanSurface& surface = surface_;
   const CutSurface cut = cut_to_disks(surface);
   const auto sewn = over_points(cut.triangle, cut.point);
   const auto whole = over_points(surface.triangle, surface.point);
@@ -66,7 +69,7 @@ TEST_P(Cut, PointsSewItTogetherAgain) {
 // Texture, parts and the binding of the source mesh are looked up by triangle: its pieces must make up the whole of it,
 // in its plane and facing the same way.
 TEST_P(Cut, PiecesOfATriangleMakeItUp) {
-  const CleanSurface& surface = GetParam().surface;
+  const CleanSurface& surface = surface_;
   const CutSurface cut = cut_to_disks(surface);
   ASSERT_EQ(cut.clean_triangle.size(), cut.triangle.size());
   const auto normal = [](const std::vector<Point3>& position, const Triangle& t) {
@@ -87,7 +90,7 @@ TEST_P(Cut, PiecesOfATriangleMakeItUp) {
 
 // A tie in the middle of a chart could not be told to the solver: ties must lie on outlines.
 TEST_P(Cut, TiesLieOnOutlines) {
-  const CutSurface cut = cut_to_disks(GetParam().surface);
+  const CutSurface cut = cut_to_disks(surface_);
   std::vector<char> on_outline(cut.position.size(), 0);
   std::set<std::pair<uint32_t, uint32_t>> outline_edge;
   for (const Outline& outline : trace_outlines(cut)) {
@@ -118,7 +121,7 @@ TEST_P(Cut, TiesLieOnOutlines) {
 
 // Both sides of a seam are sewn pixel by pixel: they must agree about its points, direction and length.
 TEST_P(Cut, RunsOfASeamAgree) {
-  const CutSurface cut = cut_to_disks(GetParam().surface);
+  const CutSurface cut = cut_to_disks(surface_);
   std::map<uint32_t, std::pair<std::vector<uint32_t>, double>> seam;
   size_t outline_edges = 0, border_edges = 0;
   for (const Outline& outline : trace_outlines(cut)) {
@@ -149,7 +152,7 @@ TEST_P(Cut, RunsOfASeamAgree) {
 }
 
 TEST_P(Cut, IsDeterministic) {
-  const CutSurface a = cut_to_disks(GetParam().surface), b = cut_to_disks(GetParam().surface);
+  const CutSurface a = cut_to_disks(surface_), b = cut_to_disks(surface_);
   EXPECT_EQ(a.triangle, b.triangle);
   EXPECT_EQ(a.clean_vertex, b.clean_vertex);
 }
@@ -159,11 +162,10 @@ INSTANTIATE_TEST_SUITE_P(Surfaces, Cut, ::testing::ValuesIn(test::surfaces_of_ev
 
 /// What repair makes of the faces between full and empty cells of a random block, a few of them left out: handles, bow
 /// ties, edges of four faces, holes and closed bags, all in one.
-test::NamedSurface random_block(uint32_t seed) {
+CleanSurface random_block(uint32_t seed) {
   constexpr uint32_t kCells = 5, kPoints = kCells + 1;
   std::mt19937 random(seed);
   TriangleMesh mesh;
-  mesh.name = "block_" + std::to_string(seed);
   for (uint32_t i = 0; i < kPoints * kPoints * kPoints; ++i) {
     const auto shaken = [&](uint32_t at) { return at + 0.2 * static_cast<double>(random() % 1000) / 1000; };
     mesh.position.push_back({shaken(i % kPoints), shaken(i / kPoints % kPoints), shaken(i / kPoints / kPoints)});
@@ -190,24 +192,31 @@ test::NamedSurface random_block(uint32_t seed) {
   for (uint32_t t = 0; t < mesh.triangle.size(); ++t) mesh.polygon.push_back(t);
   mesh.part.push_back({"block", 0, 0, static_cast<uint32_t>(mesh.triangle.size())});
   mesh.material.emplace_back();
-  return {mesh.name, repair_mesh(mesh).surface};
+  return repair_mesh(mesh).surface;
 }
 
 std::vector<test::NamedSurface> random_blocks() {
   std::vector<test::NamedSurface> blocks;
-  for (uint32_t seed = 0; seed < 40; ++seed) blocks.push_back(random_block(seed));
+  for (uint32_t seed = 0; seed < 40; ++seed) {
+    blocks.push_back({"block_" + std::to_string(seed), [seed] { return random_block(seed); }});
+  }
   return blocks;
 }
 
 /// The least of closed surfaces, in all shapes: a cut of one edge has to grow to be an outline.
+CleanSurface random_tetrahedron(uint32_t seed) {
+  std::mt19937 random(seed);
+  CleanSurface surface = test::tetrahedron();
+  for (Point3& p : surface.position) {
+    for (double& x : p) x += static_cast<double>(random() % 1000) / 500;
+  }
+  return surface;
+}
+
 std::vector<test::NamedSurface> random_tetrahedra() {
   std::vector<test::NamedSurface> result;
   for (uint32_t seed = 0; seed < 40; ++seed) {
-    std::mt19937 random(seed);
-    result.push_back({"tetrahedron_" + std::to_string(seed), test::tetrahedron()});
-    for (Point3& p : result.back().surface.position) {
-      for (double& x : p) x += static_cast<double>(random() % 1000) / 500;
-    }
+    result.push_back({"tetrahedron_" + std::to_string(seed), [seed] { return random_tetrahedron(seed); }});
   }
   return result;
 }

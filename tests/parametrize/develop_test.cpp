@@ -179,7 +179,7 @@ TEST(Develop, WhatIsFoldedFlatIsLaidOut) {
 TEST(Develop, NoChartLiesOverItself) {
   for (const test::NamedSurface& named : test::surfaces_of_every_topology()) {
     SCOPED_TRACE(named.name);
-    expect_simple_charts(develop(cut_to_disks(named.surface)));
+    expect_simple_charts(develop(cut_to_disks(named.make())));
   }
 }
 
