@@ -11,8 +11,10 @@ void spans(const PassContext& context, ClothState& state, const PassStep& step);
 /// Pass ties: those of one group.
 void ties(const PassContext& context, ClothState& state, const PassStep& step);
 
-/// Pass seam_spans: those of one colour.
+/// Pass whole_ties: those of one colour.
 void whole_ties(const PassContext& context, ClothState& state, const PassStep& step);
+
+/// Pass seam_spans: those of one colour.
 void seam_spans(const PassContext& context, ClothState& state, const PassStep& step);
 
 /// [m] of the span that starts at a pixel, whose end lies in the image; 0 where one of its springs is missing.
