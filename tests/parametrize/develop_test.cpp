@@ -175,6 +175,39 @@ TEST(Develop, WhatIsFoldedFlatIsLaidOut) {
   EXPECT_GE(develop(cut_to_disks(coil)).cut.component_count, 4U) << "each turn lies over the others";
 }
 
+/// A closed prism along y, as the pole of a flag or a sail's yard is modelled: each triangle reaches from end to end.
+CleanSurface pole(uint32_t sides, double radius, double length) {
+  TriangleMesh mesh;
+  for (const double y : {0.0, length}) {
+    for (uint32_t k = 0; k < sides; ++k) {
+      const double a = 2 * std::acos(-1.0) * k / sides;
+      mesh.position.push_back({radius * std::cos(a), y, radius * std::sin(a)});
+    }
+  }
+  for (uint32_t k = 0; k < sides; ++k) {
+    const uint32_t next = (k + 1) % sides;
+    mesh.triangle.push_back({k, sides + k, sides + next});
+    mesh.triangle.push_back({k, sides + next, next});
+    if (k == 0 || next == 0) continue;
+    mesh.triangle.push_back({0, k, next});
+    mesh.triangle.push_back({sides, sides + next, sides + k});
+  }
+  mesh.part.push_back({"pole", 0, 0, static_cast<uint32_t>(mesh.triangle.size())});
+  mesh.material.emplace_back();
+  return repair_mesh(mesh).surface;
+}
+
+// A banner comes with its pole. Left uncut at its ends, which are smaller than a cut has to be long, it becomes a kite
+// five times as wide as it is, with springs of a fiftieth of the spacing.
+TEST(Develop, APoleOfFewTrianglesKeepsItsWidth) {
+  for (const uint32_t sides : {4U, 8U}) {
+    SCOPED_TRACE(sides);
+    const DevelopedSurface flat = develop(cut_to_disks(pole(sides, 0.05, 8)), {.least_cut = 0.125});
+    expect_simple_charts(flat);
+    for (const double energy : flat.energy) EXPECT_LT(energy, 4.15);
+  }
+}
+
 // A chart that lies over itself has two places of the garment on one pixel.
 TEST(Develop, NoChartLiesOverItself) {
   for (const test::NamedSurface& named : test::surfaces_of_every_topology()) {

@@ -31,6 +31,7 @@ constexpr size_t kLeastTrials = 1;
 constexpr size_t kSmall = 1'500;  // triangles of a chart in which all places are tried every time
 constexpr uint32_t kStartSteps = 80, kTrialSteps = 6;
 constexpr double kStartTolerance = 1e-4, kCutTolerance = 5e-5;
+constexpr double kSpoilt = 0.2;  // share of a chart's area from which short cuts are made too
 constexpr double kApart = 0.15;  // between the places tried, by the root of the area
 
 /// Places worth a cut, worst first: interior vertices by the excess energy of the triangles within two rings, apart
@@ -113,7 +114,8 @@ class Developer {
     Falls falls;
     while (cuts_left_ > 0 &&
            (energy > options_.target_energy || strained_area(open.chart) > kMostStrained * total_area(open.chart))) {
-      std::optional<Trial> best = best_cut(open, energy, falls);
+      std::optional<Trial> best = best_cut(open, energy, falls, options_.least_cut);
+      if (!best && is_spoilt(open.chart)) best = best_cut(open, energy, falls, 0);
       if (!best) break;
       const bool is_laid = !best->chart.triangle.empty();
       open.chart = is_laid ? std::move(best->chart) : opened(open.chart, best->paths);
@@ -140,6 +142,21 @@ class Developer {
     return energy;
   }
 
+  /// Is a chart strained by triangles that are longer than cuts have to be? The ends of a closed pole of few triangles
+  /// are smaller than a cut is worth, but what they lack is passed on from end to end.
+  [[nodiscard]] bool is_spoilt(const Chart& chart) const {
+    const std::vector<double> energy =
+        SymmetricDirichlet(chart.position, chart.triangle, {}).energy_per_triangle(chart.uv);
+    double spoilt = 0;
+    for (size_t t = 0; t < energy.size(); ++t) {
+      const auto& [a, b, c] = chart.triangle[t];
+      const Point3 &p = chart.position[a], &q = chart.position[b], &r = chart.position[c];
+      const bool is_long = std::max({distance(p, q), distance(q, r), distance(r, p)}) > options_.least_cut;
+      if (is_long && energy[t] > kMostStrain) spoilt += triangle_area(p, q, r);
+    }
+    return spoilt > kSpoilt * total_area(chart);
+  }
+
   /// By how much the energy fell in trials of cuts that were not made, by the cut vertex where they end. Other cuts
   /// change that little.
   struct Fall {
@@ -159,7 +176,7 @@ class Developer {
 
   /// Of several places, the cut that brings most for its length; nothing when none pays. What a cut brought in a round
   /// before is believed, in charts where trials are dear, until that makes it the best one.
-  [[nodiscard]] std::optional<Trial> best_cut(const Open& open, double energy, Falls& falls) const {
+  [[nodiscard]] std::optional<Trial> best_cut(const Open& open, double energy, Falls& falls, double least_cut) const {
     const Chart& chart = open.chart;
     const size_t count = std::clamp<size_t>(kTrialWork / chart.triangle.size(), kLeastTrials, taste_.places);
     const Distances way_out =
@@ -185,7 +202,7 @@ class Developer {
       judge(trial);
     };
     std::vector<Trial> trials;
-    const std::vector<uint32_t> worst = worst_vertices(chart, per_triangle, way_out, options_.least_cut, count);
+    const std::vector<uint32_t> worst = worst_vertices(chart, per_triangle, way_out, least_cut, count);
     for (Paths& paths : cut_paths(chart, way_out, worst)) {
       Trial& trial = trials.emplace_back();
       trial.paths = std::move(paths);
