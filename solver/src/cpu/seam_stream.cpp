@@ -9,6 +9,7 @@
 #include <limits>
 #include <span>
 
+#include "lib/span.h"
 #include "lib/vector.h"
 
 namespace geocloth::cpu {
@@ -33,12 +34,22 @@ void add_copies(const ClothState& state, std::span<const uint32_t> pixels, SeamS
   stream.copies.resize(first);
 }
 
+/// Up to this square of its length nothing is pulled. @param w  of both ends
+float slack_of(float longest, float w) {
+  constexpr float kRounding = 1e-6F;
+  return w > 0 ? longest * longest * (1 - kRounding) : std::numeric_limits<float>::infinity();
+}
+
 SeamSpan span_of(const ClothState& state, const shader::SeamSpring& s, float stretch_limit) {
   const float w = state.inverse_mass[s.a] + state.inverse_mass[s.b], longest = s.rest * stretch_limit;
-  const bool moves = w > 0;
-  constexpr float kRounding = 1e-6F;
-  const float slack = moves ? longest * longest * (1 - kRounding) : std::numeric_limits<float>::infinity();
-  return {s.a, s.b, slack, longest, moves ? 1.F / w : 0.F};
+  return {s.a, s.b, slack_of(longest, w), longest, w > 0 ? 1.F / w : 0.F};
+}
+
+WholeTie whole_tie_of(const ClothState& state, const shader::SeamSpring& s, float stretch_limit) {
+  const float wa = shader::whole_tie_weight(state.inverse_mass[s.a]);
+  const float wb = shader::whole_tie_weight(state.inverse_mass[s.b]);
+  const float w = wa + wb, longest = s.rest * stretch_limit;
+  return {s.a, s.b, s.row_a, s.row_b, slack_of(longest, w), longest, w > 0 ? 1.F / w : 0.F, wa, wb};
 }
 
 /// The weight as lib/bend.h has it.
@@ -95,6 +106,24 @@ void pull_span(const SeamSpan& span, const Positions& positions, const float* in
   positions.move(span.b, -step, inverse_mass[span.b]);
 }
 
+void place_copies(const ClothData& data, uint32_t pixel, uint32_t row, const vec3& place, const Positions& positions) {
+  if (row == shader::kNoRow) return positions.set(pixel, place);
+  for (uint32_t k = data.split_offset[row]; k < data.split_offset[row + 1]; ++k)
+    positions.set(data.split_pixel[k], place);
+}
+
+/// The same for whole points.
+void pull_whole(const WholeTie& tie, float share, const ClothData& data, const Positions& positions) {
+  const vec3 a = positions.at(tie.a), b = positions.at(tie.b), d = b - a;
+  const float squared = shader::dot3(d, d);
+  if (!(squared > tie.slack)) return;
+  const float l = std::sqrt(squared);
+  if (!(l > tie.longest)) return;
+  const vec3 step = d * ((l - tie.longest) * (share * tie.inverse) * (1.F / l));
+  place_copies(data, tie.a, tie.row_a, shader::shifted(a, step, tie.weight_a), positions);
+  place_copies(data, tie.b, tie.row_b, shader::shifted(b, -step, tie.weight_b), positions);
+}
+
 /// turned_bend_move() of lib/bend.h.
 void project_bend(const SeamBend& bend, const Positions& positions) {
   const vec3 middle = positions.at(bend.middle);
@@ -125,6 +154,7 @@ size_t SeamStream::memory_bytes() const {
   size_t sum = bytes(pairs) + bytes(rows) + bytes(copies);
   for (const auto& color : spans) sum += bytes(color);
   for (const auto& color : bends) sum += bytes(color);
+  for (const auto& color : whole_ties) sum += bytes(color);
   return sum;
 }
 
@@ -134,6 +164,7 @@ SeamStream seam_stream(const ClothState& state, const ClothFrame& cloth, const s
   const ClothData& data = state.data;
   stream.spans.resize(data.seam_color_offset.size());
   stream.bends.resize(data.seam_color_offset.size());
+  stream.whole_ties.resize(data.seam_color_offset.size());
   const auto springs_of = [&](uint32_t color) {
     const uint32_t first = data.seam_color_offset[color], last = data.seam_color_offset[color + 1];
     return std::span(data.seam_springs).subspan(first, last - first);
@@ -144,6 +175,10 @@ SeamStream seam_stream(const ClothState& state, const ClothFrame& cloth, const s
     if (step.pass == Pass::seam_spans && stream.spans[step.group].empty()) {
       for (const shader::SeamSpring& s : springs_of(step.group))
         stream.spans[step.group].push_back(span_of(state, s, cloth.params.stretch_limit));
+    }
+    if (step.pass == Pass::whole_ties && stream.whole_ties[step.group].empty()) {
+      for (const shader::SeamSpring& s : springs_of(step.group))
+        stream.whole_ties[step.group].push_back(whole_tie_of(state, s, cloth.params.stretch_limit));
     }
     if (step.pass == Pass::seam_curvature && relaxation_steps == 1 && stream.bends[step.group].empty()) {
       for (const shader::SeamSpring& s : springs_of(step.group))
@@ -170,6 +205,12 @@ bool run_seams(const SeamStream& stream, const PassStep& step, const PassContext
     const float* const inverse_mass = state.inverse_mass.data();
     for_entries(context.threads, stream.spans[step.group],
                 [=](const SeamSpan& span) { pull_span(span, positions, inverse_mass); });
+    return true;
+  }
+  if (step.pass == Pass::whole_ties) {
+    const float share = step.relaxation > 0 ? shader::kTieShare : 1;
+    for_entries(context.threads, stream.whole_ties[step.group],
+                [&, share](const WholeTie& tie) { pull_whole(tie, share, state.data, positions); });
     return true;
   }
   if (step.pass != Pass::seam_curvature || stream.bends[step.group].empty()) return false;

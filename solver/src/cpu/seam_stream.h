@@ -33,6 +33,15 @@ struct SeamSpan {
   float inverse;  ///< [kg] 1 / (wa + wb)
 };
 
+/// A tie between whole points; see lib/span.h.
+struct WholeTie {
+  uint32_t a, b;
+  uint32_t row_a, row_b;  ///< of their copies
+  float slack, longest;   ///< as in SeamSpan
+  float inverse;          ///< 1 / (weight_a + weight_b)
+  float weight_a, weight_b;
+};
+
 /// A bend over a seam; see turned_bend_move() of lib/bend.h.
 struct SeamBend {
   uint32_t a, middle, b, beside;
@@ -48,6 +57,7 @@ struct SeamStream {
   std::vector<CopyMass> copies;
   std::vector<std::vector<SeamSpan>> spans;  ///< of each colour of ClothData::seam_springs
   std::vector<std::vector<SeamBend>> bends;
+  std::vector<std::vector<WholeTie>> whole_ties;
 
   [[nodiscard]] size_t memory_bytes() const;
 };
