@@ -231,7 +231,7 @@ class MeshBuilder {
  private:
   const aiMesh& mesh_of(const Placement& placement) const { return *scene_.mMeshes[placement.mesh]; }
 
-  Pose pose_of(const Placement& placement) const {
+  Pose pose_of(const Placement& placement) {
     // Skinned glTF comes posed already (gltf_pose.h); FBX keeps its bind pose, which is how assimp places it.
     if (format_ != Format::dae) return Pose({placement.to_world, {}});
     return Pose(pose_.matrices(scene_, *placement.node, mesh_of(placement), placement.to_world));

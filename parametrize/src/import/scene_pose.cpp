@@ -86,9 +86,8 @@ bool ScenePose::blend(const aiMesh& mesh, std::vector<aiMatrix4x4>& sum, std::ve
   return mesh.mNumBones > 0;
 }
 
-/// @param common  what takes all vertices of the node's meshes to where they are, when nothing bends
-bool ScenePose::bends(const aiScene& scene, const aiNode& node, const aiMatrix4x4& to_world,
-                      aiMatrix4x4& common) const {
+ScenePose::Verdict ScenePose::verdict(const aiScene& scene, const aiNode& node, const aiMatrix4x4& to_world) const {
+  Verdict result;
   std::vector<aiMatrix4x4> matrix;
   std::vector<float> weight;
   bool any = false;
@@ -98,21 +97,24 @@ bool ScenePose::bends(const aiScene& scene, const aiNode& node, const aiMatrix4x
     if (!blend(mesh, matrix, weight)) continue;
     for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
       if (weight[i] <= 0) continue;
-      if (!any) common = matrix[i];
+      if (!any) result.common = matrix[i];
       any = true;
       const aiVector3D at = matrix[i] * mesh.mVertices[i];
       with_node.add(at, to_world * mesh.mVertices[i]);
-      with_first.add(at, common * mesh.mVertices[i]);
+      with_first.add(at, result.common * mesh.mVertices[i]);
     }
   }
-  if (!any || with_node.same()) common = to_world;
-  return any && !with_node.same() && !with_first.same();
+  if (!any || with_node.same()) result.common = to_world;
+  result.bends = any && !with_node.same() && !with_first.same();
+  return result;
 }
 
 ScenePose::Matrices ScenePose::matrices(const aiScene& scene, const aiNode& node, const aiMesh& mesh,
-                                        const aiMatrix4x4& to_world) const {
-  Matrices out{to_world, {}};
-  if (!bends(scene, node, to_world, out.all)) return out;
+                                        const aiMatrix4x4& to_world) {
+  const auto [known, is_new] = verdict_.try_emplace(&node);
+  if (is_new) known->second = verdict(scene, node, to_world);
+  Matrices out{known->second.common, {}};
+  if (!known->second.bends) return out;
   std::vector<float> weight;
   if (!blend(mesh, out.each, weight)) {
     out.each.clear();

@@ -25,14 +25,20 @@ class ScenePose {
 
   /// A node's own matrix where no bones hold its meshes, or where they hold them just there.
   [[nodiscard]] Matrices matrices(const aiScene& scene, const aiNode& node, const aiMesh& mesh,
-                                  const aiMatrix4x4& to_world) const;
+                                  const aiMatrix4x4& to_world);
 
  private:
-  [[nodiscard]] bool bends(const aiScene& scene, const aiNode& node, const aiMatrix4x4& to_world,
-                           aiMatrix4x4& common) const;
+  /// Of all meshes of a node, so that they hang together.
+  struct Verdict {
+    bool bends = false;
+    aiMatrix4x4 common;  ///< what takes all vertices to where they are, when nothing bends
+  };
+
+  [[nodiscard]] Verdict verdict(const aiScene& scene, const aiNode& node, const aiMatrix4x4& to_world) const;
   [[nodiscard]] bool blend(const aiMesh& mesh, std::vector<aiMatrix4x4>& sum, std::vector<float>& weight) const;
 
   std::map<std::string, aiMatrix4x4, std::less<>> bone_;
+  std::map<const aiNode*, Verdict> verdict_;  // of nodes asked for
 };
 
 }  // namespace geocloth::import_detail
