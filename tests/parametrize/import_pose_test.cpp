@@ -117,6 +117,11 @@ TEST_F(ImportPose, MorphTargetsWithTheirWeights) {
   expect_at(read("mesh.glb", g.glb()).position[5], 1, 2, 1);
   g.json["nodes"][0]["weights"] = {0.25};
   expect_at(read("node.glb", g.glb()).position[5], 1, 2, 0.5);
+  // Tangents of targets are three numbers, those of the mesh four; exporters write the former without the latter too.
+  g.json["meshes"][0]["primitives"][0]["targets"][0]["TANGENT"] = up;
+  expect_at(read("tangent.glb", g.glb()).position[5], 1, 2, 0.5);
+  g.json["nodes"][0]["weights"] = {0};
+  expect_at(read("rest.glb", g.glb()).position[5], 1, 2, 0);
 }
 
 TEST_F(ImportPose, SparseAndQuantisedAtOnce) {

@@ -99,14 +99,16 @@ class SceneCheck {
     gltf_.bad(where + " refers to an accessor without data");
   }
 
-  void check_attribute_type(const std::string& name, const GltfAccessor& a, const std::string& where) const {
+  /// @param tangent  components of one: a morph target's lacks the handedness
+  void check_attribute_type(const std::string& name, const GltfAccessor& a, const std::string& where,
+                            std::size_t tangent = 4) const {
     const auto is = [&](std::string_view semantic, std::size_t components) {
       if (name.starts_with(semantic) && a.components != components) {
         gltf_.bad(where + ": " + name.substr(0, 40) + " has the wrong type");
       }
     };
     is("NORMAL", 3);
-    is("TANGENT", 4);
+    is("TANGENT", tangent);
     is("TEXCOORD_", 2);
     is("JOINTS_", 4);
     is("WEIGHTS_", 4);
@@ -123,7 +125,7 @@ class SceneCheck {
       for (const auto& [name, value] : target.items()) {
         const GltfAccessor& a = data_.attribute(target, name.c_str(), where + ".targets");
         if (a.count != count) gltf_.bad(where + ": a morph target and POSITION differ in count");
-        check_attribute_type(name, a, where);
+        check_attribute_type(name, a, where, 3);
         if (name == "POSITION" && a.components != 3) gltf_.bad(where + ": POSITION of a morph target is not VEC3");
       }
     }

@@ -126,6 +126,10 @@ class Poser {
     for (std::size_t i = 0; i < count; ++i) {
       if (nodes()[i].contains("mesh")) pose_node(i);
     }
+    // Targets that move nothing are not read, and those of tangents need tangents that the mesh may not have.
+    for (std::size_t mesh = 0; mesh < gltf_.array("meshes").size(); ++mesh) {
+      for (Json& primitive : primitives(mesh)) primitive.erase("targets");
+    }
   }
 
  private:
