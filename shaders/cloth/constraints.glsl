@@ -81,16 +81,17 @@ void pull_span(uvec2 pa, uvec2 pb, float rest, float share) {
 void span_at(uvec2 pa) {
   bool down = span_component(constants.group) == 1u;
   uvec2 next = down ? uvec2(0u, 1u) : uvec2(1u, 0u);
-  uvec2 pb = pa + next * kSpanPixels;
+  uint pixels = pixels_of_span(constants.group);
+  uvec2 pb = pa + next * pixels;
   if (pb.x >= params.width || pb.y >= params.height || !is_here(pb)) return;
   precise float rest = 0.0f;
-  for (uint i = 0u; i < kSpanPixels; ++i) {
+  for (uint i = 0u; i < pixels; ++i) {
     vec4 springs = imageLoad(structural_image, texel(pa + next * i));
     float own = down ? springs.z : springs.x;
     if (own == 0.0f) return;
     rest = rest + own;
   }
-  pull_span(pa, pb, rest, 1.0f);
+  pull_span(pa, pb, rest, span_share(constants.group));
 }
 
 // A structural spring of the group constants.group as a span of one pixel.

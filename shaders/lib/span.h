@@ -3,9 +3,11 @@
 // slack where a collider lies between a point and its pin, and there the structural springs carry all of the weight; a
 // spring over n pixels is n^2 times as stiff as they are for the same work, so one level of the pyramid of long springs
 // (Mueller 2008, "Hierarchical Position Based Dynamics") takes most of it. It only pulls, so folds are free, and its
-// ends are points of the cloth like all others, so that nothing is gained that was not there. Ties, at a frame's end,
-// are spans of one pixel. Of springs in a row, all as much too long, those that are met first would get what the others
-// lose; the last ones give back a part, so that all are left with about as much.
+// ends are points of the cloth like all others, so that nothing is gained that was not there. Cloth without pins rests
+// on colliders, which hold few of its points: the next level, spans half as long, evens out there what the first one
+// leaves to few springs. Ties, at a frame's end, are spans of one pixel. Of springs in a row, all as much too long,
+// those that are met first would get what the others lose; the last ones give back a part, so that all are left with
+// about as much.
 #ifndef GEOCLOTH_LIB_SPAN_H
 #define GEOCLOTH_LIB_SPAN_H
 
@@ -16,31 +18,46 @@ namespace geocloth::shader {
 #endif
 
 const uint kSpanPixels = 8u;
-const float kTieShare = 0.7f;  // of what is too long, that the last ties take
-const uint kSpanGroups = 4u;   // 0, 1 to the right from columns with floor(x / 8) even, odd; 2, 3 down, by rows
+const uint kShortSpanPixels = 4u;
+// Of what is too long, that short spans take: with all of it points that start deep in a collider come out faster.
+const float kShortSpanShare = 0.5f;
+const float kTieShare = 0.7f;  // and that the last ties take
+// Groups 0, 1 lead to the right from columns with floor(x / 8) even, odd; 2, 3 down, by rows; 4 to 7 are those of the
+// short spans, by floor(x / 4).
+const uint kSpanGroups = 4u;
+
+inline uint pixels_of_span(uint group) {
+  return group < kSpanGroups ? kSpanPixels : kShortSpanPixels;
+}
+
+inline float span_share(uint group) {
+  return group < kSpanGroups ? 1.0f : kShortSpanShare;
+}
 
 // Component of the structural springs that a group's spans are made of.
 inline uint span_component(uint group) {
-  return group / 2u;
+  return group % kSpanGroups / 2u;
 }
 
 // A span of the group may start at (x, y).
 inline bool span_starts(uint group, uint x, uint y) {
-  return (span_component(group) == 0u ? x : y) / kSpanPixels % 2u == group % 2u;
+  return (span_component(group) == 0u ? x : y) / pixels_of_span(group) % 2u == group % 2u;
 }
 
 // Invocations (i, j) of a group over an image.
 inline uvec2 span_extent(uint group, uint width, uint height) {
   bool right = span_component(group) == 0u;
-  uint lines = kSpanPixels * (((right ? width : height) + 2u * kSpanPixels - 1u) / (2u * kSpanPixels));
+  uint pixels = pixels_of_span(group);
+  uint lines = pixels * (((right ? width : height) + 2u * pixels - 1u) / (2u * pixels));
   return uvec2(right ? lines : width, right ? height : lines);
 }
 
 // Pixel of invocation (i, j); it may lie outside the image.
 inline uvec2 span_pixel(uint group, uint i, uint j) {
   bool right = span_component(group) == 0u;
+  uint pixels = pixels_of_span(group);
   uint n = right ? i : j;
-  uint line = 2u * kSpanPixels * (n / kSpanPixels) + n % kSpanPixels + kSpanPixels * (group % 2u);
+  uint line = 2u * pixels * (n / pixels) + n % pixels + pixels * (group % 2u);
   return uvec2(right ? line : i, right ? j : line);
 }
 

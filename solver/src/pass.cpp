@@ -53,7 +53,8 @@ void add_relaxation(std::vector<PassStep>& steps, const ScheduleOptions& options
   if (options.spans) {
     for (uint32_t color = 0; color < options.seam_span_colors; ++color)
       steps.push_back({Pass::seam_spans, options.seam_bend_colors + color, relaxation});
-    for (uint32_t g = 0; g < shader::kSpanGroups; ++g) steps.push_back({Pass::spans, g, relaxation});
+    const uint32_t lengths = options.attachments ? 1 : 2;
+    for (uint32_t g = 0; g < lengths * shader::kSpanGroups; ++g) steps.push_back({Pass::spans, g, relaxation});
   }
   add_bending(steps, options, relaxation);
   add_family(steps, Pass::structural, 0, relaxation);

@@ -23,7 +23,7 @@ enum class Pass : uint8_t {
   curvature,        ///< per bend over three pixels in a row, groups 0..5 of lib/bend_groups.h
   seam_curvature,   ///< per seam bend, one group for each colour
   seam_spans,       ///< per span over a seam or tie on one, one group for each colour after those of the bends
-  spans,            ///< per span of lib/span.h, groups 0..3, only with max_stretch and colliders
+  spans,            ///< per span of lib/span.h, groups 0..7, only with max_stretch and colliders
   stitch,           ///< per split row: mass-weighted mean of the copies, written to every copy
   settle,           ///< per pixel: base and offset become the position, only with ClothParams::fine
   limit,            ///< per pixel: long-range attachment; copies are equal before it and so they are after it

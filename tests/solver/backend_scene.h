@@ -37,8 +37,9 @@ class Recorder final : public SolverBackend {
   FrameInput& frame_;
 };
 
-/// A cloth hung by its first row, behind a ball.
-inline BackendScene make_scene(const ClothDesc& cloth, bool collider = true, uint32_t relaxation_steps = 1) {
+/// A cloth hung by its first row, or by nothing, behind a ball.
+inline BackendScene make_scene(const ClothDesc& cloth, bool collider = true, uint32_t relaxation_steps = 1,
+                               bool pinned = true) {
   SolverSettings settings;
   settings.substeps = 6;
   settings.relaxation_steps = relaxation_steps;
@@ -47,7 +48,7 @@ inline BackendScene make_scene(const ClothDesc& cloth, bool collider = true, uin
     scene.data = std::move(data);
     return std::make_unique<Recorder>(scene.frame);
   });
-  solver.set_pins(0, pins_at_rest(*cloth.asset, "top"));
+  if (pinned) solver.set_pins(0, pins_at_rest(*cloth.asset, "top"));
   const Collider ball{"ball", Sphere{{0, 0, 0.1F}, 0.15F}, 0.3F, {}};
   if (collider) solver.set_colliders(std::vector{ball}, true);
   solver.step();

@@ -95,6 +95,10 @@ class Touched {
         for (const uint32_t first : {stream.pixel[k], stream.pixel[k] + op.offset})
           add(pass, first, first + std::min(lanes_, cpu::kSpanLanes));
         return;
+      case RowKernel::short_spans_along:
+        for (const uint32_t first : {stream.pixel[k], stream.pixel[k] + op.offset})
+          add(pass, first, first + std::min(lanes_, cpu::kShortSpanLanes));
+        return;
       case RowKernel::springs_along:
       case RowKernel::springs_along_two:
       case RowKernel::ties_along:
@@ -233,15 +237,15 @@ std::vector<Cloth> cloths() {
   stiff.stiffness = stiff.bend_stiffness = 1;
   std::vector<Cloth> all;
   const auto add = [&](const std::string& name, const test::SheetOptions& sheet, const Material& material,
-                       bool collider = true, uint32_t relaxation_steps = 1) {
-    all.push_back(
-        {name, CpuCloth(test::make_scene(test::describe(test::make_sheet(sheet), material), collider, relaxation_steps),
-                        true)});
+                       bool collider = true, uint32_t relaxation_steps = 1, bool pinned = true) {
+    const ClothDesc cloth = test::describe(test::make_sheet(sheet), material);
+    all.push_back({name, CpuCloth(test::make_scene(cloth, collider, relaxation_steps, pinned), true)});
   };
   for (const uint32_t width : {61U, 64U, 100U, 111U}) {
     const std::string of = ", width " + std::to_string(width);
     add("hung" + of, {.nx = width, .ny = 90}, test::attached(), false);
     add("on a ball" + of, {.nx = width, .ny = 130}, test::attached());
+    add("dropped" + of, {.nx = width, .ny = 130}, test::attached(), true, 1, false);
   }
   for (const uint32_t height : {40U, 75U, 200U})
     add("height " + std::to_string(height), {.nx = 64, .ny = height}, test::attached());

@@ -179,6 +179,10 @@ TEST(Cost, ThePlainPathIsOneDispatchForEachGroup) {
   Material springs = attached();
   springs.stiffness = springs.bend_stiffness = 1;
   EXPECT_EQ(count(springs, 1).first, 20U);
+  // Without pins and attachments, but with spans of another length.
+  const BackendScene dropped =
+      make_scene(test::describe(test::make_sheet({.nx = 64, .ny = 64}), attached()), true, 1, false);
+  EXPECT_EQ(substep_schedule(schedule_options(dropped.data, 0, dropped.frame)).size(), 22U - 2 + 4);
   // Two stitches and the colours of the bends and of the spans over the seam.
   const BackendScene cut = make_scene({.nx = 64, .ny = 64, .charts_x = 2}, attached());
   EXPECT_EQ(count(attached(), 2).first, 22U + 2 + colors_over_seams(cut.data.cloths.front()));

@@ -18,6 +18,7 @@ struct Swing {
   float max_stretch = 5e-4F;
   uint32_t relaxation_steps = 1;
   SolverPath path = SolverPath::automatic;
+  bool pinned = true;  ///< or it drops on to the ball
 };
 
 struct SwingScene {
@@ -53,7 +54,7 @@ inline SwingScene make_swing(const Swing& swing) {
       pins.push_back({pixel, asset->rest_position[pixel]});
     }
   }
-  solver.set_pins(0, pins);
+  if (swing.pinned) solver.set_pins(0, pins);
   const auto behind = static_cast<float>(swing.behind), radius = static_cast<float>(swing.ball);
   const Sphere ball{{0, -0.55F * side, (behind - 0.5F) * side}, radius * side};
   solver.set_colliders(std::vector<Collider>{{"ball", ball, 0.3F, {}}});

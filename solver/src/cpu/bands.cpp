@@ -155,7 +155,8 @@ class SweepRows {
     const uint32_t first = stream.row_first[y], last = stream.row_first[y + 1];
     if (op.kernel == RowKernel::pins) return 0;
     if (stream.runs.empty()) {
-      const bool half = op.kernel == RowKernel::limit || op.kernel == RowKernel::spans_along;
+      const bool half = op.kernel == RowKernel::limit || op.kernel == RowKernel::spans_along ||
+                        op.kernel == RowKernel::short_spans_along;
       return int64_t{last - first} * (half ? 1 : kSpring);
     }
     int64_t pixels = 0;

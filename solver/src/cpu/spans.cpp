@@ -25,10 +25,11 @@ inline void pull(const PointLine& a, const PointLine& b, float longest, Mode mod
 
 }  // namespace
 
-float span_length(const ClothState& state, uint32_t component, size_t pixel) {
+float span_length(const ClothState& state, uint32_t group, size_t pixel) {
+  const uint32_t component = shader::span_component(group);
   const size_t next = component == 0 ? 1 : state.data.width;
   float length = 0;
-  for (uint32_t i = 0; i < shader::kSpanPixels; ++i) {
+  for (uint32_t i = 0; i < shader::pixels_of_span(group); ++i) {
     const float own = state.rest[component][pixel + i * next];
     if (own == 0) return 0;
     length = length + own;
@@ -39,13 +40,14 @@ float span_length(const ClothState& state, uint32_t component, size_t pixel) {
 void spans(const PassContext& context, ClothState& state, const PassStep& step) {
   const shader::ClothParams& params = context.cloth.params;
   const uint32_t component = shader::span_component(step.group), width = state.data.width, height = state.data.height;
-  const uint32_t reach_x = component == 0 ? shader::kSpanPixels : 0, reach_y = shader::kSpanPixels - reach_x;
+  const uint32_t pixels = shader::pixels_of_span(step.group);
+  const uint32_t reach_x = component == 0 ? pixels : 0, reach_y = pixels - reach_x;
   if (width <= reach_x || height <= reach_y) return;
   const auto pull_from = [&](size_t pixel, auto mode) {
-    const float length = span_length(state, component, pixel);
+    const float length = span_length(state, step.group, pixel);
     if (!(length > 0)) return;
     pull(PointLine(state, pixel, params.fine), PointLine(state, pixel + reach_x + size_t{reach_y} * width, params.fine),
-         length * params.stretch_limit, mode);
+         length * params.stretch_limit, mode, shader::span_share(step.group));
   };
   context.threads.for_range(height - reach_y, std::max(1U, kPixelGrain / width), [&](uint32_t first, uint32_t last) {
     with_fine(params.fine, [&](auto mode) {

@@ -109,17 +109,20 @@ SweepOp tie_rows(const RowSource& source, uint32_t group, bool last, RowStream& 
 SweepOp span_rows(const RowSource& source, uint32_t group, RowStream& stream) {
   const uint32_t component = shader::span_component(group);
   const bool along = component == 0;
-  const RowKernel kernel = along ? RowKernel::spans_along : RowKernel::ties_across;
-  const uint32_t lanes = along ? std::min(source.lanes, kSpanLanes) : source.lanes;
-  const uint32_t offset = shader::kSpanPixels * (along ? 1 : source.width);
-  const BlockShape shape = vectors(kernel, lanes, source.width - (along ? shader::kSpanPixels : 0));
+  const uint32_t pixels = shader::pixels_of_span(group);
+  const RowKernel kernel = !along                          ? RowKernel::ties_across
+                           : pixels == shader::kSpanPixels ? RowKernel::spans_along
+                                                           : RowKernel::short_spans_along;
+  const uint32_t lanes = along ? std::min(source.lanes, pixels) : source.lanes;
+  const uint32_t offset = pixels * (along ? 1 : source.width);
+  const BlockShape shape = vectors(kernel, lanes, source.width - (along ? pixels : 0));
   for (uint32_t y = 0; y < source.height; ++y) {
     stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
-    if (!along && y + shader::kSpanPixels >= source.height) continue;
+    if (!along && y + pixels >= source.height) continue;
     const auto length_of = [&](uint32_t x) {
       const size_t a = size_t{y} * source.width + x;
       const bool moves = source.state.inverse_mass[a] + source.state.inverse_mass[a + offset] > 0;
-      return shader::span_starts(group, x, y) && moves ? span_length(source.state, component, a) : 0.F;
+      return shader::span_starts(group, x, y) && moves ? span_length(source.state, group, a) : 0.F;
     };
     cover_row(
         source, shape, y, [&](uint32_t x) { return length_of(x) > 0; },
@@ -128,7 +131,8 @@ SweepOp span_rows(const RowSource& source, uint32_t group, RowStream& stream) {
           const size_t a = size_t{y} * source.width + x;
           float* block = &stream.constants[stream.constants.size() - 2 * size_t{lanes}];
           block[lane] = length_of(x) * source.cloth.params.stretch_limit;
-          block[lanes + lane] = 1.F / (source.state.inverse_mass[a] + source.state.inverse_mass[a + offset]);
+          block[lanes + lane] = shader::span_share(group) *
+                                (1.F / (source.state.inverse_mass[a] + source.state.inverse_mass[a + offset]));
         });
   }
   stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));

@@ -28,6 +28,7 @@ enum class RowKernel : uint8_t {
   bends_along,        ///< all three groups; blocks over every third column, from places in the scratch on: rest,
                       ///< inverse, chord, compliance
   spans_along,        ///< as ties_across, blocks of kSpanLanes at most
+  short_spans_along,  ///< as ties_across, blocks of kShortSpanLanes at most
   limit,              ///< blocks: longest; anchors
   collide,            ///< runs of whole vectors
   hold_way,           ///< runs of whole vectors
@@ -36,7 +37,7 @@ enum class RowKernel : uint8_t {
 };
 
 /// Springs over so many pixels share none when no more of them than that lie next to each other.
-inline constexpr uint32_t kSpanLanes = shader::kSpanPixels;
+inline constexpr uint32_t kSpanLanes = shader::kSpanPixels, kShortSpanLanes = shader::kShortSpanPixels;
 
 /// Where bends_along takes a row apart to, of lines so many floats long: of each residue modulo 3 three coordinates and
 /// the inverse mass. Rows of a strip follow each other, and the next strip's take their place.

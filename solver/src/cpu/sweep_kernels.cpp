@@ -98,6 +98,9 @@ HWY_INLINE void run_turn(D d, const SweepFrame& frame, uint32_t substep, const S
     case RowKernel::spans_along:  // half of the columns are the other ends
       springs_across<Pulls>(hn::CappedTag<float, HWY_MIN(kSpanLanes, hn::MaxLanes(D()))>(), op, state, first, last);
       break;
+    case RowKernel::short_spans_along:
+      springs_across<Pulls>(hn::CappedTag<float, kShortSpanLanes>(), op, state, first, last);
+      break;
     case RowKernel::springs_along_two:
       with_kind(op, [&](auto kind)
                         GEOCLOTH_LANES { springs_along<2, typename decltype(kind)::Type>(d, op, state, first, last); });
