@@ -561,6 +561,44 @@ TEST(Repair, TearsAMoebiusStripOfOneQuadAcross) {
   EXPECT_EQ(r.cleaned.components, 1U);
 }
 
+// --- poles -----------------------------------------------------------------------------------------------------------
+
+/// A sphere as programs compute it, row by row; the rows at its poles are rings as wide as the rounding errors.
+TriangleMesh sphere_with_rings(double pole) {
+  constexpr uint32_t kAround = 16, kRows = 8;
+  std::vector<Point3> p;
+  std::vector<std::vector<uint32_t>> quads;
+  for (uint32_t j = 0; j <= kRows; ++j) {
+    const double v = std::numbers::pi * j / kRows, r = j == 0 || j == kRows ? pole : std::sin(v);
+    for (uint32_t i = 0; i < kAround; ++i) {
+      const double u = 2 * std::numbers::pi * i / kAround;
+      p.push_back({r * std::cos(u), std::cos(v), r * std::sin(u)});
+    }
+  }
+  for (uint32_t j = 0; j < kRows; ++j) {
+    for (uint32_t i = 0; i < kAround; ++i) {
+      const uint32_t a = j * kAround + i, b = j * kAround + (i + 1) % kAround;
+      quads.push_back({a, b, b + kAround, a + kAround});
+    }
+  }
+  return make_mesh(std::move(p), quads);
+}
+
+// Pompoms, caps and buttons made by a formula were refused, or came out stretched a thousandfold: their poles were
+// holes of 1e-16 m, whose edges kept the vertices there apart.
+TEST(Repair, APoleThatRoundingErrorsOpenIsOnePoint) {
+  for (const double pole : {0.0, 1e-17, 1e-12, 1e-8}) {
+    const RepairResult r = repair(sphere_with_rings(pole));
+    EXPECT_EQ(r.cleaned.boundary_loops, 0U) << pole;
+    EXPECT_EQ(r.cleaned.euler_characteristic, 2) << pole;
+  }
+}
+
+TEST(Repair, ASmallOpeningAtAPoleStaysOpen) {
+  const RepairResult r = repair(sphere_with_rings(1e-4));
+  EXPECT_EQ(r.cleaned.boundary_loops, 2U);
+}
+
 // --- T-junctions and triangles without area --------------------------------------------------------------------------
 
 TEST(Repair, WeldsSheetsOfDifferentResolution) {

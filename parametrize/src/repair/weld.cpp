@@ -3,6 +3,7 @@
 // there, however large the whole is. Pairs are joined nearest first and only while the group stays within the
 // tolerance, so that a chain of near vertices does not run together.
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <numeric>
 #include <unordered_map>
@@ -39,15 +40,19 @@ struct NearPair {
   }
 };
 
-/// The length of the shortest edge at every place; the largest number where there is none.
+/// The length of the shortest edge at every place; the largest number where there is none. Sides that are nothing
+/// beside the others of their triangle are no edges: the vertices around the pole of a sphere that was computed lie
+/// rounding errors apart.
 std::vector<double> shortest_edges(const std::vector<Point3>& place, const std::vector<Triangle>& triangle) {
+  constexpr double kNothing = 1e-7;  // of the longest side: what single precision cannot tell
   std::vector<double> shortest(place.size(), std::numeric_limits<double>::max());
   for (const Triangle& t : triangle) {
+    std::array<double, 3> side{};
+    for (std::size_t k = 0; k < 3; ++k) side[k] = distance(place[t[k]], place[t[(k + 1) % 3]]);
+    const double longest = *std::max_element(side.begin(), side.end());
     for (std::size_t k = 0; k < 3; ++k) {
-      const uint32_t a = t[k], b = t[(k + 1) % 3];
-      const double l = distance(place[a], place[b]);
-      shortest[a] = std::min(shortest[a], l);
-      shortest[b] = std::min(shortest[b], l);
+      if (side[k] <= kNothing * longest) continue;
+      for (const uint32_t v : {t[k], t[(k + 1) % 3]}) shortest[v] = std::min(shortest[v], side[k]);
     }
   }
   return shortest;
@@ -70,8 +75,8 @@ std::vector<NearPair> near_pairs(const std::vector<Point3>& place, const std::ve
   return pairs;
 }
 
-/// Groups of places, joined pair by pair while every two of a group are within each other's reach. Two corners of a
-/// triangle never are.
+/// Groups of places, joined pair by pair while every two of a group are within each other's reach. Two ends of an edge
+/// never are.
 class Groups {
  public:
   Groups(const std::vector<Point3>& place, const std::vector<double>& reach)
