@@ -9,6 +9,7 @@
 
 #include "geocloth/asset/error.h"
 #include "geocloth/parametrize/convert.h"
+#include "repair/narrow_pieces.h"
 
 namespace geocloth {
 namespace {
@@ -196,6 +197,40 @@ TEST(SmallPieces, AThreadOnTheClothIsCarriedAndFollowsIt) {
       EXPECT_LT(length(moved[i] - roll(asset.source.position[i])), 0.006F);
     }
   }
+}
+
+/// Adds a thread that goes to and fro across the sheet, every leg of it two triangles from end to end.
+void add_zigzag(TriangleMesh& mesh, uint32_t legs, double width) {
+  for (uint32_t i = 0; i < legs; ++i) {
+    const auto first = static_cast<uint32_t>(mesh.position.size());
+    const double z = 0.02 + 0.96 * i / legs;
+    for (const double x : {0.02, 0.98}) {
+      for (const double beside : {0.0, width}) mesh.position.push_back({x + beside, width, z + beside});
+    }
+    mesh.triangle.push_back({first, first + 1, first + 3});
+    mesh.triangle.push_back({first, first + 3, first + 2});
+    if (i == 0) continue;
+    const uint32_t end = i % 2 == 0 ? 0 : 2;  // where the leg before is joined
+    mesh.triangle.push_back({first + end - 4, first + end - 3, first + end});
+    mesh.triangle.push_back({first + end - 3, first + end + 1, first + end});
+  }
+}
+
+// Until it was known how wide chains and embroidery of long needles are, a coarse image took half a minute and a fine
+// one all memory: a needle was halved into far more bits than its length has places, each compared with every other.
+TEST(SmallPieces, LongNeedlesAreMeasuredInAsManyPlacesAsTheyAreLong) {
+  constexpr double kPixel = 1e-4, kWidth = 0.3 * kPixel;
+  TriangleMesh mesh = sheet();
+  add_zigzag(mesh, 8, kWidth);
+  close_mesh(mesh);
+  const CleanSurface clean = repair_mesh(mesh).surface;
+  const std::vector<uint8_t> none(clean.component_count, 0);
+  const std::vector<NarrowPieces> found = find_narrow_pieces(clean, kPixel, 0.01, none);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_NEAR(found[0].area, 8 * 0.96 * kWidth + 7 * kWidth * 0.12, 1e-6);
+  // At the turns two legs are within the radius.
+  EXPECT_GT(found[0].width, 0.9 * kWidth);
+  EXPECT_LT(found[0].width, 1.6 * kWidth);
 }
 
 // A ribbon of more than half a pixel has pixels, and so has a thread that hangs free: nothing would carry it.

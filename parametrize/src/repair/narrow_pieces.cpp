@@ -25,6 +25,7 @@ constexpr double kBeside = 1;    // [pixels] from the cloth that a strip lies on
 struct Speck {
   Point3 place;
   double area;
+  uint32_t number;
 };
 
 /// Specks sorted into cubes as wide as the radius.
@@ -36,7 +37,8 @@ class SpeckGrid {
     std::stable_sort(entry_.begin(), entry_.end(), before);
   }
 
-  [[nodiscard]] double area_around(const Point3& place) const {
+  /// @param near, is_near  [m] specks that are no further than that from the place are marked
+  [[nodiscard]] double area_around(const Point3& place, double near, std::vector<uint8_t>& is_near) const {
     const Cube middle = cube(place);
     double area = 0;
     for (int64_t x = -1; x <= 1; ++x) {
@@ -45,7 +47,9 @@ class SpeckGrid {
         auto e = std::lower_bound(entry_.begin(), entry_.end(), low, before);
         const Entry high{{middle[0] + x, middle[1] + y, middle[2] + 1}, {}};
         for (; e != entry_.end() && !before(high, *e); ++e) {
-          if (distance(e->second.place, place) <= radius_) area += e->second.area;
+          const double away = distance(e->second.place, place);
+          if (away <= radius_) area += e->second.area;
+          if (away <= near) is_near[e->second.number] = 1;
         }
       }
     }
@@ -134,18 +138,41 @@ class NarrowFinder {
   }
   static double area_of(const Corners& t) { return triangle_area(t[0], t[1], t[2]); }
 
-  /// Halves triangles until they are no longer than a step.
+  static void add_speck(const Corners& t, std::vector<Speck>& specks) {
+    specks.push_back({(t[0] + t[1] + t[2]) * (1.0 / 3), area_of(t), static_cast<uint32_t>(specks.size())});
+  }
+
+  /// Halves triangles until they are no longer than a step. Needles are cut across instead: halves of a needle are as
+  /// long as itself, so that their number would grow faster than the length.
   void add_specks(const Corners& t, std::vector<Speck>& specks) const {
     const std::array<double, 3> edge{distance(t[0], t[1]), distance(t[1], t[2]), distance(t[2], t[0])};
     const auto k = static_cast<size_t>(std::max_element(edge.begin(), edge.end()) - edge.begin());
-    if (edge[k] <= kStep * pixel_side_) {
-      specks.push_back({(t[0] + t[1] + t[2]) * (1.0 / 3), area_of(t)});
-      return;
-    }
+    const double step = kStep * pixel_side_;
+    if (edge[k] <= step) return add_speck(t, specks);
     const Point3 &a = t[k], &b = t[(k + 1) % 3], &c = t[(k + 2) % 3];
+    if (2 * area_of(t) <= step * edge[k]) return add_slices(a, b, c, edge[k], specks);
     const Point3 middle = (a + b) * 0.5;
     add_specks({a, middle, c}, specks);
     add_specks({middle, b, c}, specks);
+  }
+
+  /// Of a triangle that is flat on its longest edge, ab.
+  void add_slices(const Point3& a, const Point3& b, const Point3& c, double length, std::vector<Speck>& specks) const {
+    const Point3 along = b - a;
+    const double foot = std::clamp(dot(c - a, along) / (length * length), 0.0, 1.0);
+    const Point3 half_height = (c - (a + along * foot)) * 0.5;
+    const double area = area_of({a, b, c});
+    // Share of the area on the side of a, and height by that of c.
+    const auto beside = [&](double x) {
+      return x < foot || foot >= 1 ? x * x / foot : 1 - (1 - x) * (1 - x) / (1 - foot);
+    };
+    const auto height = [&](double x) { return x < foot ? x / foot : (1 - x) / (1 - foot); };
+    const auto count = static_cast<uint32_t>(std::ceil(length / (kStep * pixel_side_)));
+    for (uint32_t i = 0; i < count; ++i) {
+      const double low = static_cast<double>(i) / count, high = (i + 1.0) / count, middle = (low + high) / 2;
+      specks.push_back({a + along * middle + half_height * height(middle), area * (beside(high) - beside(low)),
+                        static_cast<uint32_t>(specks.size())});
+    }
   }
 
   void drop_wide() {
@@ -158,11 +185,11 @@ class NarrowFinder {
     for (uint32_t c = 0; c < narrow_.size(); ++c) {
       if (narrow_[c] == 0) continue;
       const SpeckGrid grid(specks[c], radius);
-      std::optional<Point3> last;
+      std::vector<uint8_t> is_near(specks[c].size(), 0);  // a place where it was counted
       for (const Speck& s : specks[c]) {
-        if (last && distance(*last, s.place) < kStep * pixel_side_) continue;
-        last = s.place;
-        width_[c] = std::max(width_[c], grid.area_around(s.place) / (2 * radius));
+        if (is_near[s.number] != 0) continue;
+        const double area = grid.area_around(s.place, kStep * pixel_side_, is_near);
+        width_[c] = std::max(width_[c], area / (2 * radius));
         if (width_[c] > kNarrow * pixel_side_) break;
       }
       if (width_[c] > kNarrow * pixel_side_) narrow_[c] = 0;
