@@ -319,6 +319,22 @@ TEST(ConvertReport, WarnsOfSpringsThatStripsOfAPixelsWidthMakeUneven) {
   EXPECT_THAT(warnings(), testing::ElementsAre(HasSubstr("--resolution")));
 }
 
+// "Not orientable" told no one what to do about it.
+TEST(ConvertReport, SaysWhatToDoAboutAPartOfOneSide) {
+  ConvertResult result = convert(sheet(), small(Layout::panels));
+  result.report.represented.orientable = false;
+  EXPECT_THAT(plain_warnings(result.report, result.asset, 0),
+              testing::ElementsAre(testing::AllOf(HasSubstr("only one side"), HasSubstr("have to be parted"))));
+}
+
+// A ribbon that winds through its image cost five times the memory of its cloth, and nothing said so.
+TEST(ConvertReport, WarnsOfAnImageThatIsMostlyEmpty) {
+  ConvertResult result = convert(sheet(), small(Layout::panels));
+  result.asset.height *= 4;
+  result.asset.chart.resize(result.asset.pixel_count(), kNoChart);
+  EXPECT_THAT(plain_warnings(result.report, result.asset, 0), testing::ElementsAre(HasSubstr("--layout uv")));
+}
+
 TEST(ConvertReport, WarnsOfASpacingThatTheClothHasNoRoomFor) {
   ConvertOptions options = small(Layout::panels);
   options.flatten.spacing = 10;

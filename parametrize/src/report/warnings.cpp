@@ -89,6 +89,16 @@ void warn_of_uneven_springs(const Quality& q, double spacing, std::vector<std::s
                 size_in_words(spacing) + "); give a larger --resolution, or leave such parts out with --parts");
 }
 
+/// Pixels take memory whether there is cloth in them or not.
+void warn_of_empty_image(const ClothAsset& asset, std::vector<std::string>& out) {
+  constexpr double kMostlyEmpty = 0.35;
+  const double filled = static_cast<double>(count_valid_pixels(asset)) / std::max(asset.pixel_count(), 1U);
+  if (filled >= kMostlyEmpty) return;
+  out.push_back("only " + percent(filled) +
+                " of the image is cloth, the rest takes memory for nothing: a long piece winds through it; where its "
+                "texture coordinates lay it out in shorter pieces, --layout uv takes those");
+}
+
 }  // namespace
 
 std::vector<PartShape> measure_parts(const TriangleMesh& mesh, const CleanSurface& clean, const FlatSurface& flat) {
@@ -153,7 +163,15 @@ std::vector<std::string> plain_warnings(const ConvertReport& report, const Cloth
     out.push_back("single precision moves vertices by up to " + rounded(q.binding_error) +
                   " of the size; move the mesh closer to the origin");
   }
-  if (!report.represented.orientable) out.push_back("a part has only one side (it is not orientable)");
+  if (!report.represented.orientable) {
+    out.push_back(
+        "a part has only one side (it is not orientable), so that its front and back change places at one of its "
+        "seams: "
+        "right for a twisted band; otherwise faces were joined the wrong way round, and have to be parted in a "
+        "modelling "
+        "program");
+  }
+  if (!square) warn_of_empty_image(asset, out);
   constexpr double kShortSpring = 0.05;
   if (q.spring_min < kShortSpring) {
     out.push_back("the shortest spring is " + rounded(q.spring_min) + " of the nominal " +
