@@ -10,6 +10,7 @@
 #endif
 
 #include "cpu/lanes_inl.h"
+#include "cpu/spans.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace geocloth::cpu::HWY_NAMESPACE {
@@ -76,9 +77,23 @@ struct SpringKind {
   static constexpr bool kPullsOnly = kOnlyPull;  ///< ties and spans, lib/span.h
 };
 
+/// Whether nothing of a vector is pulled.
+template <class D>
+HWY_INLINE bool all_slack(D d, Vec<D> squared_length, Vec<D> longest) {
+  return hn::AllFalse(d, hn::Gt(squared_length, hn::Mul(hn::Mul(longest, longest), hn::Set(d, kSurelySlack))));
+}
+
+/// Length, or what pulls only looks at first: its square.
+template <class Kind, class D>
+HWY_INLINE Vec<D> first_length(D d, const Points<D>& way) {
+  const auto squared = dot(d, way, way);
+  return Kind::kPullsOnly ? squared : hn::Sqrt(squared);
+}
+
 /// lib/spring.h with inverse = 1 / (wa + wb + compliance), 0 where there is no spring; lib/span.h with the longest
-/// length and share / (wa + wb).
-/// @param block  its number
+/// length, endless where there is none, and share / (wa + wb).
+/// @param block   its number
+/// @param length  see first_length()
 template <class Kind, class D>
 HWY_INLINE Vec<D> spring_factor(D d, const SweepOp& op, const float* all_constants, size_t block, Vec<D> length,
                                 Vec<D> share) {
@@ -86,8 +101,9 @@ HWY_INLINE Vec<D> spring_factor(D d, const SweepOp& op, const float* all_constan
   const float* const constants = all_constants + block * spring_floats(lanes, Kind::kSeveral);
   const auto rest = hn::LoadU(d, constants), inverse = hn::LoadU(d, constants + lanes);
   if constexpr (Kind::kPullsOnly) {
-    const auto change = hn::Mul(hn::Sub(length, rest), inverse);
-    return hn::IfThenElseZero(hn::Gt(length, rest), hn::Mul(change, hn::Div(hn::Set(d, 1.F), length)));
+    if (all_slack(d, length, rest)) return hn::Zero(d);
+    const auto l = hn::Sqrt(length), change = hn::Mul(hn::Sub(l, rest), inverse);
+    return hn::IfThenElseZero(hn::Gt(l, rest), hn::Mul(change, hn::Div(hn::Set(d, 1.F), l)));
   } else {
     return change_over_length(d, length, rest, inverse, constants + 2 * lanes,
                               Multipliers<Kind::kSeveral, D>(op, block, lanes), [&](Vec<D> error) GEOCLOTH_LANES {
@@ -95,6 +111,11 @@ HWY_INLINE Vec<D> spring_factor(D d, const SweepOp& op, const float* all_constan
                                 return hn::Mul(share, error);
                               });
   }
+}
+/// Whether a vector's points stay where they are.
+template <class Kind, class D>
+HWY_INLINE bool nothing_moves(D d, Vec<D> factor) {
+  return Kind::kPullsOnly && hn::AllFalse(d, hn::Gt(factor, hn::Zero(d)));
 }
 template <class D>
 HWY_INLINE void apply_spring(D d, Vec<D> factor, Points<D>& a, Vec<D> wa, Points<D>& b, Vec<D> wb) {
@@ -205,9 +226,10 @@ HWY_NOINLINE void springs_across(D d, const SweepOp& op, ClothState& state, uint
   in_turn(
       d, *op.stream, first, last,
       [&](size_t, size_t i)
-          GEOCLOTH_LANES { return length(d, sub(load(d, points.at(i + offset)), load(d, points.at(i)))); },
+          GEOCLOTH_LANES { return first_length<Kind>(d, sub(load(d, points.at(i + offset)), load(d, points.at(i)))); },
       [&](size_t block, Vec<D> l) GEOCLOTH_LANES { return spring_factor<Kind>(d, op, constants, block, l, share); },
       [&](size_t, size_t i, Vec<D> factor) GEOCLOTH_LANES {
+        if (nothing_moves<Kind>(d, factor)) return;
         const size_t j = i + offset;
         Points<D> a = load(d, points.at(i)), b = load(d, points.at(j));
         apply_spring(d, factor, a, hn::LoadU(d, points.inverse_mass + i), b, hn::LoadU(d, points.inverse_mass + j));
@@ -228,10 +250,11 @@ HWY_NOINLINE void springs_along(D d, const SweepOp& op, ClothState& state, uint3
         const PointRow p = points.at(i), q = points.at(second[block]);
         const Ends<D> x = take_apart<kColumns>(d, p.x, q.x), y = take_apart<kColumns>(d, p.y, q.y);
         const Ends<D> z = take_apart<kColumns>(d, p.z, q.z);
-        return length(d, Points<D>{hn::Sub(x.b, x.a), hn::Sub(y.b, y.a), hn::Sub(z.b, z.a)});
+        return first_length<Kind>(d, Points<D>{hn::Sub(x.b, x.a), hn::Sub(y.b, y.a), hn::Sub(z.b, z.a)});
       },
       [&](size_t block, Vec<D> l) GEOCLOTH_LANES { return spring_factor<Kind>(d, op, constants, block, l, share); },
       [&](size_t block, size_t i, Vec<D> factor) GEOCLOTH_LANES {
+        if (nothing_moves<Kind>(d, factor)) return;
         const size_t j = second[block];
         const PointRow p = points.at(i), q = points.at(j);
         const Ends<D> x = take_apart<kColumns>(d, p.x, q.x), y = take_apart<kColumns>(d, p.y, q.y);
@@ -249,7 +272,6 @@ HWY_NOINLINE void springs_along(D d, const SweepOp& op, ClothState& state, uint3
 
 /// The anchors of a substep as limit() wants them, lane by lane. Any: each lane chooses among as many as a vector has.
 struct ChosenAnchors {
-  static constexpr bool kMostlySlack = true;  ///< several blocks over the same points
   template <class D>
   static HWY_INLINE Vec<D> from(D d, const RowStream& stream, size_t block, const float* anchors) {
     const int32_t* const own = stream.anchors.data() + block * hn::Lanes(d);
@@ -258,7 +280,6 @@ struct ChosenAnchors {
 };
 /// Of a sheet below its pins: neighbours have neighbouring anchors.
 struct AnchorsBeside {
-  static constexpr bool kMostlySlack = false;  ///< to look first costs more than it saves
   template <class D>
   static HWY_INLINE Vec<D> from(D d, const RowStream&, size_t, const float* anchors) {
     return hn::LoadU(d, anchors);
@@ -281,15 +302,20 @@ HWY_NOINLINE void limit(D d, const SweepOp& op, ClothState& state, const float* 
   };
   in_turn(
       d, stream, first, last,
-      [&](size_t block, size_t i) GEOCLOTH_LANES { return length(d, sub(load(d, points.at(i)), anchor_of(block))); },
-      [&](size_t block, Vec<D> l) GEOCLOTH_LANES {
+      [&](size_t block, size_t i) GEOCLOTH_LANES {
+        const Points<D> way = sub(load(d, points.at(i)), anchor_of(block));
+        return dot(d, way, way);
+      },
+      [&](size_t block, Vec<D> squared) GEOCLOTH_LANES {
         const auto longest = hn::LoadU(d, longest_of + block * hn::Lanes(d));
+        if (all_slack(d, squared, longest)) return within;
+        const auto l = hn::Sqrt(squared);
         const auto far = hn::Gt(l, longest);
         return hn::IfThenElse(far, hn::Mul(longest, hn::Div(one, l)), within);
       },
       [&](size_t block, size_t i, Vec<D> factor) GEOCLOTH_LANES {
         const auto far = hn::Ge(factor, hn::Zero(d));
-        if (Anchors::kMostlySlack && hn::AllFalse(d, far)) return;
+        if (hn::AllFalse(d, far)) return;
         const PointRow p = points.at(i);
         const Points<D> position = load(d, p), anchor = anchor_of(block);
         const Points<D> pulled = add(anchor, scale(d, sub(position, anchor), factor));

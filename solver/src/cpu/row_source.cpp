@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cpu/row_source.h"
 
+#include <limits>
+
 namespace geocloth::cpu {
 
 float RowSource::scaled_compliance(uint32_t component, size_t pixel) const {
@@ -20,6 +22,12 @@ uint32_t lane_of(RowKernel kernel, uint32_t column) {
 void add_block(RowStream& stream, uint32_t first, uint32_t constants, uint32_t lanes) {
   stream.pixel.push_back(first);
   stream.constants.resize(stream.constants.size() + size_t{constants} * lanes, 0.F);
+}
+
+void add_pull_block(RowStream& stream, uint32_t first, uint32_t lanes) {
+  stream.pixel.push_back(first);
+  stream.constants.insert(stream.constants.end(), lanes, std::numeric_limits<float>::infinity());
+  stream.constants.insert(stream.constants.end(), lanes, 0.F);
 }
 
 }  // namespace geocloth::cpu

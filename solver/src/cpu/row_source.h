@@ -42,6 +42,8 @@ inline constexpr uint32_t kSecondHalf = 2;
 
 /// Appends a block whose constants are 0: without a constraint.
 void add_block(RowStream& stream, uint32_t first, uint32_t constants, uint32_t lanes);
+/// The same of what only pulls: endless longest lengths, which are never reached, and inverses.
+void add_pull_block(RowStream& stream, uint32_t first, uint32_t lanes);
 
 /// Lays blocks over the constraints of a row, each where the first one is that is not covered yet. They do not overlap:
 /// what a block has just written and the next one reads in other pieces keeps the processor waiting.

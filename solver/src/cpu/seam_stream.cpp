@@ -9,6 +9,7 @@
 #include <limits>
 #include <span>
 
+#include "cpu/spans.h"
 #include "lib/span.h"
 #include "lib/vector.h"
 
@@ -36,8 +37,7 @@ void add_copies(const ClothState& state, std::span<const uint32_t> pixels, SeamS
 
 /// Up to this square of its length nothing is pulled. @param w  of both ends
 float slack_of(float longest, float w) {
-  constexpr float kRounding = 1e-6F;
-  return w > 0 ? longest * longest * (1 - kRounding) : std::numeric_limits<float>::infinity();
+  return w > 0 ? longest * longest * kSurelySlack : std::numeric_limits<float>::infinity();
 }
 
 SeamSpan span_of(const ClothState& state, const shader::SeamSpring& s, float stretch_limit) {
@@ -94,7 +94,7 @@ void stitch_row(std::span<const CopyMass> copies, float share, const Positions& 
   for (const CopyMass& copy : copies) positions.set(copy.pixel, mean);
 }
 
-/// span_move() of lib/span.h. Most spans are slack, and no root is needed to see that.
+/// span_move() of lib/span.h.
 void pull_span(const SeamSpan& span, const Positions& positions, const float* inverse_mass) {
   const vec3 d = positions.at(span.b) - positions.at(span.a);
   const float squared = shader::dot3(d, d);

@@ -63,6 +63,8 @@ SweepOp lay_out_springs(const RowSource& source, uint32_t group, bool tie, float
   BlockShape shape = vectors(kernel, source.lanes, source.width);
   if (component == 0) shape = {kernel, source.lanes, 2, odd, source.width};
   if (component == 4) shape = {kernel, source.lanes, 4, 2 * odd, source.width};
+  const bool several = source.several && !tie;
+  const uint32_t constants = several ? 3 : 2;
   HalfBlocks halves;
   const auto in_row = [&](uint32_t y) { return along || group_has_line(group, y); };
   const auto in_column = [&](uint32_t x) { return !along || group_has_line(group, x); };
@@ -76,17 +78,20 @@ SweepOp lay_out_springs(const RowSource& source, uint32_t group, bool tie, float
         source, shape, y, [&](uint32_t x) { return inverse_of(x) > 0; },
         [&](uint32_t first) {
           if (along && halves.take_second(stream, y, first)) return;
-          add_block(stream, first, source.several ? 3 : 2, source.lanes);
+          if (tie) {
+            add_pull_block(stream, first, source.lanes);
+          } else {
+            add_block(stream, first, constants, source.lanes);
+          }
           if (along) halves.begin(stream, y, first + source.lanes);
         },
         [&](uint32_t lane_of_half, uint32_t x) {
           const uint32_t lane = lane_of_half + (halves.is_second() ? kSecondHalf : 0);
-          float* block = &stream.constants[stream.constants.size() - size_t{source.several ? 3U : 2U} * source.lanes];
+          float* block = &stream.constants[stream.constants.size() - size_t{constants} * source.lanes];
           block[lane] =
               source.state.rest[component][y * source.width + x] * (tie ? source.cloth.params.stretch_limit : 1.F);
           block[source.lanes + lane] = inverse_of(x);
-          if (source.several)
-            block[2 * source.lanes + lane] = source.scaled_compliance(component, y * source.width + x);
+          if (several) block[2 * source.lanes + lane] = source.scaled_compliance(component, y * source.width + x);
         });
   }
   stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
@@ -126,7 +131,7 @@ SweepOp span_rows(const RowSource& source, uint32_t group, RowStream& stream) {
     };
     cover_row(
         source, shape, y, [&](uint32_t x) { return length_of(x) > 0; },
-        [&](uint32_t first) { add_block(stream, first, 2, lanes); },
+        [&](uint32_t first) { add_pull_block(stream, first, lanes); },
         [&](uint32_t lane, uint32_t x) {
           const size_t a = size_t{y} * source.width + x;
           float* block = &stream.constants[stream.constants.size() - 2 * size_t{lanes}];
