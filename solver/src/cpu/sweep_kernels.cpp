@@ -89,21 +89,21 @@ HWY_INLINE void run_turn(D d, const SweepFrame& frame, uint32_t substep, const S
       with_kind(op, [&](auto kind)
                         GEOCLOTH_LANES { springs_along<1, typename decltype(kind)::Type>(d, op, state, first, last); });
       break;
+    case RowKernel::springs_along_two:
+      with_kind(op, [&](auto kind)
+                        GEOCLOTH_LANES { springs_along<2, typename decltype(kind)::Type>(d, op, state, first, last); });
+      break;
+    case RowKernel::spans_along:  // half of the columns are the other ends
+      springs_across<Pulls>(hn::CappedTag<float, HWY_MIN(kSpanLanes, hn::MaxLanes(D()))>(), op, state, first, last);
+      break;
     case RowKernel::ties_across:
       springs_across<Pulls>(d, op, state, first, last);
       break;
     case RowKernel::ties_along:
       springs_along<1, Pulls>(d, op, state, first, last);
       break;
-    case RowKernel::spans_along:  // half of the columns are the other ends
-      springs_across<Pulls>(hn::CappedTag<float, HWY_MIN(kSpanLanes, hn::MaxLanes(D()))>(), op, state, first, last);
-      break;
     case RowKernel::short_spans_along:
       springs_across<Pulls>(hn::CappedTag<float, kShortSpanLanes>(), op, state, first, last);
-      break;
-    case RowKernel::springs_along_two:
-      with_kind(op, [&](auto kind)
-                        GEOCLOTH_LANES { springs_along<2, typename decltype(kind)::Type>(d, op, state, first, last); });
       break;
     case RowKernel::bends_across:
       several ? bends_across<true>(d, op, state, first, last) : bends_across<false>(d, op, state, first, last);
