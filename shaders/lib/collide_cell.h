@@ -17,7 +17,8 @@ namespace geocloth::shader {
 
 const float kOpenCell = 0.5f;  // sides of a triangle that a collider may sink into, in its half widths
 const uint kDeepestSteps = 8u;
-const float kArrived = 1e-3f;   // of a weight: a step that changes less is the last
+const float kArrived = 1e-3f;      // of a weight: a step that changes less is the last
+const float kGapRounding = 4e-6f;  // [m], and of a distance: what single precision takes from a gap
 const float kLiftSpeed = 1.0f;  // [m/s] at which, besides the collider's own, a triangle that begins inside comes out
 
 struct Corners {
@@ -175,6 +176,21 @@ inline MovedTriangle push_point(ColliderSet set, ClothParams params, ColliderSha
   return r;
 }
 
+// No point of a triangle is nearer to the collider than this [m]. The distance to a convex solid lies above all of its
+// tangent planes, so that where cloth rests on a solid the bound is less below its corners than the solid is bent.
+// @param t  in the collider's frame
+inline float least_gap(ColliderSet set, ColliderShape shape, Corners t, float side) {
+  const float third = 1.0f / 3.0f;
+  vec3 middle = at_weights(t, vec3(third, third, third));
+  Nearest near = nearest_of_shape(set, shape, middle);
+  float a = dot3(t.a - middle, near.normal);
+  float b = dot3(t.b - middle, near.normal);
+  float c = dot3(t.c - middle, near.normal);
+  precise float drop = shape.kind == kShapeMesh ? -side : min(a, min(b, c));
+  precise float gap = near.distance + drop;
+  return gap - kGapRounding * (1.0f + abs(near.distance));
+}
+
 // @param w  inverse masses of the corners
 inline MovedTriangle collide_triangle(ColliderSet set, ClothParams params, uint substep, MovedTriangle t, vec3 w) {
   MovedTriangle moved = t;
@@ -187,12 +203,17 @@ inline MovedTriangle collide_triangle(ColliderSet set, ClothParams params, uint 
     if (side < kOpenCell * shape.core) continue;  // its pixels are enough
     ColliderPose after = collider_pose(set, substep + 1u, i);
     precise float way = max(length3(now.a - start.a), max(length3(now.b - start.b), length3(now.c - start.c)));
-    float gap = nearest_of_shape(set, shape, to_local(after, now.a)).distance;
-    if (out_of_reach(shape, gap - side, way)) continue;
+    vec3 middle = vec3(after.row0.w, after.row1.w, after.row2.w);
+    if (out_of_reach(shape, length3(now.a - middle) - shape.b.w - side, way)) continue;
+    Corners last = corners_to_local(after, now);
+    float gap = least_gap(set, shape, last, side);
+    if (out_of_reach(shape, gap, way)) continue;
     ColliderPose before = collider_pose(set, substep, i);
     Corners first = corners_to_local(before, start);
+    // What is carried along by the collider has hardly moved as seen from there.
+    if (gap > max(length3(last.a - first.a), max(length3(last.b - first.b), length3(last.c - first.c)))) continue;
     moved = push_point(set, params, shape, before, after, moved, first, w, deepest_weights(set, shape, first));
-    Corners last = corners_to_local(after, corners_of(moved));
+    last = corners_to_local(after, corners_of(moved));
     moved = push_point(set, params, shape, before, after, moved, first, w, deepest_weights(set, shape, last));
   }
   return moved;

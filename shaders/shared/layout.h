@@ -183,6 +183,7 @@ struct SelfPoint {
 //   mesh       numbers from data.x on: signed distances [m] at data.y x data.z x data.w nodes, x fastest; a.xyz first
 //              node, a.w spacing, b.x = 1 / spacing, b.y margin: no surface is nearer to the sides of the grid, b.z
 //              largest depth inside
+// b.w: no point p is nearer than |p| - b.w; no such bound for planes and hulls, whose distance is that to a plane
 struct ColliderShape {
   vec4 a;
   vec4 b;

@@ -51,6 +51,14 @@ bool hangs(const ClothAsset& asset, std::span<const shader::Attachment> attachme
   return true;
 }
 
+/// [m]
+template <class Cloths>
+double thickest(const Cloths& cloths) {
+  double thickness = 0;
+  for (const auto& cloth : cloths) thickness = std::max(thickness, double{cloth.material.thickness});
+  return thickness;
+}
+
 /// A fast collider pushes many cells at once, and what one gains the next takes away: several rounds settle it. At
 /// seams each side pushes its own copies, which take the mean.
 /// @param hasty  the frame has more substeps for a collider that the cloth may meet
@@ -226,7 +234,7 @@ void Solver::Impl::step() {
   const uint32_t factor = substeps_factor();
   substeps_ = settings_.substeps * factor;
   collider_poses(colliders_from_, colliders_to_, substeps_, origin_, frame_.poses);
-  measure_ways(frame_.shapes, frame_.poses, substeps_, kThickestCloth);
+  measure_ways(frame_.shapes, frame_.poses, substeps_, thickest(cloths_));
   substep_inputs(clock(), wind_, origin_, frame_.substeps);
   const float way = longest_way(frame_.shapes);
   for (size_t c = 0; c < cloths_.size(); ++c) {
