@@ -131,13 +131,9 @@ struct LocalShape {
   }
   shader::ColliderShape operator()(const MeshSolid& s) const {
     const DistanceField& field = *s.field;
-    shader::ColliderShape r{};
-    r.kind = shader::kShapeMesh;
-    r.a = point4(field.low, field.spacing);
-    const float deepest = -std::min(0.F, *std::min_element(field.distance.begin(), field.distance.end()));
-    r.b = {1 / field.spacing, field.margin, deepest, 0};
-    r.data = {static_cast<uint32_t>(numbers.size()), field.size[0], field.size[1], field.size[2]};
-    r.core = field.spacing;  // thinner parts do not show in the grid
+    shader::ColliderShape r = grid_of(field);
+    r.b.z = -std::min(0.F, *std::min_element(field.distance.begin(), field.distance.end()));
+    r.data.x = static_cast<uint32_t>(numbers.size());
     numbers.insert(numbers.end(), field.distance.begin(), field.distance.end());
     return r;
   }
@@ -313,6 +309,16 @@ Transform collider_frame(const Collider& collider) {
 bool same_place(const Collider& a, const Collider& b) {
   const Transform p = collider_frame(a), q = collider_frame(b);
   return p.translate == q.translate && p.rotate == q.rotate;
+}
+
+shader::ColliderShape grid_of(const DistanceField& field) {
+  shader::ColliderShape r{};
+  r.kind = shader::kShapeMesh;
+  r.a = point4(field.low, field.spacing);
+  r.b = {1 / field.spacing, field.margin, 0, 0};
+  r.data = {0, field.size[0], field.size[1], field.size[2]};
+  r.core = field.spacing;  // thinner parts do not show in the grid
+  return r;
 }
 
 shader::ColliderShape collider_shape_of(const Collider& collider, std::vector<float>& numbers) {

@@ -22,6 +22,8 @@ struct FrameClock {
 [[nodiscard]] Transform collider_frame(const Collider& collider);
 /// Whether their poses are the same.
 [[nodiscard]] bool same_place(const Collider& a, const Collider& b);
+/// Of a body, for questions of distance: its numbers are the field's own, and how deep it is stays 0.
+[[nodiscard]] shader::ColliderShape grid_of(const DistanceField& field);
 /// @param numbers  those of convex hulls and meshes are appended
 [[nodiscard]] shader::ColliderShape collider_shape_of(const Collider& collider, std::vector<float>& numbers);
 

@@ -151,7 +151,8 @@ const Solver::Impl::Cloth& Solver::Impl::cloth_at(uint32_t cloth) const {
 
 void Solver::Impl::set_colliders(std::span<const Collider> colliders, bool teleport) {
   for (size_t i = 0; i < colliders.size(); ++i) check(colliders[i], "colliders[" + std::to_string(i) + "]");
-  colliders_to_.assign(colliders.begin(), colliders.end());
+  const std::vector<Collider> asked_before =
+      std::exchange(colliders_to_, std::vector<Collider>(colliders.begin(), colliders.end()));
   for (Collider& c : colliders_to_) {
     if (auto* plane = std::get_if<Plane>(&c.shape)) plane->normal = normalized(plane->normal);
   }
@@ -164,6 +165,11 @@ void Solver::Impl::set_colliders(std::span<const Collider> colliders, bool telep
     scene_changed_ = scene_changed_ || !same_place(colliders_from_[i], colliders_to_[i]);
     colliders_from_[i] = colliders_to_[i];
   }
+  // Most often only poses change, and the field of a body has half a million numbers.
+  const auto looks_the_same = [](const Collider& a, const Collider& b) {
+    return a.shape == b.shape && a.friction == b.friction;
+  };
+  if (collider_numbers_ && std::ranges::equal(asked_before, colliders_to_, looks_the_same)) return;
   std::vector<float> numbers;
   const std::vector<shader::ColliderShape> before = std::exchange(shapes_, {});
   for (const Collider& c : colliders_to_) shapes_.push_back(collider_shape_of(c, numbers));

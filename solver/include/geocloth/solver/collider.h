@@ -13,26 +13,31 @@ namespace geocloth {
 struct Sphere {
   Vec3 center = {};  ///< [m]
   float radius = 1;  ///< [m] > 0
+  bool operator==(const Sphere&) const = default;
 };
 /// Two spheres and the cone between them; a plain capsule when the radii are equal.
 struct Capsule {
   Vec3 a = {}, b = {};               ///< [m]
   float radius_a = 1, radius_b = 1;  ///< [m] > 0
+  bool operator==(const Capsule&) const = default;
 };
 struct Box {
   Vec3 center = {};
   Vec3 half_extents{1, 1, 1};  ///< [m] > 0
   Quat rotate = {};
+  bool operator==(const Box&) const = default;
 };
 struct Ellipsoid {
   Vec3 center = {};
   Vec3 radii{1, 1, 1};  ///< [m] > 0
   Quat rotate = {};
+  bool operator==(const Ellipsoid&) const = default;
 };
 
 /// A body of triangles.
 struct MeshSolid {
   std::shared_ptr<const DistanceField> field;  ///< not null
+  bool operator==(const MeshSolid&) const = default;
 };
 
 using ColliderShape = std::variant<Plane, Sphere, Capsule, Box, Ellipsoid, Convex, MeshSolid>;

@@ -14,18 +14,21 @@ namespace geocloth {
 struct Plane {
   Vec3 point = {};       ///< [m]
   Vec3 normal{0, 1, 0};  ///< unit length; cloth stays on this side
+  bool operator==(const Plane&) const = default;
 };
 
 /// Triangles of a surface, counter-clockwise from outside.
 struct TriangleSurface {
   std::vector<Vec3> position;                     ///< [m]
   std::vector<std::array<uint32_t, 3>> triangle;  ///< into position
+  bool operator==(const TriangleSurface&) const = default;
 };
 
 /// The solid behind all of its planes.
 struct Convex {
   std::vector<Plane> planes;
   TriangleSurface surface;  ///< its corners and faces, to be drawn; empty where the planes do not close
+  bool operator==(const Convex&) const = default;
 };
 /// At most this many planes; every point of the cloth looks at each.
 inline constexpr size_t kMostConvexPlanes = 1024;
