@@ -29,6 +29,24 @@ Quat about_axis(int axis, double degrees) {
   return to_unit(q);
 }
 
+/// Whether the way from a to b is that of their angles, not the short one.
+bool turns_as_written(const Keyframe& a, const Keyframe& b) {
+  constexpr float kHalfTurn = 180;  // [degrees]
+  constexpr double kBaked = 0.1;    // [s]
+  if (!a.rotate_deg || !b.rotate_deg || b.time - a.time < kBaked) return false;
+  const Vec3 turn = *b.rotate_deg - *a.rotate_deg;
+  return std::max({std::abs(turn.x), std::abs(turn.y), std::abs(turn.z)}) >= kHalfTurn;
+}
+
+/// t in 0..1, in double precision: of many turns single precision would leave a tremble.
+Quat rotation_between(const Keyframe& a, const Keyframe& b, double t) {
+  if (!turns_as_written(a, b)) return slerp(a.rotate, b.rotate, static_cast<float>(t));
+  const auto angle = [&](float from, float to) { return from + t * (double{to} - from); };
+  return about_axis(2, angle(a.rotate_deg->z, b.rotate_deg->z)) *
+         about_axis(1, angle(a.rotate_deg->y, b.rotate_deg->y)) *
+         about_axis(0, angle(a.rotate_deg->x, b.rotate_deg->x));
+}
+
 }  // namespace
 
 Quat operator*(const Quat& a, const Quat& b) {
@@ -83,8 +101,8 @@ Transform pose_at(std::span<const Keyframe> motion, double time) {
   const Keyframe& a = *(after - 1);
   if (after == motion.end() || after->teleport) return {a.translate, a.rotate, 1};
   const Keyframe& b = *after;
-  const auto t = static_cast<float>((time - a.time) / (b.time - a.time));
-  return {a.translate + t * (b.translate - a.translate), slerp(a.rotate, b.rotate, t), 1};
+  const double t = (time - a.time) / (b.time - a.time);
+  return {a.translate + static_cast<float>(t) * (b.translate - a.translate), rotation_between(a, b, t), 1};
 }
 
 }  // namespace geocloth

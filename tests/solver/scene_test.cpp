@@ -3,8 +3,10 @@
 
 #include "geocloth/solver/scene.h"
 
+#include <cmath>
 #include <filesystem>
 #include <functional>
+#include <numbers>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -70,6 +72,48 @@ TEST(Scene, ColliderTurnsAboutItsOwnCentre) {
   const Scene scene = parse_scene(kFull, "scene.json");
   EXPECT_NEAR(signed_distance(collider_at(scene.colliders[1], 2), {1, 1, 0}), -0.2, 1e-6);
   EXPECT_NEAR(signed_distance(collider_at(scene.colliders[1], 1), {0.5F, 1, 0}), -0.2, 1e-6);
+}
+
+constexpr const char* kTurning = R"({ "version": 1, "cloths": [ { "asset": "a.glb" } ], "colliders": [
+    { "shape": "box", "center": [0, 1, 0], "half_extents": [0.5, 0.1, 0.1], "motion": [ KEYS ] } ] })";
+
+/// Where a turning box has the middle of its right-hand side (+x) at a time, relative to its centre.
+Vec3 right_side_at(const std::string& keys, double time) {
+  const Scene scene = parse_scene(std::string(kTurning).replace(std::string(kTurning).find("KEYS"), 4, keys), "s.json");
+  return apply(collider_at(scene.colliders[0], time).pose, {0.5F, 1, 0}) - Vec3{0, 1, 0};
+}
+
+// Who writes 0 to 360 wants a turn: by the short way the box stood still.
+TEST(Scene, WholeTurnsAreTurned) {
+  const float d = std::sqrt(0.125F);
+  const std::string turn = R"({ "time": 1 }, { "time": 3, "rotate_deg": [0, 360, 0] })";
+  EXPECT_LT(length(right_side_at(turn, 1.5) - Vec3{0, 0, -0.5F}), 1e-6F);
+  EXPECT_LT(length(right_side_at(turn, 2) - Vec3{-0.5F, 0, 0}), 1e-6F);
+  EXPECT_LT(length(right_side_at(turn, 2.5) - Vec3{0, 0, 0.5F}), 1e-6F);
+  const std::string back = R"({ "time": 0, "rotate_deg": [0, 0, 90] }, { "time": 2, "rotate_deg": [0, 0, -630] })";
+  EXPECT_LT(length(right_side_at(back, 0.25) - Vec3{0.5F, 0, 0}), 1e-6F);
+  EXPECT_LT(length(right_side_at(back, 0.375) - Vec3{d, -d, 0}), 1e-6F);
+  EXPECT_LT(length(right_side_at(back, 1) - Vec3{0, 0.5F, 0}), 1e-6F);
+  // Half a turn goes the way it is written.
+  EXPECT_LT(right_side_at(R"({ "time": 0 }, { "time": 1, "rotate_deg": [0, 180, 0] })", 0.5).z, -0.499F);
+  EXPECT_GT(right_side_at(R"({ "time": 0 }, { "time": 1, "rotate_deg": [0, -180, 0] })", 0.5).z, 0.499F);
+}
+
+// A drill makes hundreds of turns between two keys; its rim must not tremble.
+TEST(Scene, ManyTurnsAreEven) {
+  const std::string keys = R"({ "time": 0 }, { "time": 100, "rotate_deg": [0, 72000, 0] })";
+  for (int f = 0; f < 600; ++f) {
+    const double angle = f * 12 * std::numbers::pi / 180;
+    const Vec3 place{static_cast<float>(0.5 * std::cos(angle)), 0, static_cast<float>(-0.5 * std::sin(angle))};
+    ASSERT_LT(length(right_side_at(keys, 90 + f / 60.0) - place), 1e-6F) << f;
+  }
+}
+
+// Exported angles jump from 180 to -180 between two frames: nothing turns back there.
+TEST(Scene, BakedAnglesMayJump) {
+  const std::string keys =
+      R"({ "time": 0, "rotate_deg": [0, 179, 0] }, { "time": 0.0416667, "rotate_deg": [0, -179, 0] })";
+  EXPECT_LT(length(right_side_at(keys, 0.0208333) - Vec3{-0.5F, 0, 0}), 1e-5F);
 }
 
 TEST(Scene, PresetsAreNamed) {
@@ -244,6 +288,21 @@ TEST_F(Playing, PinsFollowWhatTheySay) {
   EXPECT_LT(length(point(simulation, 8, 0) - Vec3{0.5F, 2.5F, 0}), 1e-6F);
   EXPECT_LT(length(point(simulation, 0, 8) - Vec3{-0.5F, 2, 0}), 1e-6F);
   EXPECT_LT(length(point(simulation, 8, 8) - Vec3{0.75F, 1.5F, 0}), 1e-6F);
+}
+
+TEST_F(Playing, APinTurnsWithWhatItFollows) {
+  Simulation simulation = play(R"(,"pins":[{"where":{"vertices":[8]},"follow":"ball"},{"where":{"vertices":[0,72]},
+      "motion":[{"time":0},{"time":1,"rotate_deg":[0,0,-360]}]}])",
+                               R"(,"colliders":[{"name":"ball","shape":"sphere","center":[0,-5,0],"radius":0.1,
+    "motion":[{"time":0},{"time":1,"rotate_deg":[0,720,0]}]}])");
+  const auto look = [&](const Vec3& on_ball, const Vec3& first) {
+    for (int f = 0; f < 15; ++f) simulation.step();
+    EXPECT_LT(length(point(simulation, 8, 0) - on_ball), 1e-6F);
+    EXPECT_LT(length(point(simulation, 0, 0) - first), 1e-6F);
+    EXPECT_LT(length(point(simulation, 0, 8) - (Vec3{-1, 0, 0} - first)), 1e-6F);
+  };
+  look({-0.5F, 0.5F, 0}, {0, 0, 0});         // half a turn and a quarter of one
+  look({0.5F, 0.5F, 0}, {-0.5F, -0.5F, 0});  // a turn and half a one
 }
 
 TEST_F(Playing, MissingAssetIsNamed) {

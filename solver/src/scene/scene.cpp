@@ -46,7 +46,8 @@ Motion read_motion(const JsonReader& json) {
     key.time = entry.at("time").number();
     if (!motion.empty() && !(key.time > motion.back().time)) entry.at("time").fail("must be later than the key before");
     entry.read("translate", key.translate);
-    if (entry.has("rotate_deg")) key.rotate = quat_from_euler_deg(entry.at("rotate_deg").vector());
+    key.rotate_deg = entry.has("rotate_deg") ? entry.at("rotate_deg").vector() : Vec3{};
+    key.rotate = quat_from_euler_deg(*key.rotate_deg);
     if (entry.has("teleport")) key.teleport = entry.at("teleport").boolean();
     checked([&] { check_position(key.translate, entry.where() + ".translate"); });
     motion.push_back(key);

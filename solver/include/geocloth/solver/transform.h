@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -37,11 +38,15 @@ struct Keyframe {
   Vec3 translate = {};
   Quat rotate = {};
   bool teleport = false;  ///< the pose of the key before is held until this one, which is jumped to
+  /// The angles that `rotate` is of [degrees], where it was written so: see pose_at().
+  std::optional<Vec3> rotate_deg = {};
 };
 using Motion = std::vector<Keyframe>;
 /// A key with teleport lies after `from` and not after `to`.
 [[nodiscard]] bool teleports(std::span<const Keyframe> motion, double from, double to);
-/// Identity for an empty motion.
+/// Identity for an empty motion. A rotation goes the short way to the next key. Where one of the angles of both keys
+/// changes by 180 degrees or more, the angles are followed as they are written, so that 0 to 360 is a whole turn; but
+/// not between keys of less than 0.1 s, as baked motion has them, whose angles may jump from 180 to -180.
 [[nodiscard]] Transform pose_at(std::span<const Keyframe> motion, double time);
 
 }  // namespace geocloth
