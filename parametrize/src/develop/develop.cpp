@@ -15,6 +15,7 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <string>
 
 #include <tbb/parallel_for.h>
@@ -148,8 +149,10 @@ CutWay examined(const CutSurface& cut, const DevelopOptions& options) {
 }
 
 struct SheetLayout {
+  size_t way = 0;  // of those for the sheet
   size_t cut = 0;
   std::vector<Chart> charts;
+  double cost = std::numeric_limits<double>::infinity();
 };
 
 /// The components of one sheet in the plane, cut in one of the ways: where all tastes start.
@@ -171,45 +174,92 @@ bool same_cuts(const CutWay& a, const CutWay& b, size_t sheet) {
                     b.triangles[sheet].end(), same);
 }
 
-/// Per cut: whether a sheet comes to lie otherwise from it than from those before. Without a mirror plane the tastes
-/// for wished cuts are plain ones.
-std::vector<char> cuts_worth_trying(const std::vector<CutWay>& cuts, size_t sheet, const DevelopOptions& options) {
-  std::vector<char> worth(cuts.size(), 1);
-  for (size_t c = 1; c < cuts.size() && !options.prefer.mirror; ++c) {
-    for (size_t before = 0; before < c; ++before) {
-      if (same_cuts(cuts[before], cuts[c], sheet)) worth[c] = 0;
+/// Lies a sheet so far beside the mirror plane that no cut of it runs along the plane or has a mirror image on it? The
+/// tastes for wished cuts are plain ones then.
+bool is_beside_mirror(const CutWay& way, size_t sheet, const std::optional<MirrorPlane>& mirror) {
+  if (!mirror) return true;
+  double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+  for (const std::vector<uint32_t>& component : way.triangles[sheet]) {
+    for (const uint32_t t : component) {
+      for (size_t i = 0; i < 3; ++i) {
+        if (way.discount[3 * t + i] > 0) return false;
+        const double height = mirror->height(way.cut.position[way.cut.triangle[t][i]]);
+        lowest = std::min(lowest, height);
+        highest = std::max(highest, height);
+      }
     }
   }
-  return worth;
+  return lowest > mirror->tolerance || highest < -mirror->tolerance;
+}
+
+/// Per cut: the first one that cuts a sheet alike.
+std::vector<size_t> first_alike(const std::vector<CutWay>& cuts, size_t sheet) {
+  std::vector<size_t> first(cuts.size());
+  for (size_t c = 0; c < cuts.size(); ++c) {
+    while (first[c] < c && !same_cuts(cuts[first[c]], cuts[c], sheet)) ++first[c];
+  }
+  return first;
+}
+
+/// What tells sheets and their cuts apart, but for turns and mirroring: counts, and lengths and areas [m, m^2].
+struct Likeness {
+  std::vector<size_t> count;
+  std::vector<double> size;
+
+  /// Of sheets whose counts are the same.
+  [[nodiscard]] bool is_near(const Likeness& other) const {
+    constexpr double kSame = 1e-3;  // files round coordinates
+    const auto same = [](double a, double b) { return std::abs(a - b) <= kSame * a; };
+    return std::equal(size.begin(), size.end(), other.size.begin(), other.size.end(), same);
+  }
+};
+
+Likeness likeness_of(const std::vector<CutWay>& cuts, size_t sheet) {
+  Likeness result;
+  for (const CutWay& way : cuts) {
+    for (const std::vector<uint32_t>& component : way.triangles[sheet]) {
+      const Chart chart = extract_chart(way.cut, component);
+      result.count.insert(result.count.end(), {chart.triangle.size(), chart.position.size()});
+      result.size.insert(result.size.end(), {total_area(chart), outline_length(chart)});
+    }
+  }
+  return result;
 }
 
 /// Lays the components of one sheet out and sews together again what needs no seam.
-SheetLayout develop_sheet(const std::vector<CutWay>& cuts, size_t sheet, const DevelopOptions& options) {
+/// @param twin  of the sheet, where one is laid out already: a pair of shoes is laid out in one way
+SheetLayout develop_sheet(const std::vector<CutWay>& cuts, size_t sheet, const DevelopOptions& options,
+                          const SheetLayout* twin) {
+  constexpr double kAsGood = 1.005;  // of its twin's cost
   size_t triangles = 0;
   for (const std::vector<uint32_t>& c : cuts.front().triangles[sheet]) triangles += c.size();
-  const std::vector<Way> ways = ways_for(triangles, cuts_worth_trying(cuts, sheet, options));
+  const std::vector<size_t> alike = first_alike(cuts, sheet);
+  std::vector<char> worth(cuts.size(), 1);
+  for (size_t c = 1; c < cuts.size(); ++c) {
+    if (alike[c] < c && is_beside_mirror(cuts[c], sheet, options.prefer.mirror)) worth[c] = 0;
+  }
+  const std::vector<Way> ways = ways_for(triangles, worth);
   std::vector<std::vector<Chart>> start(ways.back().cut + 1);
-  tbb::parallel_for(size_t{0}, start.size(), [&](size_t c) { start[c] = laid_out(cuts[c], sheet); });
-  // What cuts come to is remembered where several tastes start alike.
   std::vector<std::deque<TrialMemory>> memory(start.size());
+  const auto lay_out_start = [&](size_t c) { start[c] = laid_out(cuts[c], sheet); };
+  // What cuts come to is remembered where several tastes start alike.
   for (size_t c = 0; c < start.size(); ++c) {
-    if (std::count_if(ways.begin(), ways.end(), [&](const Way& w) { return w.cut == c; }) > 1) {
-      memory[c].resize(start[c].size());
-    }
+    const auto starts_so = [&](const Way& w) { return alike[w.cut] == c; };
+    if (std::count_if(ways.begin(), ways.end(), starts_so) > 1) memory[c].resize(cuts[c].triangles[sheet].size());
   }
   std::vector<SheetLayout> layouts(ways.size());
-  std::vector<double> cost(ways.size(), std::numeric_limits<double>::infinity());
   std::vector<std::exception_ptr> failed(ways.size());
-  tbb::parallel_for(size_t{0}, ways.size(), [&](size_t i) {
+  const auto try_way = [&](size_t i) {
     try {
       const CutWay& way = cuts[ways[i].cut];
       const std::vector<Chart>& from = start[ways[i].cut];
-      std::deque<TrialMemory>& of_start = memory[ways[i].cut];
+      std::deque<TrialMemory>& of_start = memory[alike[ways[i].cut]];
       std::vector<std::vector<Chart>> charts(from.size());
       tbb::parallel_for(size_t{0}, from.size(), [&](size_t c) {
         charts[c] =
             develop_component(from[c], options, ways[i].taste, way.discount, of_start.empty() ? nullptr : &of_start[c]);
       });
+      layouts[i].way = i;
       layouts[i].cut = ways[i].cut;
       for (std::vector<Chart>& of_component : charts) {
         for (Chart& chart : of_component) layouts[i].charts.push_back(std::move(chart));
@@ -218,15 +268,56 @@ SheetLayout develop_sheet(const std::vector<CutWay>& cuts, size_t sheet, const D
                    {.most_energy = options.target_energy,
                     .seam_price = options.cut_price,
                     .narrow = kNarrow * options.least_cut});
-      cost[i] = ways.size() > 1 ? cost_of(layouts[i].charts, options) : 0;
+      layouts[i].cost = ways.size() > 1 ? cost_of(layouts[i].charts, options) : 0;
     } catch (const Error&) {
       failed[i] = std::current_exception();
     }
-  });
-  const auto best = static_cast<size_t>(std::min_element(cost.begin(), cost.end()) - cost.begin());
+  };
+  size_t best = 0;
+  if (twin != nullptr && twin->way < ways.size()) {
+    best = twin->way;
+    lay_out_start(ways[best].cut);
+    try_way(best);
+  }
+  if (twin == nullptr || !(layouts[best].cost <= kAsGood * twin->cost)) {
+    tbb::parallel_for(size_t{0}, start.size(), lay_out_start);
+    tbb::parallel_for(size_t{0}, ways.size(), [&](size_t i) {
+      if (layouts[i].charts.empty() && !failed[i]) try_way(i);
+    });
+    const auto costs_less = [](const SheetLayout& a, const SheetLayout& b) { return a.cost < b.cost; };
+    best = static_cast<size_t>(std::min_element(layouts.begin(), layouts.end(), costs_less) - layouts.begin());
+  }
   if (failed[best]) std::rethrow_exception(failed[best]);
   close_slits(layouts[best].charts, cuts[layouts[best].cut].sheet, options);
   return std::move(layouts[best]);
+}
+
+/// All sheets, those first that have no twin among those before them.
+std::vector<SheetLayout> develop_sheets(const std::vector<CutWay>& cuts, const DevelopOptions& options) {
+  const size_t count = cuts.front().triangles.size();
+  std::vector<Likeness> likeness(count);
+  tbb::parallel_for(size_t{0}, count, [&](size_t i) { likeness[i] = likeness_of(cuts, i); });
+  std::vector<SheetLayout> developed(count);
+  std::vector<size_t> single, paired, twin(count);
+  std::map<std::vector<size_t>, std::vector<size_t>> by_count;  // single ones
+  for (size_t i = 0; i < count; ++i) {
+    std::vector<size_t>& others = by_count[likeness[i].count];
+    const auto is_twin = [&](size_t other) { return likeness[other].is_near(likeness[i]); };
+    const auto found = std::find_if(others.begin(), others.end(), is_twin);
+    if (found == others.end()) {
+      others.push_back(i);
+      single.push_back(i);
+    } else {
+      twin[i] = *found;
+      paired.push_back(i);
+    }
+  }
+  tbb::parallel_for(size_t{0}, single.size(),
+                    [&](size_t k) { developed[single[k]] = develop_sheet(cuts, single[k], options, nullptr); });
+  tbb::parallel_for(size_t{0}, paired.size(), [&](size_t k) {
+    developed[paired[k]] = develop_sheet(cuts, paired[k], options, &developed[twin[paired[k]]]);
+  });
+  return developed;
 }
 
 DevelopedSurface assembled(const CutSurface& cut, const std::vector<Chart>& charts) {
@@ -437,8 +528,7 @@ ChartedSurface parted_where_that_pays(const CutSurface& cut, const Sheet& sheet,
 DevelopedSurface develop(std::span<const CutSurface> cuts, const DevelopOptions& options, const Progress& progress) {
   std::vector<CutWay> ways;
   for (const CutSurface& cut : cuts) ways.push_back(examined(cut, options));
-  std::vector<SheetLayout> developed(ways.front().triangles.size());
-  tbb::parallel_for(size_t{0}, developed.size(), [&](size_t i) { developed[i] = develop_sheet(ways, i, options); });
+  std::vector<SheetLayout> developed = develop_sheets(ways, options);
   if (progress) progress("flatten", 0.3);
   std::vector<Chart> charts;
   std::vector<size_t> choice;
