@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which springs are tied by their whole points (shaders/lib/span.h): short ones at seams, where an outline cuts a cell.
-// What a tie moves of a seam's point, the stitch takes back for the most part if that copy is the lighter one; of a
-// long spring little is left then, a short one stays too long by a large part of itself (by 61 % in a hat that falls).
+// Which springs are tied by their whole points (shaders/lib/span.h): short ones at seams, where an outline cuts a cell,
+// and all of lone points, whose neighbours on the border are not sewn. What a tie moves of a seam's point, the stitch
+// takes back for the most part if that copy is the lighter one; of a long spring little is left then, a short one stays
+// too long by a large part of itself (by 61 % in a hat that falls). At a lone point, as a mesh with cracks has them,
+// few springs carry what hangs below the border on both sides of it.
 
 #include "rest/whole_ties.h"
 
@@ -27,15 +29,38 @@ std::vector<uint32_t> split_rows(const ClothAsset& asset) {
   return rows;
 }
 
+/// Calls use(from, to) for the ends of all springs along rows and columns.
+template <class Use>
+void for_springs(const ClothAsset& asset, const Use& use) {
+  for (uint32_t p = 0; p < asset.pixel_count(); ++p) {
+    if ((asset.spring_mask[p] & kSpringRight) != 0) use(p, p + 1);
+    if ((asset.spring_mask[p] & kSpringDown) != 0) use(p, p + asset.width);
+  }
+}
+
+/// Of every point with copies, by its first one, whether no spring joins it to another such point.
+std::vector<bool> lone_points(const ClothAsset& asset, const std::vector<uint32_t>& point,
+                              const std::vector<uint32_t>& row) {
+  std::vector<bool> lone(asset.pixel_count());
+  for (uint32_t r = 0; r < asset.splits.rows(); ++r) lone[point[asset.splits.pixel[asset.splits.offset[r]]]] = true;
+  for_springs(asset, [&](uint32_t from, uint32_t to) {
+    if (point[from] == point[to] || row[from] == shader::kNoRow || row[to] == shader::kNoRow) return;
+    lone[point[from]] = lone[point[to]] = false;
+  });
+  return lone;
+}
+
 }  // namespace
 
 void add_whole_ties(const ClothAsset& asset, const RestShape& rest, ClothData& data) {
   const std::vector<uint32_t> point = first_copies(asset), row = split_rows(asset);
+  const std::vector<bool> lone = lone_points(asset, point, row);
   std::map<std::pair<uint32_t, uint32_t>, shader::SeamSpring> ties;  // the sides of a seam may have the same spring
-  const auto add = [&](uint32_t from, uint32_t to) {
+  for_springs(asset, [&](uint32_t from, uint32_t to) {
     const auto [a, b] = std::minmax(point[from], point[to]);
     if (a == b || (row[a] == shader::kNoRow && row[b] == shader::kNoRow)) return;
-    if (!(length(asset.rest_position[b] - asset.rest_position[a]) < kShort * asset.spacing)) return;
+    const bool is_short = length(asset.rest_position[b] - asset.rest_position[a]) < kShort * asset.spacing;
+    if (!is_short && !lone[a] && !lone[b]) return;
     shader::SeamSpring tie{};
     tie.a = tie.middle = tie.beside = a;
     tie.b = b;
@@ -43,11 +68,7 @@ void add_whole_ties(const ClothAsset& asset, const RestShape& rest, ClothData& d
     tie.row_b = row[b];
     tie.rest = static_cast<float>(rest.rest_length(a, b));
     if (tie.rest > 0) ties.try_emplace({a, b}, tie);
-  };
-  for (uint32_t p = 0; p < asset.pixel_count(); ++p) {
-    if ((asset.spring_mask[p] & kSpringRight) != 0) add(p, p + 1);
-    if ((asset.spring_mask[p] & kSpringDown) != 0) add(p, p + asset.width);
-  }
+  });
   std::vector<shader::SeamSpring> list;
   list.reserve(ties.size());
   for (const auto& [points, tie] : ties) list.push_back(tie);
