@@ -5,7 +5,7 @@
 // Applications", section 4.4) move what starts in contact in the same way before a step.
 //
 //   hold_way   previous = the way, carry = the place      between them positions move freely
-//   give_way   out of colliders, without friction; previous and carry = what the way says
+//   give_way   out of colliders, without friction, near thin ones back; previous and carry = what the way says
 #ifndef GEOCLOTH_LIB_FINISH_H
 #define GEOCLOTH_LIB_FINISH_H
 
@@ -48,7 +48,28 @@ inline vec3 kept_out(ColliderSet set, ClothParams params, uint substep, vec3 sta
   return again ? start : position;
 }
 
+// Where triangles meet thin colliders, only a substep keeps them apart. A triangle that is so near has all its corners
+// within kLeaveNear spacings of the collider, and these stay where they are.
+inline bool is_thin(ClothParams params, ColliderShape shape) {
+  float half_thick = shape.kind == kShapeMesh ? shape.b.z : shape.core;
+  return half_thick < params.leave_near * (1.0f / kLeaveNear);
+}
+
+inline bool is_left(ColliderSet set, ClothParams params, uint substep, vec3 start, vec3 moved) {
+  if (params.leave_near <= 0.0f) return false;
+  precise float reach = params.thickness + params.leave_near;
+  for (uint i = 0u; i < params.collider_count; ++i) {
+    ColliderShape shape = collider_shape(set, i);
+    if (!is_thin(params, shape)) continue;
+    ColliderPose pose = collider_pose(set, substep + 1u, i);
+    if (nearest_of_shape(set, shape, to_local(pose, start)).distance < reach) return true;
+    if (nearest_of_shape(set, shape, to_local(pose, moved)).distance < reach) return true;
+  }
+  return false;
+}
+
 inline PointState way_given(ColliderSet set, ClothParams params, uint substep, PointState held) {
+  if (is_left(set, params, substep, held.carry, held.position)) return arrived(held.carry, held.previous);
   return arrived(kept_out(set, params, substep, held.carry, held.position), held.previous);
 }
 

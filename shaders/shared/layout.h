@@ -86,6 +86,8 @@ struct FrameField {
   vec4 drift;  // xyz [m]
 };
 
+const float kLeaveNear = 2.0f;  // [spacings] ClothParams::leave_near
+
 // What changes from frame to frame and cloth to cloth.
 struct ClothParams {
   uint width;
@@ -114,6 +116,10 @@ struct ClothParams {
   uint self_buckets;    // of the hash, a power of two
   float self_distance;  // [m] that points of different layers keep
   float self_reach;     // [m] up to which neighbours are listed
+  float leave_near;     // [m] what is nearer to a thin collider stays as it is at a frame's end; see lib/finish.h
+  float unused1;
+  float unused2;
+  float unused3;
   FrameField whole;
   FrameField taken;
 };
@@ -213,7 +219,7 @@ struct PassConstants {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(ClothParams) == 256 && offsetof(ClothParams, whole) == 128 &&
+static_assert(sizeof(ClothParams) == 272 && offsetof(ClothParams, whole) == 144 &&
               offsetof(ClothParams, gravity_step) == 16 && offsetof(ClothParams, dt) == 48);
 static_assert(sizeof(Wave) == 32 && sizeof(Substep) == 16 + 32 * kWindWaves);
 static_assert(sizeof(PinTarget) == 48 && sizeof(Attachment) == 8 && sizeof(SeamSpring) == 44 &&

@@ -9,7 +9,8 @@ ScheduleOptions schedule_options(const SimulationData& data, uint32_t cloth, con
   const ClothData& c = data.cloths[cloth];
   const ClothFrame& f = frame.cloths[cloth];
   const bool attached = c.attachments && !f.pins.empty();
-  const bool spans = (c.attachments && !frame.shapes.empty()) || (attached && c.evenness == Evenness::squeezed);
+  const bool slack = c.evenness == Evenness::squeezed || f.pins_above || f.params.air != 0;
+  const bool spans = (c.attachments && !frame.shapes.empty()) || (attached && slack);
   const uint32_t cell_rounds = frame.shapes.empty() ? 0 : f.cell_rounds;
   return {.substeps = static_cast<uint32_t>(frame.substeps.size()),
           .relaxation_steps = data.relaxation_steps,
@@ -22,7 +23,7 @@ ScheduleOptions schedule_options(const SimulationData& data, uint32_t cloth, con
           .attachments = attached,
           .spans = spans,
           .ties = (spans || (attached && c.evenness != Evenness::even)) && !f.pulled_apart && !data.fine &&
-                  cell_rounds == 0 && !frame.measure_motion,
+                  (cell_rounds == 0 || f.params.leave_near > 0) && !frame.measure_motion,
           .self_collision = f.params.self_points > 0,
           .collide = !frame.shapes.empty() || f.params.max_step > 0,
           .cell_rounds = cell_rounds,

@@ -121,11 +121,12 @@ struct ScheduleOptions {
   Bending bending = Bending::none;
   bool fine = false;         ///< constraints act on offsets
   bool attachments = false;  ///< max_stretch > 0 and pins
-  /// max_stretch > 0 and colliders: attachments pull too late around them. Or pins that squeezed springs hang from.
+  /// max_stretch > 0 and colliders: attachments pull too late around them. Or pins that squeezed springs hang from,
+  /// that lie one above the other, or in wind.
   bool spans = false;
-  /// Like the spans, and where uneven springs hang from pins; but not on offsets, not where a triangle may be pulled
-  /// over a thin collider, not between pins that are pulled apart, and not for cloth that is to fall asleep: what ties
-  /// pull together sinks back at a centimetre a second.
+  /// Like the spans, and where uneven springs hang from pins; but not on offsets, not where a collider is fast, not
+  /// between pins that are pulled apart, and not for cloth that is to fall asleep: what ties pull together sinks back
+  /// at a centimetre a second.
   bool ties = false;  ///< and lines
   bool self_collision = false;
   bool collide = false;      ///< colliders, or max_speed > 0

@@ -2,6 +2,7 @@
 // What a frame is told: substeps as fast colliders need them, pins, parents, colliders and the cloths that are asleep.
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -99,12 +100,28 @@ void Solver::Impl::fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const {
     pin.from = pin.target;
   }
   frame.pulled_apart = is_pulled_apart(cloth, frame.params.stretch_limit);
+  frame.pins_above = has_pins_above(cloth);
 }
 
 bool Solver::Impl::is_pulled_apart(const Cloth& cloth, float stretch_limit) {
   return std::any_of(cloth.pin_ways.begin(), cloth.pin_ways.end(), [&](const PinWay& way) {
     return length(cloth.pin_targets[way.b] - cloth.pin_targets[way.a]) > stretch_limit * way.length;
   });
+}
+
+/// Cloth falls past the lower ones and hangs from the upper ones, from whose way its attachments lead astray.
+bool Solver::Impl::has_pins_above(const Cloth& cloth) const {
+  constexpr float kSteep = 0.25F;  // of the longest way to a pin
+  const Vec3& gravity = settings_.gravity;
+  if (!(length(gravity) > 0)) return false;
+  const Vec3 down = normalized(gravity);
+  float highest = std::numeric_limits<float>::max(), lowest = -highest;
+  for (const auto& [pixel, pin] : cloth.pins) {
+    if (!pin.held()) continue;
+    highest = std::min(highest, dot(down, pin.target));
+    lowest = std::max(lowest, dot(down, pin.target));
+  }
+  return lowest - highest > kSteep * cloth.reach;
 }
 
 /// What a frame says of other pins than the one before had.
@@ -245,6 +262,8 @@ void Solver::Impl::step() {
     const bool seams = cloth.asset->splits.rows() > 0;
     frame_.cloths[c].cell_rounds = cloth.collide_cells ? cell_rounds(way, spacing, seams, hasty) : 0;
     fill_cloth_frame(cloth, frame_.cloths[c]);
+    const bool leaves = cloth.collide_cells && !hasty;
+    frame_.cloths[c].params.leave_near = leaves ? shader::kLeaveNear * spacing : 0;
   }
   find_movers();
   fall_asleep();

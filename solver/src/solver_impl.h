@@ -90,6 +90,7 @@ class Solver::Impl {
   void fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const;
   void change_pins(Cloth& cloth, ClothFrame& frame) const;
   [[nodiscard]] static bool is_pulled_apart(const Cloth& cloth, float stretch_limit);
+  [[nodiscard]] bool has_pins_above(const Cloth& cloth) const;
   void carry_over(uint32_t cloth);
   [[nodiscard]] float stretch_limit(const Cloth& cloth) const;
   [[nodiscard]] FrameClock clock() const;

@@ -243,5 +243,91 @@ TEST(Spans, AreTheSameOnEveryPath) {
   }
 }
 
+/// A flag of 1.2 m x 0.8 m in measured cotton, pinned along one side, in a wind of 10 m/s with gusts.
+struct Flag {
+  float scale = 1;
+  uint32_t charts = 1;
+  bool wind = true;
+  bool pole = false;  ///< thinner than the distance of the pixels: triangles meet it
+  SolverPath path = SolverPath::automatic;
+};
+
+struct FlagScene {
+  ClothDesc cloth;
+  Solver solver;
+};
+
+FlagScene make_flag(const Flag& flag) {
+  ClothDesc cloth;
+  cloth.asset = std::make_shared<const ClothAsset>(test::make_sheet(
+      {.nx = 73, .ny = 49, .width = 1.2F * flag.scale, .height = 0.8F * flag.scale, .charts_x = flag.charts}));
+  cloth.material = find_material_preset("cotton")->material;
+  SolverSettings settings;
+  settings.backend = Backend::cpu;
+  settings.path = flag.path;
+  settings.substeps = 16;
+  FlagScene scene{cloth, Solver({&cloth, 1}, settings)};
+  std::vector<Pin> pins;
+  const float side = -0.599F * flag.scale;
+  for (uint32_t p = 0; p < cloth.asset->pixel_count(); ++p) {
+    const Vec3& place = cloth.asset->rest_position[p];
+    if (cloth.asset->valid(p) && place.x < side) pins.push_back({p, place, 0});
+  }
+  scene.solver.set_pins(0, pins);
+  if (flag.pole) {
+    const Collider pole{"pole", Capsule{{-0.62F, -1, 0}, {-0.62F, 1, 0}, 0.015F, 0.015F}, 0.3F, {}};
+    scene.solver.set_colliders(std::vector{pole}, true);
+  }
+  if (flag.wind) {
+    scene.solver.set_wind({.velocity = {10, 0, 1}, .turbulence = 1, .frequency = 2, .drag = 1, .lift = 0.5F});
+  }
+  return scene;
+}
+
+/// Largest of two seconds, frame by frame.
+StretchStatistics worst_of(const Flag& flag) {
+  FlagScene scene = make_flag(flag);
+  StretchStatistics worst;
+  for (int f = 0; f < 120; ++f) {
+    scene.solver.step();
+    const StretchStatistics now = measure_stretch(*scene.cloth.asset, 1, test::positions_of(scene.solver));
+    worst.max = std::max(worst.max, now.max);
+    worst.p99 = std::max(worst.p99, now.p99);
+  }
+  ::testing::Test::RecordProperty("worst", std::to_string(worst.max) + ' ' + std::to_string(worst.p99));
+  return worst;
+}
+
+// Attachments alone leave a flag that flies at right angles to its pole 64 % too long, one spring in a hundred 41 %;
+// and where the pole was thinner than a cell nothing ended a frame (26 and 19 %).
+TEST(Flag, IsHardlyStretchedByWind) {
+  for (const bool pole : {false, true}) {
+    for (const uint32_t charts : {1U, 2U}) {
+      const StretchStatistics worst = worst_of({.charts = charts, .pole = pole});
+      EXPECT_LE(worst.max, 1.15) << charts << (pole ? " with a pole" : "");
+      EXPECT_LE(worst.p99, 1.08) << charts << (pole ? " with a pole" : "");
+    }
+  }
+}
+
+// A doll's flag falls from its side: springs of 1.7 mm were 2.7 times as long as at rest, one in a hundred 1.6 times.
+TEST(Flag, OfADollHangsByItsSide) {
+  const StretchStatistics worst = worst_of({.scale = 0.1F, .wind = false});
+  EXPECT_LE(worst.max, 1.3);
+  EXPECT_LE(worst.p99, 1.08);
+}
+
+// What lies near the pole is left as it is at the end of a frame.
+TEST(Flag, AtAThinPoleIsTheSameOnEveryPath) {
+  for (const uint32_t charts : {1U, 2U}) {
+    FlagScene swept = make_flag({.charts = charts, .pole = true});
+    FlagScene plain = make_flag({.charts = charts, .pole = true, .path = SolverPath::plain});
+    for (FlagScene* scene : {&swept, &plain}) test::run(scene->solver, 30);
+    EXPECT_EQ(hash_state(*swept.cloth.asset, test::positions_of(swept.solver)),
+              hash_state(*plain.cloth.asset, test::positions_of(plain.solver)))
+        << charts;
+  }
+}
+
 }  // namespace
 }  // namespace geocloth

@@ -8,6 +8,7 @@
 #endif
 
 #include "cpu/collide_inl.h"
+#include "lib/finish.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace geocloth::cpu::HWY_NAMESPACE {
@@ -61,6 +62,26 @@ HWY_INLINE void keep_out(D d, const Meeting& meeting, Mask<D> lanes, const Point
   moved = choose<D>(again, start, position);
 }
 
+/// is_left() of lib/finish.h.
+template <class D>
+HWY_INLINE Mask<D> left_near(D d, const Meeting& meeting, const Points<D>& start, const Points<D>& moved) {
+  const size_t count = meeting.frame.shapes.size();
+  const shader::ColliderPose* const poses = meeting.poses + count;
+  const auto leave = hn::Set(d, meeting.params.leave_near);
+  const auto reach = hn::Set(d, meeting.params.thickness + meeting.params.leave_near);
+  Mask<D> left = hn::Gt(hn::Zero(d), hn::Zero(d));
+  for (size_t i = 0; i < count; ++i) {
+    const shader::ColliderShape& shape = meeting.frame.shapes[i];
+    if (!shader::is_thin(meeting.params, shape)) continue;
+    for (const Points<D>* point : {&start, &moved}) {
+      if (hn::AllFalse(d, Guards::near(d, meeting.guards.guards[i], *point, leave))) continue;
+      const Points<D> local = to_local(d, poses[i], *point);
+      left = hn::Or(left, hn::Lt(nearest_of_shape(d, meeting.numbers, shape, local).distance, reach));
+    }
+  }
+  return left;
+}
+
 /// way_given() of lib/finish.h from pixel i on, where a collider may touch a point.
 template <class D>
 HWY_NOINLINE void give_way_near(D d, const SweepFrame& frame, uint32_t substep, uint32_t i) {
@@ -69,8 +90,13 @@ HWY_NOINLINE void give_way_near(D d, const SweepFrame& frame, uint32_t substep, 
   const PointRow p = at(state.position, i), pp = at(state.previous, i), pc = at(state.carry, i);
   const Points<D> moved = load(d, p), way = load(d, pp), start = load(d, pc);
   const auto free = free_lanes(d, &state.inverse_mass[i]);
-  const auto near = hn::And(free, meeting.guards.near(d, moved, at_most(d, sub(moved, start))));
   Points<D> position = moved;
+  auto near = hn::And(free, meeting.guards.near(d, moved, at_most(d, sub(moved, start))));
+  if (meeting.params.leave_near > 0) {
+    const auto left = left_near(d, meeting, start, moved);
+    position = choose<D>(left, start, position);
+    near = hn::AndNot(left, near);
+  }
   if (!hn::AllFalse(d, near)) keep_out(d, meeting, near, start, position);
   const Points<D> previous = sub(position, way);
   store(d, choose<D>(free, position, moved), p);
@@ -85,10 +111,12 @@ HWY_NOINLINE void give_way(D d, const SweepFrame& frame, uint32_t substep, std::
   const auto lanes = static_cast<uint32_t>(hn::Lanes(d));
   const PointRow positions = at(state.position, 0), ways = at(state.previous, 0), starts = at(state.carry, 0);
   const float* const inverse_mass = state.inverse_mass.data();
+  const bool leaves = frame.contexts[substep].cloth.params.leave_near > 0;
   for (const Run& run : runs) {
     for (uint32_t first = run.first; first < run.last; first += kWordVectors * lanes) {
       const uint32_t count = std::min(kWordVectors, (run.last - first) / lanes);
-      const uint64_t near = near_vectors(d, guards, after(positions, first), after(starts, first), count);
+      const uint64_t near =
+          leaves ? ~uint64_t{0} : near_vectors(d, guards, after(positions, first), after(starts, first), count);
       for (uint32_t k = 0; k < count; ++k) {
         const uint32_t i = first + k * lanes;
         if ((near >> k & 1) != 0) {
