@@ -39,7 +39,7 @@ enum class Pass : uint8_t {
   hold_way,         ///< per pixel, at a frame's end: its way is put aside, for lib/finish.h
   lines,            ///< per row (group 0) or column (group 1): runs of structural springs at once, lib/lines.h
   ties,             ///< per structural spring, groups 0..3: pulled to its longest length; relaxation 1: by kTieShare
-  whole_ties,       ///< per short spring at a seam and each at a lone point, one group for each colour after those of seam_spans; as ties
+  whole_ties,       ///< per short spring at a seam or one at a lone point, by colour after seam_spans; as ties
   give_way,         ///< per pixel: out of colliders, and the way that was put aside
   check_copies,     ///< per split row: largest distance between copies
   check_colliders,  ///< per pixel: largest depth in a collider
