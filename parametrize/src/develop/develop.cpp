@@ -203,12 +203,12 @@ std::vector<size_t> first_alike(const std::vector<CutWay>& cuts, size_t sheet) {
 
 /// What tells sheets and their cuts apart, but for turns and mirroring: counts, and lengths and areas [m, m^2].
 struct Likeness {
+  static constexpr double kSame = 1e-3;  ///< files round coordinates
   std::vector<size_t> count;
   std::vector<double> size;
 
   /// Of sheets whose counts are the same.
   [[nodiscard]] bool is_near(const Likeness& other) const {
-    constexpr double kSame = 1e-3;  // files round coordinates
     const auto same = [](double a, double b) { return std::abs(a - b) <= kSame * a; };
     return std::equal(size.begin(), size.end(), other.size.begin(), other.size.end(), same);
   }
@@ -299,18 +299,17 @@ std::vector<SheetLayout> develop_sheets(const std::vector<CutWay>& cuts, const D
   tbb::parallel_for(size_t{0}, count, [&](size_t i) { likeness[i] = likeness_of(cuts, i); });
   std::vector<SheetLayout> developed(count);
   std::vector<size_t> single, paired, twin(count);
-  std::map<std::vector<size_t>, std::vector<size_t>> by_count;  // single ones
+  std::map<std::vector<size_t>, std::multimap<double, size_t>> singles;  // by counts and the first size
   for (size_t i = 0; i < count; ++i) {
-    std::vector<size_t>& others = by_count[likeness[i].count];
-    const auto is_twin = [&](size_t other) { return likeness[other].is_near(likeness[i]); };
-    const auto found = std::find_if(others.begin(), others.end(), is_twin);
-    if (found == others.end()) {
-      others.push_back(i);
-      single.push_back(i);
-    } else {
-      twin[i] = *found;
-      paired.push_back(i);
+    std::multimap<double, size_t>& others = singles[likeness[i].count];
+    const double size = likeness[i].size.front();
+    twin[i] = i;
+    for (auto other = others.lower_bound(size / (1 + 2 * Likeness::kSame));
+         other != others.end() && other->first <= size * (1 + 2 * Likeness::kSame); ++other) {
+      if (other->second < twin[i] && likeness[other->second].is_near(likeness[i])) twin[i] = other->second;
     }
+    if (twin[i] == i) others.emplace(size, i);
+    (twin[i] == i ? single : paired).push_back(i);
   }
   tbb::parallel_for(size_t{0}, single.size(),
                     [&](size_t k) { developed[single[k]] = develop_sheet(cuts, single[k], options, nullptr); });
