@@ -44,6 +44,12 @@ inline float longest_side(Corners t) {
   return max(length3(t.b - t.a), max(length3(t.c - t.b), length3(t.a - t.c)));
 }
 
+// What the corner goes that goes farthest.
+inline float way_of_corners(Corners from, Corners to) {
+  precise float way = max(length3(to.a - from.a), max(length3(to.b - from.b), length3(to.c - from.c)));
+  return way;
+}
+
 // Weights of the point of a triangle that is nearest to p (Ericson 2005, "Real-Time Collision Detection", 5.1.5).
 inline vec3 nearest_weights(Corners t, vec3 p) {
   precise vec3 ab = t.b - t.a;
@@ -202,7 +208,7 @@ inline MovedTriangle collide_triangle(ColliderSet set, ClothParams params, uint 
     float side = longest_side(now);
     if (side < kOpenCell * shape.core) continue;  // its pixels are enough
     ColliderPose after = collider_pose(set, substep + 1u, i);
-    precise float way = max(length3(now.a - start.a), max(length3(now.b - start.b), length3(now.c - start.c)));
+    float way = way_of_corners(start, now);
     vec3 middle = vec3(after.row0.w, after.row1.w, after.row2.w);
     if (out_of_reach(shape, length3(now.a - middle) - shape.b.w - side, way)) continue;
     Corners last = corners_to_local(after, now);
@@ -211,7 +217,7 @@ inline MovedTriangle collide_triangle(ColliderSet set, ClothParams params, uint 
     ColliderPose before = collider_pose(set, substep, i);
     Corners first = corners_to_local(before, start);
     // What is carried along by the collider has hardly moved as seen from there.
-    if (gap > max(length3(last.a - first.a), max(length3(last.b - first.b), length3(last.c - first.c)))) continue;
+    if (gap > way_of_corners(first, last)) continue;
     moved = push_point(set, params, shape, before, after, moved, first, w, deepest_weights(set, shape, first));
     last = corners_to_local(after, corners_of(moved));
     moved = push_point(set, params, shape, before, after, moved, first, w, deepest_weights(set, shape, last));

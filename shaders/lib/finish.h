@@ -51,8 +51,7 @@ inline vec3 kept_out(ColliderSet set, ClothParams params, uint substep, vec3 sta
 // Where triangles meet thin colliders, only a substep keeps them apart. A triangle that is so near has all its corners
 // within kLeaveNear spacings of the collider, and these stay where they are.
 inline bool is_thin(ClothParams params, ColliderShape shape) {
-  float half_thick = shape.kind == kShapeMesh ? shape.b.z : shape.core;
-  return half_thick < params.leave_near * (1.0f / kLeaveNear);
+  return half_thickness(shape) < params.leave_near * (1.0f / kLeaveNear);
 }
 
 inline bool is_left(ColliderSet set, ClothParams params, uint substep, vec3 start, vec3 moved) {

@@ -25,6 +25,11 @@ inline Nearest make_nearest(float distance, vec3 normal) {
   return r;
 }
 
+// [m] Where it is thinnest; of a body where it is thickest.
+inline float half_thickness(ColliderShape shape) {
+  return shape.kind == kShapeMesh ? shape.b.z : shape.core;
+}
+
 // The centre itself goes out along +y; a capsule's axis is x, so that +y leads out of it too.
 inline Nearest nearest_ball(vec3 from_center, float radius) {
   vec4 u = unit_and_length(from_center);

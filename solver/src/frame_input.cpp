@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "colliders/reach.h"
+#include "cpu/collider_set.h"
 
 namespace geocloth {
 namespace {
@@ -299,7 +300,7 @@ double radius_of(const shader::ColliderShape& shape) {
 }
 
 float thickness_of(const shader::ColliderShape& shape) {
-  return shape.kind == shader::kShapeMesh ? shape.b.z : shape.core;
+  return shader::half_thickness(shape);
 }
 
 Transform collider_frame(const Collider& collider) {

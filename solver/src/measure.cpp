@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 
+#include "geocloth/asset/grid_mesh.h"
 #include "geocloth/solver/solver.h"
 #include "rest/upload.h"
 
@@ -79,14 +80,10 @@ double elastic_energy(const ClothData& data, std::span<const Vec3> x) {
 
 StretchStatistics measure_stretch(const ClothAsset& asset, float scale, std::span<const Vec3> positions) {
   std::vector<double> ratio;
-  for (uint32_t p = 0; p < asset.pixel_count(); ++p) {
-    for (uint32_t c = 0; c < 2; ++c) {
-      if ((asset.spring_mask[p] & (1U << c)) == 0) continue;
-      const uint32_t q = c == 0 ? p + 1 : p + asset.width;
-      const double rest = static_cast<double>(scale) * distance(asset.rest_position[p], asset.rest_position[q]);
-      if (rest > 0) ratio.push_back(distance(positions[p], positions[q]) / rest);
-    }
-  }
+  for_structural_springs(asset, [&](uint32_t p, uint32_t q) {
+    const double rest = static_cast<double>(scale) * distance(asset.rest_position[p], asset.rest_position[q]);
+    if (rest > 0) ratio.push_back(distance(positions[p], positions[q]) / rest);
+  });
   if (ratio.empty()) return {};
   StretchStatistics result;
   for (const double r : ratio) result.mean += r;

@@ -29,6 +29,11 @@ Quat about_axis(int axis, double degrees) {
   return to_unit(q);
 }
 
+/// About x, then y, then z.
+Quat about_axes(double x, double y, double z) {
+  return about_axis(2, z) * about_axis(1, y) * about_axis(0, x);
+}
+
 /// Whether the way from a to b is that of their angles, not the short one.
 bool turns_as_written(const Keyframe& a, const Keyframe& b) {
   constexpr float kHalfTurn = 180;  // [degrees]
@@ -41,10 +46,9 @@ bool turns_as_written(const Keyframe& a, const Keyframe& b) {
 /// t in 0..1, in double precision: of many turns single precision would leave a tremble.
 Quat rotation_between(const Keyframe& a, const Keyframe& b, double t) {
   if (!turns_as_written(a, b)) return slerp(a.rotate, b.rotate, static_cast<float>(t));
-  const auto angle = [&](float from, float to) { return from + t * (double{to} - from); };
-  return about_axis(2, angle(a.rotate_deg->z, b.rotate_deg->z)) *
-         about_axis(1, angle(a.rotate_deg->y, b.rotate_deg->y)) *
-         about_axis(0, angle(a.rotate_deg->x, b.rotate_deg->x));
+  const Vec3 &from = *a.rotate_deg, &to = *b.rotate_deg;
+  const auto angle = [&](float first, float last) { return first + t * (double{last} - first); };
+  return about_axes(angle(from.x, to.x), angle(from.y, to.y), angle(from.z, to.z));
 }
 
 }  // namespace
@@ -66,7 +70,7 @@ Vec3 rotate(const Quat& q, const Vec3& v) {
 }
 
 Quat quat_from_euler_deg(const Vec3& degrees) {
-  return about_axis(2, degrees.z) * about_axis(1, degrees.y) * about_axis(0, degrees.x);
+  return about_axes(degrees.x, degrees.y, degrees.z);
 }
 
 Quat slerp(const Quat& a, const Quat& b, float t) {

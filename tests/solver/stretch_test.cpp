@@ -267,13 +267,7 @@ FlagScene make_flag(const Flag& flag) {
   settings.path = flag.path;
   settings.substeps = 16;
   FlagScene scene{cloth, Solver({&cloth, 1}, settings)};
-  std::vector<Pin> pins;
-  const float side = -0.599F * flag.scale;
-  for (uint32_t p = 0; p < cloth.asset->pixel_count(); ++p) {
-    const Vec3& place = cloth.asset->rest_position[p];
-    if (cloth.asset->valid(p) && place.x < side) pins.push_back({p, place, 0});
-  }
-  scene.solver.set_pins(0, pins);
+  scene.solver.set_pins(0, test::pins_at_rest(*cloth.asset, "left"));
   if (flag.pole) {
     const Collider pole{"pole", Capsule{{-0.62F, -1, 0}, {-0.62F, 1, 0}, 0.015F, 0.015F}, 0.3F, {}};
     scene.solver.set_colliders(std::vector{pole}, true);

@@ -292,15 +292,14 @@ SheetLayout develop_sheet(const std::vector<CutWay>& cuts, size_t sheet, const D
   return std::move(layouts[best]);
 }
 
-/// All sheets, those first that have no twin among those before them.
-std::vector<SheetLayout> develop_sheets(const std::vector<CutWay>& cuts, const DevelopOptions& options) {
-  const size_t count = cuts.front().triangles.size();
-  std::vector<Likeness> likeness(count);
-  tbb::parallel_for(size_t{0}, count, [&](size_t i) { likeness[i] = likeness_of(cuts, i); });
-  std::vector<SheetLayout> developed(count);
-  std::vector<size_t> single, paired, twin(count);
+/// Per sheet the first one that it is a twin of, and that is none itself; or the sheet.
+std::vector<size_t> find_twins(const std::vector<CutWay>& cuts) {
+  std::vector<size_t> twin(cuts.front().triangles.size());
+  if (twin.size() < 2) return twin;
+  std::vector<Likeness> likeness(twin.size());
+  tbb::parallel_for(size_t{0}, twin.size(), [&](size_t i) { likeness[i] = likeness_of(cuts, i); });
   std::map<std::vector<size_t>, std::multimap<double, size_t>> singles;  // by counts and the first size
-  for (size_t i = 0; i < count; ++i) {
+  for (size_t i = 0; i < twin.size(); ++i) {
     std::multimap<double, size_t>& others = singles[likeness[i].count];
     const double size = likeness[i].size.front();
     twin[i] = i;
@@ -309,13 +308,20 @@ std::vector<SheetLayout> develop_sheets(const std::vector<CutWay>& cuts, const D
       if (other->second < twin[i] && likeness[other->second].is_near(likeness[i])) twin[i] = other->second;
     }
     if (twin[i] == i) others.emplace(size, i);
-    (twin[i] == i ? single : paired).push_back(i);
   }
-  tbb::parallel_for(size_t{0}, single.size(),
-                    [&](size_t k) { developed[single[k]] = develop_sheet(cuts, single[k], options, nullptr); });
-  tbb::parallel_for(size_t{0}, paired.size(), [&](size_t k) {
-    developed[paired[k]] = develop_sheet(cuts, paired[k], options, &developed[twin[paired[k]]]);
-  });
+  return twin;
+}
+
+/// All sheets, twins after those that they are twins of.
+std::vector<SheetLayout> develop_sheets(const std::vector<CutWay>& cuts, const DevelopOptions& options) {
+  const std::vector<size_t> twin = find_twins(cuts);
+  std::vector<SheetLayout> developed(twin.size());
+  for (const bool paired : {false, true}) {
+    tbb::parallel_for(size_t{0}, twin.size(), [&](size_t i) {
+      if ((twin[i] != i) == paired)
+        developed[i] = develop_sheet(cuts, i, options, paired ? &developed[twin[i]] : nullptr);
+    });
+  }
   return developed;
 }
 

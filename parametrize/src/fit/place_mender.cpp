@@ -56,10 +56,7 @@ std::vector<Point3> middles_and_edges() {
 
 std::vector<std::array<uint32_t, 2>> structural_springs(const ClothAsset& asset, std::span<const uint32_t> first) {
   std::vector<std::array<uint32_t, 2>> spring;
-  for (uint32_t i = 0; i < asset.pixel_count(); ++i) {
-    if ((asset.spring_mask[i] & kSpringRight) != 0) spring.push_back({first[i], first[i + 1]});
-    if ((asset.spring_mask[i] & kSpringDown) != 0) spring.push_back({first[i], first[i + asset.width]});
-  }
+  for_structural_springs(asset, [&](uint32_t a, uint32_t b) { spring.push_back({first[a], first[b]}); });
   return spring;
 }
 

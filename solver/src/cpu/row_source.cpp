@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cpu/row_source.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <limits>
 
 namespace geocloth::cpu {
@@ -25,9 +27,8 @@ void add_block(RowStream& stream, uint32_t first, uint32_t constants, uint32_t l
 }
 
 void add_pull_block(RowStream& stream, uint32_t first, uint32_t lanes) {
-  stream.pixel.push_back(first);
-  stream.constants.insert(stream.constants.end(), lanes, std::numeric_limits<float>::infinity());
-  stream.constants.insert(stream.constants.end(), lanes, 0.F);
+  add_block(stream, first, 2, lanes);
+  std::fill_n(stream.constants.end() - 2 * ptrdiff_t{lanes}, lanes, std::numeric_limits<float>::infinity());
 }
 
 }  // namespace geocloth::cpu

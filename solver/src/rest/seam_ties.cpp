@@ -27,15 +27,11 @@ using SpringsOfPoints = std::map<PointPair, std::vector<PointPair>>;
 SpringsOfPoints springs_on_seams(const ClothAsset& asset, const std::vector<uint32_t>& point,
                                  const std::map<uint32_t, std::vector<uint32_t>>& copies) {
   SpringsOfPoints springs;
-  const auto add = [&](uint32_t a, uint32_t b) {
+  for_structural_springs(asset, [&](uint32_t a, uint32_t b) {
     if (!copies.contains(point[a]) || !copies.contains(point[b]) || point[a] == point[b]) return;
     if (point[a] > point[b]) std::swap(a, b);
     springs[{point[a], point[b]}].emplace_back(a, b);
-  };
-  for (uint32_t p = 0; p < asset.pixel_count(); ++p) {
-    if ((asset.spring_mask[p] & kSpringRight) != 0) add(p, p + 1);
-    if ((asset.spring_mask[p] & kSpringDown) != 0) add(p, p + asset.width);
-  }
+  });
   return springs;
 }
 

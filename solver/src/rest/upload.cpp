@@ -103,13 +103,9 @@ void add_rest(ClothBox& box, const ClothAsset& asset, const Transform& transform
 /// Rest lengths of all structural springs.
 std::vector<float> spring_lengths(const ClothAsset& asset) {
   std::vector<float> lengths;
-  const auto add = [&](uint32_t a, uint32_t b) {
+  for_structural_springs(asset, [&](uint32_t a, uint32_t b) {
     lengths.push_back(length(asset.rest_position[b] - asset.rest_position[a]));
-  };
-  for (uint32_t p = 0; p < asset.pixel_count(); ++p) {
-    if ((asset.spring_mask[p] & kSpringRight) != 0) add(p, p + 1);
-    if ((asset.spring_mask[p] & kSpringDown) != 0) add(p, p + asset.width);
-  }
+  });
   return lengths;
 }
 

@@ -29,21 +29,12 @@ std::vector<uint32_t> split_rows(const ClothAsset& asset) {
   return rows;
 }
 
-/// Calls use(from, to) for the ends of all springs along rows and columns.
-template <class Use>
-void for_springs(const ClothAsset& asset, const Use& use) {
-  for (uint32_t p = 0; p < asset.pixel_count(); ++p) {
-    if ((asset.spring_mask[p] & kSpringRight) != 0) use(p, p + 1);
-    if ((asset.spring_mask[p] & kSpringDown) != 0) use(p, p + asset.width);
-  }
-}
-
 /// Of every point with copies, by its first one, whether no spring joins it to another such point.
 std::vector<bool> lone_points(const ClothAsset& asset, const std::vector<uint32_t>& point,
                               const std::vector<uint32_t>& row) {
   std::vector<bool> lone(asset.pixel_count());
   for (uint32_t r = 0; r < asset.splits.rows(); ++r) lone[point[asset.splits.pixel[asset.splits.offset[r]]]] = true;
-  for_springs(asset, [&](uint32_t from, uint32_t to) {
+  for_structural_springs(asset, [&](uint32_t from, uint32_t to) {
     if (point[from] == point[to] || row[from] == shader::kNoRow || row[to] == shader::kNoRow) return;
     lone[point[from]] = lone[point[to]] = false;
   });
@@ -56,7 +47,7 @@ void add_whole_ties(const ClothAsset& asset, const RestShape& rest, ClothData& d
   const std::vector<uint32_t> point = first_copies(asset), row = split_rows(asset);
   const std::vector<bool> lone = lone_points(asset, point, row);
   std::map<std::pair<uint32_t, uint32_t>, shader::SeamSpring> ties;  // the sides of a seam may have the same spring
-  for_springs(asset, [&](uint32_t from, uint32_t to) {
+  for_structural_springs(asset, [&](uint32_t from, uint32_t to) {
     const auto [a, b] = std::minmax(point[from], point[to]);
     if (a == b || (row[a] == shader::kNoRow && row[b] == shader::kNoRow)) return;
     const bool is_short = length(asset.rest_position[b] - asset.rest_position[a]) < kShort * asset.spacing;

@@ -21,6 +21,15 @@ struct GridMesh {
 /// For every pixel the first pixel of its row in the split-vertex table, or the pixel itself.
 [[nodiscard]] std::vector<uint32_t> first_copies(const ClothAsset& asset);
 
+/// Calls use(from, to) for the pixels of every structural spring, row by row.
+template <class Use>
+void for_structural_springs(const ClothAsset& asset, const Use& use) {
+  for (uint32_t p = 0; p < asset.pixel_count(); ++p) {
+    if ((asset.spring_mask[p] & kSpringRight) != 0) use(p, p + 1);
+    if ((asset.spring_mask[p] & kSpringDown) != 0) use(p, p + asset.width);
+  }
+}
+
 /// The triangles, none to two, of the cell whose upper left corner is a pixel, as pixel indices.
 struct CellTriangles {
   std::array<Triangle, 2> triangle{};
