@@ -99,14 +99,25 @@ void Solver::Impl::fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const {
     frame.pins.push_back(pin_target(pixel, pin.from - origin_, pin.target - origin_, pin.frequency, clock().dt));
     pin.from = pin.target;
   }
-  frame.pulled_apart = is_pulled_apart(cloth, frame.params.stretch_limit);
+  frame.pulled_apart = pull_of_pins(cloth, 0) > frame.params.stretch_limit;
+  if (frame.pulled_apart) {
+    constexpr float kFew = 4;  // spacings: what two pins so near tear open is not worth slack everywhere
+    const float pull = pull_of_pins(cloth, kFew * cloth.asset->spacing * cloth.scale);
+    frame.params.stretch_limit = std::max(frame.params.stretch_limit, pull);
+  }
   frame.pins_above = has_pins_above(cloth);
 }
 
-bool Solver::Impl::is_pulled_apart(const Cloth& cloth, float stretch_limit) {
-  return std::any_of(cloth.pin_ways.begin(), cloth.pin_ways.end(), [&](const PinWay& way) {
-    return length(cloth.pin_targets[way.b] - cloth.pin_targets[way.a]) > stretch_limit * way.length;
-  });
+/// How many times as far as along the cloth two pins are from each other, at most. Attachments that were shorter would
+/// hold each half of the cloth to its own pin, and one row of springs between them would take all of the stretch.
+/// @param least  [m] shorter ways do not count
+float Solver::Impl::pull_of_pins(const Cloth& cloth, float least) {
+  float pull = 0;
+  for (const PinWay& way : cloth.pin_ways) {
+    if (!(way.length > least)) continue;
+    pull = std::max(pull, length(cloth.pin_targets[way.b] - cloth.pin_targets[way.a]) / way.length);
+  }
+  return pull;
 }
 
 /// Cloth falls past the lower ones and hangs from the upper ones, from whose way its attachments lead astray.

@@ -89,7 +89,7 @@ class Solver::Impl {
   [[nodiscard]] const Cloth& cloth_at(uint32_t cloth) const;
   void fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const;
   void change_pins(Cloth& cloth, ClothFrame& frame) const;
-  [[nodiscard]] static bool is_pulled_apart(const Cloth& cloth, float stretch_limit);
+  [[nodiscard]] static float pull_of_pins(const Cloth& cloth, float least);
   [[nodiscard]] bool has_pins_above(const Cloth& cloth) const;
   void carry_over(uint32_t cloth);
   [[nodiscard]] float stretch_limit(const Cloth& cloth) const;

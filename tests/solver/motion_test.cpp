@@ -199,6 +199,24 @@ TEST(Pins, PulledApartByForceStretchTheClothAndNothingElse) {
   }
 }
 
+// Each half was held to its own pins as long as at rest: one row of springs between them was 1.8 times too long, a tear
+// across the cloth, where its pins were a twentieth too far from each other.
+TEST(Pins, PulledApartALittleOpenNoRowOfSprings) {
+  const ClothAsset asset = make_sheet({.nx = 17, .ny = 17, .charts_y = 2});
+  const Collider far_ball{"ball", Sphere{{0, 50, 0}, 0.1F}, 0, {}};
+  for (const auto& [limit, colliders] : {std::pair{-1.F, 0U}, std::pair{0.01F, 0U}, std::pair{-1.F, 1U}}) {
+    Material material;
+    material.max_stretch = limit;
+    Solver solver(std::vector{test::describe(asset, material)}, test::cpu_settings());
+    solver.set_colliders(std::span(&far_ball, colliders));
+    std::vector<Pin> pins = test::pins_at_rest(asset, "top");
+    for (const Pin& low : test::pins_at_rest(asset, "bottom", {0, -0.05F, 0})) pins.push_back(low);
+    solver.set_pins(0, pins);
+    test::run(solver, 120);
+    EXPECT_LT(measure_stretch(asset, 1, test::positions_of(solver)).max, 1.15) << limit << ' ' << colliders;
+  }
+}
+
 TEST(TimeStep, ThatChangesFromFrameToFrameLeavesVelocitiesAsTheyAre) {
   const ClothAsset asset = make_sheet(kSheet);
   SolverSettings settings = test::cpu_settings();
