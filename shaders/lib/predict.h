@@ -26,7 +26,8 @@ inline vec3 gust_at(Wave wave, vec3 position) {
 }
 
 // Acceleration [m/s^2] of cloth with the unit normal n that moves at `velocity` in air that moves at `air`.
-// The drag is taken implicitly, so that light cloth in a strong wind is stable at any step.
+// No step takes more than the whole relative velocity, so that light cloth in a strong wind is stable at any step.
+// Below that the force is what it is: what falls evenly or a wind holds bears the same load at any number of substeps.
 inline vec3 air_acceleration(ClothParams params, vec3 air, vec3 velocity, vec3 n) {
   precise vec3 v = air - velocity;
   precise float speed = length3(v);
@@ -38,7 +39,7 @@ inline vec3 air_acceleration(ClothParams params, vec3 air, vec3 velocity, vec3 n
   precise vec3 lee = toward < 0.0f ? -n : n;
   precise vec3 sideways = lee * speed - v * (c * inverse_speed);
   precise vec3 force = v * drag + sideways * lift;
-  precise vec3 a = force * (1.0f / (1.0f + (drag + lift) * params.dt));
+  precise vec3 a = force * (1.0f / max(1.0f, (drag + lift) * params.dt));
   return a;
 }
 

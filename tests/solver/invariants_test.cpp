@@ -76,12 +76,14 @@ TEST_P(Laws, ClothSticksOnASlopeBelowItsFrictionAndSlidesByCoulombAboveIt) {
   }
 }
 
-// Drag of a step follows from the speed before it: a first-order integrator ends half a step of falling faster.
+// The air's force was less, the longer the step and the lighter the cloth: silk fell 2.5 % too fast at 4 substeps, and
+// what a wind holds stretched bore less than at more.
 TEST_P(Laws, ClothThatFallsFlatEndsAtItsTerminalSpeed) {
   const uint32_t n = machine().slow() ? 5 : 9, substeps = machine().slow() ? 4 : 16;
-  const ClothDesc cloth =
-      test::describe(make_sheet({.nx = n, .ny = n, .charts_x = 2, .horizontal = true}), test::undamped());
-  const double weight = double{cloth.material.areal_density} * kGravity;
+  Material silk = test::undamped();
+  silk.areal_density = 0.05F;
+  const ClothDesc cloth = test::describe(make_sheet({.nx = n, .ny = n, .charts_x = 2, .horizontal = true}), silk);
+  const double weight = double{silk.areal_density} * kGravity;
   for (const double drag : {1.0, 2.0}) {
     if (machine().slowest() && drag != 2) continue;
     Solver solver = make(cloth, settings_of(substeps));
@@ -91,7 +93,7 @@ TEST_P(Laws, ClothThatFallsFlatEndsAtItsTerminalSpeed) {
     const std::vector<Vec3> v = test::velocities_of(solver);
     for (uint32_t p = 0; p < v.size(); ++p) {
       if (!cloth.asset->valid(p)) continue;
-      EXPECT_NEAR(double{-v[p].y}, terminal + 0.5 * kGravity / 60 / substeps, 0.002 * terminal) << drag;
+      EXPECT_NEAR(double{-v[p].y}, terminal, 0.002 * terminal) << drag;
     }
   }
 }

@@ -53,7 +53,7 @@ HWY_INLINE Points<D> air_acceleration(D d, const shader::ClothParams& params, co
                       hn::IfThenElse(backwards, hn::Neg(normal.z), normal.z)};
   const Points<D> sideways = sub(scale(d, lee, speed), scale(d, v, hn::Mul(c, inverse_speed)));
   const Points<D> force = add(scale(d, v, drag), scale(d, sideways, lift));
-  return scale(d, force, hn::Div(one, hn::Add(one, hn::Mul(hn::Add(drag, lift), hn::Set(d, params.dt)))));
+  return scale(d, force, hn::Div(one, hn::Max(one, hn::Mul(hn::Add(drag, lift), hn::Set(d, params.dt)))));
 }
 
 /// lib/frame.h: displacement of points in a substep.
