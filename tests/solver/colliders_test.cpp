@@ -331,6 +331,29 @@ TEST(Convex, PlanesAreTheSameSolidAsTheirCorners) {
   EXPECT_NEAR(signed_distance({"", convex_of_planes(gutter), 0, {}}, {-2, -1, 5}), -1, 1e-6);
 }
 
+// The four corners of such a well lie in one plane, which was taken for a hull without a volume.
+TEST(Convex, PlanesMayLeaveAPrismOpen) {
+  const std::vector<Plane> well{{{0, 0, 0}, {0, 1, 0}},
+                                {{1, 0, 0}, {1, 0, 0}},
+                                {{-1, 0, 0}, {-1, 0, 0}},
+                                {{0, 0, 1}, {0, 0, 1}},
+                                {{0, 0, -1}, {0, 0, -1}}};
+  const Convex open = convex_of_planes(well);
+  EXPECT_TRUE(open.surface.triangle.empty());
+  EXPECT_NEAR(signed_distance({"", open, 0, {}}, {0.5F, -3, 0}), -0.5, 1e-6);
+}
+
+// A box of planes that point inwards has nothing behind them: cloth fell through it, and nothing said why.
+TEST(Convex, PlanesThatPointInwardsAreRefused) {
+  std::vector<Plane> inwards;
+  for (const float side : {-1.F, 1.F})
+    for (const Vec3& axis : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}})
+      inwards.push_back({side * axis, -side * axis});
+  EXPECT_THROW(static_cast<void>(convex_of_planes(inwards)), Error);
+  inwards.resize(1);  // a half space is a solid either way
+  EXPECT_NO_THROW(static_cast<void>(convex_of_planes(inwards)));
+}
+
 TEST(Convex, PointsInAPlaneAreRefused) {
   EXPECT_THROW(static_cast<void>(convex_hull(std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}})), Error);
   EXPECT_THROW(static_cast<void>(convex_hull(std::vector<Vec3>(5, Vec3{1, 2, 3}))), Error);

@@ -192,6 +192,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{"HullOfANumber",
                  "\"shape\": \"box\", \"center\": [0, 1, 0], \"half_extents\": [1, 2, 3], \"rotate_deg\": [0, 0, 45]",
                  "\"shape\": \"convex\", \"points\": [1]", "points[0]: must be an array, not number"},
+        BadScene{"NameThatEndsEarly", "shirt.glb", "shirt.glb\\u0000.obj", "asset: must not hold a zero character"},
         BadScene{"NaN", "\"frames\": 10", "\"frames\": NaN", "not valid JSON"},
         BadScene{"Infinite", "\"frame_rate\": 30", "\"frame_rate\": 1e999", "not valid JSON"},
         BadScene{"TwiceTheSameKey", "\"frames\": 10", "\"frames\": 10, \"frames\": 11", "appears twice"},

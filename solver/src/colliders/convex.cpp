@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -163,6 +164,34 @@ std::vector<Vec3> corners_behind(std::span<const Plane> planes) {
   return corners;
 }
 
+/// As where a prism without an end has its other end.
+bool in_one_plane(std::span<const Vec3> points) {
+  const Vec3d origin = to_double(points[0]);
+  const auto of_origin = [&](const Vec3& p) { return to_double(p) - origin; };
+  Vec3d along{}, normal{};
+  for (const Vec3& p : points)
+    if (const Vec3d d = of_origin(p); dot(d, d) > dot(along, along)) along = d;
+  for (const Vec3& p : points)
+    if (const Vec3d n = cross(along, of_origin(p)); dot(n, n) > dot(normal, normal)) normal = n;
+  const double flat = 1e-5 * std::sqrt(dot(along, along) * dot(normal, normal));
+  return std::all_of(points.begin(), points.end(),
+                     [&](const Vec3& p) { return std::abs(dot(normal, of_origin(p))) <= flat; });
+}
+
+/// None where the planes leave a side open or nothing is behind all of them.
+std::optional<TriangleSurface> surface_of(std::span<const Plane> planes) {
+  const std::vector<Vec3> corners = corners_behind(planes);
+  if (corners.size() < 4 || in_one_plane(corners)) return std::nullopt;
+  Convex closed = convex_hull(corners);
+  // Planes that leave a side open have corners too; then the hull of these is not all of the solid.
+  const auto touched = [&](const Plane& face) {
+    return std::any_of(planes.begin(), planes.end(),
+                       [&](const Plane& p) { return dot(p.normal, face.normal) > 1 - 1e-4F; });
+  };
+  if (!std::all_of(closed.planes.begin(), closed.planes.end(), touched)) return std::nullopt;
+  return std::move(closed.surface);
+}
+
 }  // namespace
 
 Convex convex_hull(std::span<const Vec3> points) {
@@ -181,17 +210,18 @@ Convex convex_of_planes(std::span<const Plane> planes) {
                                                  " planes, not " + std::to_string(planes.size()) +
                                                  "; give more of them as points");
   }
-  const std::vector<Vec3> corners = corners_behind(planes);
   Convex convex;
   convex.planes.assign(planes.begin(), planes.end());
-  if (corners.size() < 4) return convex;
-  Convex closed = convex_hull(corners);
-  // Planes that leave a side open have corners too; then the hull of these is not all of the solid.
-  const auto touched = [&](const Plane& face) {
-    return std::any_of(planes.begin(), planes.end(),
-                       [&](const Plane& p) { return dot(p.normal, face.normal) > 1 - 1e-4F; });
-  };
-  if (std::all_of(closed.planes.begin(), closed.planes.end(), touched)) convex.surface = std::move(closed.surface);
+  if (std::optional<TriangleSurface> surface = surface_of(planes)) {
+    convex.surface = std::move(*surface);
+    return convex;
+  }
+  std::vector<Plane> turned;
+  for (const Plane& p : planes) turned.push_back({p.point, -p.normal});
+  if (surface_of(turned)) {
+    throw Error(ErrorCode::invalid_argument,
+                "nothing is behind all planes of the convex collider: their normals must point out of the solid");
+  }
   return convex;
 }
 

@@ -146,7 +146,9 @@ bool JsonReader::boolean() const {
 
 std::string JsonReader::text() const {
   if (!value_->is_string()) fail("must be a string, not " + std::string(value_->type_name()));
-  return value_->get<std::string>();
+  auto text = value_->get<std::string>();
+  if (text.find('\0') != std::string::npos) fail("must not hold a zero character, where names of files end");
+  return text;
 }
 
 Vec3 JsonReader::vector() const {
