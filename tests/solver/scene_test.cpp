@@ -248,6 +248,23 @@ TEST_F(Playing, EverySelectorTakesItsPointsWithAllCopies) {
   EXPECT_THROW(count(WhereVertexGroup{"collar"}), Error);
 }
 
+// Rounding leaves points of a row on both sides of a face that it lies on: the upper edge of a sheet that is turned
+// hung by one of its 9 points.
+TEST_F(Playing, RowsOnTheFaceOfASelectorAreTakenWhole) {
+  const ClothAsset asset = test::make_sheet({.nx = 9, .ny = 9});
+  for (const float degrees : {90.F, -90.F}) {
+    const Transform turned{{0.3F, 0.7F, 0.1F}, quat_from_euler_deg({0, 0, degrees}), 1.7F};
+    const auto count = [&](const Where& where) { return select_pixels(asset, turned, where).size(); };
+    const auto column = [&](uint32_t i) { return apply(turned, asset.rest_position[i]).y; };
+    EXPECT_EQ(count(WhereTop{0}), 9U) << degrees;
+    EXPECT_EQ(count(WhereTop{0.25F}), 27U) << degrees;
+    const auto [low, high] = std::minmax({column(0), column(2)});
+    EXPECT_EQ(count(WhereBox{{-9, low, -9}, {9, high, 9}}), 27U) << degrees;
+    const Vec3 corner = apply(turned, asset.rest_position[0]), end = apply(turned, asset.rest_position[8]);
+    EXPECT_EQ(count(WhereSphere{corner, length(end - corner)}), 58U) << degrees;
+  }
+}
+
 TEST_F(Playing, DefaultPinHoldsEveryPartByItsHighestBoundary) {
   // Two sheets in one image: the charts of a cut sheet without their seam.
   ClothAsset asset = test::make_sheet({.nx = 9, .ny = 9, .charts_x = 2});

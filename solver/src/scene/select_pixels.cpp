@@ -118,14 +118,16 @@ class Selector {
   }
 
   void operator()(const WhereBox& where) {
+    const float slack = rounding();
+    const Vec3 low = where.min - Vec3{slack, slack, slack}, high = where.max + Vec3{slack, slack, slack};
     for_valid([&](uint32_t p, const Vec3& x) {
-      taken_[p] = x.x >= where.min.x && x.y >= where.min.y && x.z >= where.min.z && x.x <= where.max.x &&
-                  x.y <= where.max.y && x.z <= where.max.z;
+      taken_[p] = x.x >= low.x && x.y >= low.y && x.z >= low.z && x.x <= high.x && x.y <= high.y && x.z <= high.z;
     });
   }
 
   void operator()(const WhereSphere& where) {
-    for_valid([&](uint32_t p, const Vec3& x) { taken_[p] = length(x - where.center) <= where.radius; });
+    const float radius = where.radius + rounding();
+    for_valid([&](uint32_t p, const Vec3& x) { taken_[p] = length(x - where.center) <= radius; });
   }
 
   void operator()(const WhereVertices& where) { take_vertices(where.source_vertex); }
@@ -160,6 +162,9 @@ class Selector {
  private:
   [[nodiscard]] std::string name() const { return asset_.name.empty() ? "" : asset_.name + ": "; }
 
+  /// [m] A row that lies on the face of a box is taken whole, on whichever side of it rounding left its points.
+  [[nodiscard]] float rounding() const { return 1e-3F * asset_.spacing * transform_.scale; }
+
   template <class Visit>
   void for_valid(const Visit& visit) const {
     for (uint32_t p = 0; p < asset_.pixel_count(); ++p)
@@ -179,7 +184,7 @@ class Selector {
       low = std::min(low, x.y);
       high = std::max(high, x.y);
     });
-    const float from = high - share * (high - low);
+    const float from = high - share * (high - low) - rounding();
     for_valid([&](uint32_t p, const Vec3& x) {
       if (in_set(p) && x.y >= from) taken_[p] = true;
     });
