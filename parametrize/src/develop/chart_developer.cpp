@@ -28,7 +28,9 @@ namespace {
 
 constexpr size_t kTrialWork = 40'000;  // triangles that trials of a cut may have together
 constexpr size_t kLeastTrials = 1;
-constexpr size_t kSmall = 1'500;  // triangles of a chart in which all places are tried every time
+constexpr size_t kSmall = 1'500;         // triangles of a chart from which on cuts bring what they brought before
+constexpr double kMoreThanBelieved = 2;  // in smaller ones they may bring so many times that,
+constexpr double kMoreThanFirst = 2;     // and so many times what their first step brings
 constexpr uint32_t kStartSteps = 80, kTrialSteps = 6;
 constexpr double kStartTolerance = 1e-4, kCutTolerance = 5e-5;
 constexpr double kSpoilt = 0.2;  // share of a chart's area from which short cuts are made too
@@ -157,8 +159,8 @@ class Developer {
     return spoilt > kSpoilt * total_area(chart);
   }
 
-  /// By how much the energy fell in trials of cuts that were not made, by the cut vertex where they end. Other cuts
-  /// change that little.
+  /// By how much the energy fell in trials of cuts that were not made, by the cut vertex where they end, as far as they
+  /// went. Other cuts change that little.
   struct Fall {
     double energy, length;
   };
@@ -167,16 +169,19 @@ class Developer {
   struct Trial {
     Paths paths;
     double length = 0;
-    double fall = 0;  // of the energy
-    enum class Fall : uint8_t { unknown, believed, tried } known = Fall::unknown;
-    Chart chart;       // as the cut leaves it; empty where another taste knows that
-    double gain = 0;   // beyond the price
-    double worth = 0;  // as the taste has it
+    double fall = 0;   // of the energy
+    double times = 1;  // the most that the fall may come to, by what is known of it
+    enum class Known : uint8_t { nothing, believed, begun, tried } known = Known::nothing;
+    Chart chart;                               // as the cut leaves it; empty where another taste knows that
+    std::optional<SymmetricDirichlet> energy;  // of a chart that is begun
+    double gain = 0;                           // beyond the price, at most
+    double worth = 0;                          // as the taste has it, at most
   };
 
-  /// Of several places, the cut that brings most for its length; nothing when none pays. What a cut brought in a round
-  /// before is believed, in charts where trials are dear, until that makes it the best one.
+  /// Of several places, the cut that brings most for its length; nothing when none pays. A trial goes only as far as
+  /// it may still become the best one, by what its first step brings, or by what the cut brought in a round before.
   [[nodiscard]] std::optional<Trial> best_cut(const Open& open, double energy, Falls& falls, double least_cut) const {
+    using Known = typename Trial::Known;
     const Chart& chart = open.chart;
     const size_t count = std::clamp<size_t>(kTrialWork / chart.triangle.size(), kLeastTrials, taste_.places);
     const Distances way_out =
@@ -185,20 +190,15 @@ class Developer {
     const std::vector<double> per_triangle =
         SymmetricDirichlet(chart.position, chart.triangle, {}).energy_per_triangle(chart.uv);
     const double side = std::sqrt(total_area(chart));
+    const bool is_small = chart.triangle.size() < kSmall;
     const auto judge = [&](Trial& trial) {
-      trial.gain = trial.fall - options_.cut_price * trial.length / side;
-      trial.worth = worth(energy, energy - trial.fall, trial.length, trial.gain);
+      const double fall = trial.times * trial.fall;
+      trial.gain = fall - options_.cut_price * trial.length / side;
+      trial.worth = worth(energy, energy - fall, trial.length, trial.gain);
     };
-    const auto try_out = [&](Trial& trial) {
-      const std::optional<double> found = memory_ ? memory_->fall(open.state, trial.paths) : std::nullopt;
-      if (found) {
-        trial.fall = *found;
-      } else {
-        trial.chart = opened(chart, trial.paths);
-        trial.fall = energy - minimise(trial.chart, kTrialSteps, kCutTolerance);
-        if (memory_ != nullptr) memory_->keep_fall(open.state, trial.paths, trial.fall);
-      }
-      trial.known = Trial::Fall::tried;
+    const auto go_on = [&](Trial& trial) {
+      go_on_with(trial, open, energy);
+      if (!is_small && trial.known == Known::begun) go_on_with(trial, open, energy);
       judge(trial);
     };
     std::vector<Trial> trials;
@@ -207,22 +207,22 @@ class Developer {
       Trial& trial = trials.emplace_back();
       trial.paths = std::move(paths);
       for (const std::vector<uint32_t>& path : trial.paths) trial.length += path_length(chart, path);
-      if (chart.triangle.size() < kSmall) continue;
       const auto known = falls.find(chart.cut_vertex[trial.paths.front().front()]);
       if (known == falls.end() || known->second.length != trial.length) continue;
       trial.fall = known->second.energy;
-      trial.known = Trial::Fall::believed;
+      trial.times = is_small ? kMoreThanBelieved : 1;
+      trial.known = Known::believed;
       judge(trial);
     }
-    const auto try_where = [&](const auto& wanted) {
-      std::vector<size_t> untried;
+    const auto go_on_where = [&](Known known) {
+      std::vector<size_t> chosen;
       for (size_t i = 0; i < trials.size(); ++i) {
-        if (trials[i].known != Trial::Fall::tried && wanted(trials[i])) untried.push_back(i);
+        if (trials[i].known == known) chosen.push_back(i);
       }
-      tbb::parallel_for(size_t{0}, untried.size(), [&](size_t i) { try_out(trials[untried[i]]); });
-      return !untried.empty();
+      tbb::parallel_for(size_t{0}, chosen.size(), [&](size_t i) { go_on(trials[chosen[i]]); });
+      return !chosen.empty();
     };
-    try_where([](const Trial& t) { return t.known == Trial::Fall::unknown; });
+    go_on_where(Known::nothing);
     const auto better = [](const Trial& a, const Trial& b) {
       return (a.gain > 0) != (b.gain > 0) ? b.gain > 0 : a.worth < b.worth;
     };
@@ -230,17 +230,42 @@ class Developer {
     while (!trials.empty() && !best) {
       Trial& leading = *std::max_element(trials.begin(), trials.end(), better);
       if (!(leading.gain > 0)) {  // what was believed must not end the search
-        if (!try_where([](const Trial&) { return true; })) break;
-      } else if (leading.known != Trial::Fall::tried) {
-        try_out(leading);
+        if (!go_on_where(Known::believed)) break;
+      } else if (leading.known != Known::tried) {
+        go_on(leading);
       } else {
         best = std::move(leading);
       }
     }
     for (const Trial& t : trials) {
-      if (!t.paths.empty()) falls[chart.cut_vertex[t.paths.front().front()]] = {t.fall, t.length};
+      if (!t.paths.empty()) falls[chart.cut_vertex[t.paths.front().front()]] = {t.times * t.fall, t.length};
     }
     return best;
+  }
+
+  /// A step with a cut that is not known, or all others. What is remembered decides nothing: it is asked for just what
+  /// would be found.
+  void go_on_with(Trial& trial, const Open& open, double energy) const {
+    using Known = typename Trial::Known;
+    const bool is_first = trial.known != Known::begun;
+    const TrialMemory::Depth depth = is_first ? TrialMemory::Depth::first_step : TrialMemory::Depth::whole;
+    const std::optional<double> found = memory_ ? memory_->fall(open.state, trial.paths, depth) : std::nullopt;
+    if (found) {
+      trial.fall = *found;
+      trial.chart = {};
+      trial.energy.reset();
+    } else {
+      if (!trial.energy) {
+        trial.chart = opened(open.chart, trial.paths);
+        trial.energy.emplace(trial.chart.position, trial.chart.triangle, std::span<const uint8_t>{});
+        trial.fall = energy - trial.energy->minimise(trial.chart.uv, 1, kCutTolerance);
+      }
+      if (!is_first) trial.fall = energy - trial.energy->minimise(trial.chart.uv, kTrialSteps - 1, kCutTolerance);
+      if (memory_ != nullptr) memory_->keep_fall(open.state, trial.paths, depth, trial.fall);
+    }
+    const bool is_done = !is_first || trial.fall < kCutTolerance * (energy - trial.fall);
+    trial.known = is_done ? Known::tried : Known::begun;
+    trial.times = is_done ? 1 : kMoreThanFirst;
   }
 
   /// The ways from the places to the outline, each with that from the place's mirror image where there is one: what

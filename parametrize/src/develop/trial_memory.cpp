@@ -6,15 +6,16 @@
 
 namespace geocloth {
 
-std::optional<double> TrialMemory::fall(State from, const Paths& paths) const {
+std::optional<double> TrialMemory::fall(State from, const Paths& paths, Depth depth) const {
   const std::scoped_lock lock(mutex_);
-  const auto found = fall_.find({from, paths});
-  return found == fall_.end() ? std::nullopt : std::optional(found->second);
+  const std::map<Key, double>& known = fall_.at(static_cast<size_t>(depth));
+  const auto found = known.find({from, paths});
+  return found == known.end() ? std::nullopt : std::optional(found->second);
 }
 
-void TrialMemory::keep_fall(State from, const Paths& paths, double fall) {
+void TrialMemory::keep_fall(State from, const Paths& paths, Depth depth, double fall) {
   const std::scoped_lock lock(mutex_);
-  fall_.emplace(Key{from, paths}, fall);
+  fall_.at(static_cast<size_t>(depth)).emplace(Key{from, paths}, fall);
 }
 
 std::optional<TrialMemory::Made> TrialMemory::made(State from, const Paths& paths) const {

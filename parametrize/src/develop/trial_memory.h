@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <mutex>
@@ -30,9 +31,12 @@ class TrialMemory {
     double energy = 0;
   };
 
-  /// By how much the energy falls with a cut, where that was tried.
-  [[nodiscard]] std::optional<double> fall(State from, const Paths& paths) const;
-  void keep_fall(State from, const Paths& paths, double fall);
+  /// How far a cut was tried.
+  enum class Depth : uint8_t { first_step, whole };
+
+  /// By how much the energy falls with a cut, where that was tried so far.
+  [[nodiscard]] std::optional<double> fall(State from, const Paths& paths, Depth depth) const;
+  void keep_fall(State from, const Paths& paths, Depth depth, double fall);
 
   [[nodiscard]] std::optional<Made> made(State from, const Paths& paths) const;
   /// @returns the new chart's name
@@ -42,7 +46,7 @@ class TrialMemory {
   using Key = std::pair<State, Paths>;
 
   mutable std::mutex mutex_;
-  std::map<Key, double> fall_;
+  std::array<std::map<Key, double>, 2> fall_;  // by Depth
   std::map<Key, Made> made_;
   State states_ = kStart;
 };
