@@ -101,6 +101,8 @@ struct PassStep {
   Pass pass;
   uint32_t group = 0;       ///< spring group 0..11, group 0..5 of the curvatures, or a colour of the list over seams
   uint32_t relaxation = 0;  ///< 0..relaxation_steps - 1
+
+  friend bool operator==(const PassStep&, const PassStep&) = default;
 };
 
 /// How the cloth resists bending.

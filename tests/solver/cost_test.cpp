@@ -83,6 +83,24 @@ TEST(Cost, SeamsPartASubstepIntoThreeSweeps) {
   EXPECT_EQ(sweeps_of(*plan), 3U);
 }
 
+/// A crowd in one garment that had all constants for each of its cloths would need half as much memory again.
+TEST(Cost, ACrowdInOneGarmentHasItsConstantsOnce) {
+  const ClothDesc cloth = test::describe(test::make_sheet({.nx = 64, .ny = 64, .charts_x = 2}), attached());
+  const auto bytes = [&](uint32_t count, uint32_t relaxation_steps) {
+    SolverSettings settings = test::cpu_settings();
+    settings.relaxation_steps = relaxation_steps;
+    std::vector<ClothDesc> cloths(count, cloth);
+    for (uint32_t i = 0; i < count; ++i) cloths[i].transform.translate = {static_cast<float>(i), 0, 0};
+    Solver solver(cloths, settings);
+    for (uint32_t i = 0; i < count; ++i)
+      solver.set_pins(i, test::pins_at_rest(*cloth.asset, "top", cloths[i].transform.translate));
+    test::run(solver, 1);
+    return static_cast<double>(solver.statistics().memory_bytes);
+  };
+  EXPECT_LT(bytes(8, 1), 0.7 * 8 * bytes(1, 1));
+  EXPECT_GT(bytes(8, 2), 0.99 * 8 * bytes(1, 2)) << "multipliers are each cloth's own";
+}
+
 /// Rows that the passes of a sweep go through in a task.
 uint64_t rows_in(const cpu::SweepBand& task) {
   uint64_t rows = 0;

@@ -351,5 +351,39 @@ TEST(Sweep, ClothsSideBySideDoNotDependOnThreads) {
   for (const uint32_t threads : {1U, 2U, 16U}) EXPECT_EQ(differences(run(threads, false), plain), 0U) << threads;
 }
 
+/// Cloths that are alike work by one plan. One that is pinned elsewhere, cut or made of something else must not take
+/// the others along, and those that become alike later may share again.
+TEST(Sweep, ClothsOfACrowdGoTheirOwnWaysOnceTheyDiffer) {
+  const ClothAsset asset = make_sheet({.nx = 60, .ny = 30, .charts_x = 2});
+  constexpr uint32_t kCount = 6, kOther = 1, kCut = 3, kStiff = 4;
+  const auto run = [&](SolverPath path, uint32_t relaxation_steps) {
+    SolverSettings settings = few_substeps();
+    settings.backend = Backend::cpu;
+    settings.path = path;
+    settings.relaxation_steps = relaxation_steps;
+    std::vector<ClothDesc> cloths(kCount, test::describe(asset, attached()));
+    cloths[kStiff].material.stretch_warp *= 2;
+    Solver solver(cloths, settings);
+    for (uint32_t i = 0; i < kCount; ++i) solver.set_pins(i, test::pins_at_rest(asset, "top"));
+    test::run(solver, 2);
+    solver.set_pins(kOther, test::pins_at_rest(asset, "corners"));
+    solver.cut(kCut, {{{-1, 0, -1}, {0.2F, 0, -1}, {0, 0, 2}}});
+    test::run(solver, 2);
+    solver.set_pins(kOther, test::pins_at_rest(asset, "top"));
+    test::run(solver, 2);
+    std::vector<std::vector<Vec3>> all;
+    for (uint32_t i = 0; i < kCount; ++i) all.push_back(test::positions_of(solver, i));
+    return all;
+  };
+  for (const uint32_t relaxation_steps : {1U, 2U}) {
+    const auto plain = run(SolverPath::plain, relaxation_steps), fast = run(SolverPath::automatic, relaxation_steps);
+    for (uint32_t i = 0; i < kCount; ++i) {
+      EXPECT_EQ(differences(fast[i], plain[i]), 0U) << "cloth " << i << ", relaxation steps " << relaxation_steps;
+      const bool differs = i == kOther || i == kCut || i == kStiff;
+      EXPECT_EQ(differences(fast[i], fast[0]) != 0, differs) << "cloth " << i;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace geocloth

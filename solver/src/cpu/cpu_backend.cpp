@@ -12,6 +12,7 @@
 #include "cpu/cloth_state.h"
 #include "cpu/cpu_name.h"
 #include "cpu/passes.h"
+#include "cpu/plan_pool.h"
 #include "cpu/sweep_runner.h"
 #include "cpu/threads.h"
 #include "cpu/wide_rows.h"
@@ -38,8 +39,8 @@ struct Schedules {
 
 /// One cloth with what goes with it.
 struct Cloth {
-  Cloth(const ClothData& data, bool accumulate, bool fine)
-      : rows(data.width), state(rows.widened(data), accumulate, fine), sweep(state) {}
+  Cloth(const ClothData& data, bool accumulate, bool fine, cpu::PlanPool& plans)
+      : rows(data.width), state(rows.widened(data), accumulate, fine), sweep(state, plans) {}
 
   cpu::WideRows rows;
   cpu::ClothState state;
@@ -56,7 +57,7 @@ class CpuBackend final : public SolverBackend {
   CpuBackend(SimulationData data, uint32_t threads) : data_(std::move(data)), threads_(threads) {
     cloths_.reserve(data_.cloths.size());
     for (ClothData& cloth : data_.cloths) {
-      cloths_.emplace_back(cloth, data_.relaxation_steps > 1, data_.fine);
+      cloths_.emplace_back(cloth, data_.relaxation_steps > 1, data_.fine, plans_);
       cloth.position = {};
       cloth.self = {};
       cloth.springs = {};
@@ -123,6 +124,7 @@ class CpuBackend final : public SolverBackend {
     statistics.path = by_sweeps() ? std::string("sweep ") + cpu::vector_target() : "plain";
     statistics.threads = threads_.count();
     PassSeconds seconds{};
+    statistics.memory_bytes += plans_.memory_bytes();
     for (const Cloth& cloth : cloths_) {
       statistics.memory_bytes += cloth.state.memory_bytes() + cloth.sweep.memory_bytes();
       statistics.copy_gap = std::max(statistics.copy_gap, static_cast<double>(cloth.measures.copy_gap));
@@ -213,6 +215,7 @@ class CpuBackend final : public SolverBackend {
   SimulationData data_;  ///< positions and springs have moved to the cloths
   cpu::Threads threads_;
   cpu::Threads alone_{1};
+  cpu::PlanPool plans_;
   std::vector<Cloth> cloths_;
 };
 

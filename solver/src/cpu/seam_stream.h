@@ -13,16 +13,22 @@ struct CopyPair {
   uint32_t first, second;
   float mass;   ///< [kg] of the second one
   float share;  ///< [1/kg] 1 / mass of both
+
+  friend bool operator==(const CopyPair&, const CopyPair&) = default;
 };
 
 /// More copies of a point than two.
 struct CopyRow {
   uint32_t first, last;  ///< entries of SeamStream::copies
   float share;           ///< [1/kg] 1 / mass of all
+
+  friend bool operator==(const CopyRow&, const CopyRow&) = default;
 };
 struct CopyMass {
   uint32_t pixel;
   float mass;  ///< [kg]
+
+  friend bool operator==(const CopyMass&, const CopyMass&) = default;
 };
 
 /// A span over a seam, or a tie on one; see lib/span.h.
@@ -31,6 +37,8 @@ struct SeamSpan {
   float slack;    ///< [m^2] up to this square of its length it pulls nothing
   float longest;  ///< [m]
   float inverse;  ///< [kg] 1 / (wa + wb)
+
+  friend bool operator==(const SeamSpan&, const SeamSpan&) = default;
 };
 
 /// A tie between whole points; see lib/span.h.
@@ -40,6 +48,8 @@ struct WholeTie {
   float slack, longest;   ///< as in SeamSpan
   float inverse;          ///< 1 / (weight_a + weight_b)
   float weight_a, weight_b;
+
+  friend bool operator==(const WholeTie&, const WholeTie&) = default;
 };
 
 /// A bend over a seam; see turned_bend_move() of lib/bend.h.
@@ -48,6 +58,8 @@ struct SeamBend {
   float rest, chord, turn;
   float inverse;                                           ///< 1 / (w + compliance)
   float weight_a, weight_middle, weight_b, weight_beside;  ///< [1/kg] inverse mass times the point's part in it
+
+  friend bool operator==(const SeamBend&, const SeamBend&) = default;
 };
 
 /// What passes over seams go through, with all that stays the same while the cloth moves.
@@ -60,6 +72,8 @@ struct SeamStream {
   std::vector<std::vector<WholeTie>> whole_ties;
 
   [[nodiscard]] size_t memory_bytes() const;
+
+  friend bool operator==(const SeamStream&, const SeamStream&) = default;
 };
 
 /// @param steps  that it is for

@@ -49,6 +49,8 @@ inline constexpr uint32_t kThirdLines = 12;
 /// Neighbouring pixels, first <= i < last.
 struct Run {
   uint32_t first, last;
+
+  friend bool operator==(const Run&, const Run&) = default;
 };
 
 /// What a kernel works through, row by row. A block is as many constraints as a vector has lanes, from a pixel on; its
@@ -68,6 +70,8 @@ struct RowStream {
   std::vector<int32_t> anchors;        ///< limit: for each lane the one of those that holds it
   std::vector<Run> runs;
   std::vector<Run> thirds;  ///< bends_along: of each row, that its blocks reach
+
+  friend bool operator==(const RowStream&, const RowStream&) = default;
 };
 
 /// Columns that lines along rows are turned by at a time.
@@ -82,6 +86,8 @@ struct LineBlock {
   uint32_t points;   ///< along rows a multiple of kTurned
   uint32_t lines;    ///< along rows: that the image has of a vector's
   size_t constants;  ///< place of the first point's
+
+  friend bool operator==(const LineBlock&, const LineBlock&) = default;
 };
 
 /// What line relaxation works through in one direction. Blocks share no point.
@@ -91,6 +97,8 @@ struct LineStream {
   uint32_t most_points = 0;  ///< of a block
   Floats constants;  ///< of each point: for each lane its weight, 0 where it stays, the square of its spring's longest
                      ///< length or 0, and whether it has a way
+
+  friend bool operator==(const LineStream&, const LineStream&) = default;
 };
 
 /// Blocks that run_lines() goes through at a time.

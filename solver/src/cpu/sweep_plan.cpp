@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <map>
+#include <tuple>
 #include <utility>
 
 #include "cpu/bend_rows.h"
@@ -295,6 +296,39 @@ std::unique_ptr<SweepPlan> SweepPlan::make(const ClothState& state, const std::v
     return SweepPlanner(state, cloth, runs, relaxation_steps, lanes).run(substep);
   }
   return nullptr;
+}
+
+namespace {
+
+/// But for the streams and what follows from them.
+bool are_alike(const SweepOp& a, const SweepOp& b) {
+  const auto facts = [](const SweepOp& op) {
+    return std::tuple(op.kernel, op.pass, op.lag, op.up, op.down, op.spills, op.offset, op.share);
+  };
+  return facts(a) == facts(b);
+}
+
+bool are_alike(const SweepPlan::Part& a, const SweepPlan::Part& b) {
+  if (a.index() != b.index()) return false;
+  if (const auto* step = std::get_if<PassStep>(&a)) return *step == std::get<PassStep>(b);
+  const auto &one = std::get<Sweep>(a), &other = std::get<Sweep>(b);
+  return one.strip == other.strip && one.scratch == other.scratch &&
+         std::equal(one.ops.begin(), one.ops.end(), other.ops.begin(), other.ops.end(),
+                    [](const SweepOp& x, const SweepOp& y) { return are_alike(x, y); });
+}
+
+}  // namespace
+
+bool SweepPlan::can_stand_for(const SweepPlan& other) const {
+  // Plans lay their streams out in the order of their passes: with equal passes each has its stream at the same place.
+  const auto are_equal = [](const std::unique_ptr<RowStream>& a, const std::unique_ptr<RowStream>& b) {
+    return a->multipliers.empty() && *a == *b;
+  };
+  return lanes_ == other.lanes_ && anchor_of_pin_ == other.anchor_of_pin_ && lines_ == other.lines_ &&
+         seams_ == other.seams_ &&
+         std::equal(parts_.begin(), parts_.end(), other.parts_.begin(), other.parts_.end(),
+                    [](const Part& a, const Part& b) { return are_alike(a, b); }) &&
+         std::equal(streams_.begin(), streams_.end(), other.streams_.begin(), other.streams_.end(), are_equal);
 }
 
 size_t SweepPlan::memory_bytes() const {

@@ -29,6 +29,9 @@ class SweepPlan {
   [[nodiscard]] const SeamStream& seams() const { return seams_; }
   /// Place of each pin among the anchors; none without attachments.
   [[nodiscard]] const std::vector<uint32_t>& anchor_of_pin() const { return anchor_of_pin_; }
+  /// Whether a cloth that the other one was made for may work by this one: they are equal, and nothing is written
+  /// there.
+  [[nodiscard]] bool can_stand_for(const SweepPlan& other) const;
   [[nodiscard]] size_t memory_bytes() const;
   /// What a substep reads and writes of state and constants when every sweep goes through memory once.
   [[nodiscard]] size_t bytes_per_substep() const;

@@ -36,7 +36,7 @@ void SweepRunner::prepare(const ClothState& state, const ClothFrame& cloth, cons
   recipe_ = recipe;
   planned_ = true;
   const auto plan = [&](const std::vector<PassStep>& steps, uint32_t relaxation_steps) {
-    return Plan{SweepPlan::make(state, steps, cloth, runs_, relaxation_steps), {}, {}};
+    return Plan{pool_->share(SweepPlan::make(state, steps, cloth, runs_, relaxation_steps)), {}, {}};
   };
   substep_ = plan(substep_schedule(options), options.relaxation_steps);
   finish_ = options.ties ? plan(finish_schedule(options), 1) : Plan{};

@@ -7,13 +7,15 @@
 #include <vector>
 
 #include "cpu/bands.h"
+#include "cpu/plan_pool.h"
 
 namespace geocloth::cpu {
 
 /// Runs the substeps of one cloth by sweeps. Nothing is allocated while schedule and pins stay the same.
 class SweepRunner {
  public:
-  explicit SweepRunner(const ClothState& state) : runs_(valid_runs(state)) {}
+  /// @param pool  of the solver; outlives the runner
+  SweepRunner(const ClothState& state, PlanPool& pool) : pool_(&pool), runs_(valid_runs(state)) {}
 
   /// What is measured on the way.
   struct Measuring {
@@ -34,9 +36,8 @@ class SweepRunner {
   /// Unit normals of all pixels from their own cells.
   void normals(const Threads& threads, ClothState& state) const;
 
-  [[nodiscard]] size_t memory_bytes() const {
-    return substep_.memory_bytes() + finish_.memory_bytes() + line_scratch_.capacity() * sizeof(float);
-  }
+  /// Without the plans, which are the pool's.
+  [[nodiscard]] size_t memory_bytes() const { return line_scratch_.capacity() * sizeof(float); }
 
  private:
   /// What the constants in the plan follow from, besides the cloth itself.
@@ -47,10 +48,9 @@ class SweepRunner {
   };
 
   struct Plan {
-    std::unique_ptr<SweepPlan> sweeps;  ///< nothing: no passes, or none by sweeps
-    BandPlan bands;                     ///< without rows: not planned
-    std::vector<Threads> shares;        ///< of a pass that does not go by rows, one for each band
-    [[nodiscard]] size_t memory_bytes() const { return sweeps ? sweeps->memory_bytes() : 0; }
+    std::shared_ptr<const SweepPlan> sweeps;  ///< nothing: no passes, or none by sweeps
+    BandPlan bands;                           ///< without rows: not planned
+    std::vector<Threads> shares;              ///< of a pass that does not go by rows, one for each band
   };
 
   void prepare(const ClothState& state, const ClothFrame& cloth, const ScheduleOptions& options, uint32_t threads);
@@ -72,6 +72,7 @@ class SweepRunner {
   /// Runs a sweep in the substeps first .. last - 1 and shares its time out among its passes.
   void run_substeps(SweepFrame& frame, const Sweep& sweep, uint32_t first, uint32_t last, const Measuring& measuring);
 
+  PlanPool* pool_;
   std::vector<Run> runs_;
   bool planned_ = false;
   Recipe recipe_;
