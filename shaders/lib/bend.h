@@ -14,6 +14,9 @@
 //                 b                  so chosen that at rest e has no part within the sheet. |e| = u curvature with u =
 //                                    ((1 - f) |a - m|^2 + f |b - m|^2 - g |c - m|^2) / 2, and the compliance is
 //                                    u^2 / (B A).
+//
+//   a === h1 === m --- h2 --- b      Where a and m stay, cloth is clamped at m: it bends over half of h2 and not over
+//                                    half of both, so that it is (h1 + h2) / h2 times as stiff.
 #ifndef GEOCLOTH_LIB_BEND_H
 #define GEOCLOTH_LIB_BEND_H
 
@@ -34,6 +37,15 @@ inline float chord_share(float h1, float h2) {
   precise float h = h1 + h2;
   precise float f = h > 0.0f ? h1 * (1.0f / (h > 0.0f ? h : 1.0f)) : 0.0f;
   return f;
+}
+
+// What a clamp leaves of the compliance.
+// @param wa, wm, wb  inverse masses [1/kg]
+inline float clamped_share(float wa, float wm, float wb, float chord) {
+  precise float back = 1.0f - chord;
+  bool clamped = wm == 0.0f && (wa == 0.0f) != (wb == 0.0f);
+  precise float share = clamped ? (wa == 0.0f ? back : chord) : 1.0f;
+  return share;
 }
 
 // @param e  [m] as above
@@ -62,7 +74,8 @@ inline BendMove bend_move(vec3 to_a, float wa, float wm, vec3 to_b, float wb, fl
   precise float back = 1.0f - chord;
   precise vec3 e = to_a * back + to_b * chord;
   precise float w = wa * back * back + wm + wb * chord * chord;
-  return bend_move_along(e, w, rest, compliance, multiplier);
+  precise float left = compliance * clamped_share(wa, wm, wb, chord);
+  return bend_move_along(e, w, rest, left, multiplier);
 }
 
 // With a fourth point, which moves by step * (wc * turn); the middle moves by step * (wm * (1 - turn)).
@@ -77,7 +90,8 @@ inline BendMove turned_bend_move(vec3 to_a, float wa, float wm, vec3 to_b, float
   precise float kept = 1.0f - turn;
   precise vec3 e = to_a * back + to_b * chord - to_c * turn;
   precise float w = wa * back * back + wm * middle_share * kept * kept + wb * chord * chord + wc * turn * turn;
-  return bend_move_along(e, w, rest, compliance, multiplier);
+  precise float left = compliance * clamped_share(wa, wm, wb, chord);
+  return bend_move_along(e, w, rest, left, multiplier);
 }
 
 #ifdef __cplusplus

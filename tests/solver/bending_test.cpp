@@ -84,7 +84,7 @@ TEST(Bending, IsAsStiffOnAGridWhoseLinesAreNotStraight) {
 /// Height / width of a strip of 20 cm that is clamped at one end, Gamma = w L^3 / B = 5, cut into charts.
 double droop(uint32_t charts_x, uint32_t charts_y) {
   constexpr uint32_t kCells = 12;
-  constexpr double kLength = 0.2, kCell = kLength / (kCells - 0.5);  // clamped between rows 0 and 1
+  constexpr double kLength = 0.2, kCell = kLength / (kCells - 1);  // clamped at row 1
   const test::SheetOptions options{.nx = 5,
                                    .ny = kCells + 1,
                                    .width = static_cast<float>(4 * kCell),
@@ -115,7 +115,7 @@ double droop(uint32_t charts_x, uint32_t charts_y) {
   const std::vector<Vec3> x = test::positions_of(solver);
   const Vec3 tip = x[test::sheet_pixel(options, 2, kCells)], clamp = x[test::sheet_pixel(options, 2, 0)];
   EXPECT_EQ(solver.statistics().copy_gap, 0.0);
-  return static_cast<double>(clamp.y - tip.y) / (static_cast<double>(tip.z - clamp.z) - 0.5 * kCell);
+  return static_cast<double>(clamp.y - tip.y) / (static_cast<double>(tip.z - clamp.z) - kCell);
 }
 
 TEST(Bending, ASeamIsNoHinge) {

@@ -147,8 +147,7 @@ double swinging_strip(const Effort& effort, const MakeSolver& make) {
   return 2 * (crossings.back() - crossings.front()) / static_cast<double>(crossings.size() - 1);
 }
 
-/// Where the free end of a clamped strip is, below and beside the clamp [m]. The two pinned rows hold the first joint
-/// of a chain of cells, which stands for half a cell on either side: the clamp is half a cell before the second row.
+/// Where the free end of a strip is, below and beside the clamp [m]: two pinned rows clamp it at the second one.
 struct Tip {
   double down = 0, along = 0;
 };
@@ -157,7 +156,7 @@ Tip cantilever(double gamma, const Effort& effort, const MakeSolver& make) {
   Material material = material_of(5000, 8);
   const double weight = kDensity * kGravity;
   material.bend_warp = material.bend_weft = static_cast<float>(weight * kLength * kLength * kLength / gamma);
-  const Strip strip = make_strip(kLength * effort.cells / (effort.cells - 0.5), effort.cells, true, material);
+  const Strip strip = make_strip(kLength * effort.cells / (effort.cells - 1.0), effort.cells, true, material);
   Solver solver = solver_of(strip, effort, make);
   place(
       solver, strip,
@@ -167,7 +166,7 @@ Tip cantilever(double gamma, const Effort& effort, const MakeSolver& make) {
       std::array{0U, 1U});
   const std::vector<Vec3> x = positions_after(solver, 3);
   const Vec3 tip = x[strip.pixel(strip.middle_column(), effort.cells)];
-  return {-static_cast<double>(tip.y), static_cast<double>(tip.z) - 0.5 * strip.cell};
+  return {-static_cast<double>(tip.y), static_cast<double>(tip.z) - strip.cell};
 }
 
 double droop(double gamma, const Effort& effort, const MakeSolver& make) {
@@ -284,10 +283,10 @@ std::vector<ClosedForm> make_closed_forms() {
     Effort least;
   };
   const Droop droops[]{{1, 0.1246, {8, 16, 4}},
-                       {2, 0.2467, {8, 16, 2}},
-                       {5, 0.5857, {8, 16, 2}},
-                       {10, 1.0668, {8, 16, 2}},
-                       {20, 1.8639, {8, 16, 2}}};
+                       {2, 0.2467, {8, 16, 4}},
+                       {5, 0.5857, {8, 16, 4}},
+                       {10, 1.0668, {12, 16, 4}},
+                       {20, 1.8639, {12, 32, 2}}};
   for (const Droop& d : droops) {
     forms.push_back({"cantilever_" + number(d.gamma),
                      "height / width at Gamma " + number(d.gamma),

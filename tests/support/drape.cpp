@@ -97,9 +97,8 @@ double wave(double x, double z, double turn) {
   return kHeight * out * sum;
 }
 
-/// On the support the specimen is held as under Cusick's upper disc. The last pinned pixel is on average half a spacing
-/// inside the radius below which pixels are pinned, and the bend at it stands for half a spacing more: the cloth is
-/// held within one spacing less than that radius.
+/// On the support the specimen is held as under Cusick's upper disc. Cloth is clamped at the last pinned pixel, which
+/// is on average half a spacing inside the radius below which pixels are pinned.
 Draped hang(const std::shared_ptr<const ClothAsset>& specimen, std::vector<Vec3> start, Material material,
             const DrapeEffort& effort, const MakeSolver& make) {
   material.damping = effort.damping;
@@ -109,7 +108,7 @@ Draped hang(const std::shared_ptr<const ClothAsset>& specimen, std::vector<Vec3>
   const ClothDesc cloth{specimen, material, {}};
   Solver solver = make({&cloth, 1}, settings);
 
-  const double held = kSupport + static_cast<double>(specimen->spacing);
+  const double held = kSupport + 0.5 * static_cast<double>(specimen->spacing);
   std::vector<Pin> pins;
   for (uint32_t p = 0; p < specimen->pixel_count(); ++p) {
     const Vec3 rest = specimen->rest_position[p];

@@ -19,13 +19,14 @@ struct BendConstants {
 
 /// The weights as bend.h has them, for a middle point that carries all of its mass.
 BendConstants bend_constants(const RowSource& source, uint32_t component, size_t a, uint32_t offset) {
-  const float compliance = source.scaled_compliance(component, a);
-  if (!(compliance > 0)) return {};
+  const float unclamped = source.scaled_compliance(component, a);
+  if (!(unclamped > 0)) return {};
   const std::vector<float>& along = source.state.rest[component - 4];
   const float chord = shader::chord_share(along[a], along[a + offset]), back = 1.F - chord;
   const float wa = source.state.inverse_mass[a], wm = source.state.inverse_mass[a + offset];
   const float wb = source.state.inverse_mass[a + 2 * size_t{offset}];
   const float w = wa * back * back + wm * 1.F + wb * chord * chord;
+  const float compliance = unclamped * shader::clamped_share(wa, wm, wb, chord);
   return {source.state.rest[component][a], 1.F / (w + compliance), chord, compliance};
 }
 

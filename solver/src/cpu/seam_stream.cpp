@@ -10,6 +10,7 @@
 #include <span>
 
 #include "cpu/spans.h"
+#include "lib/bend.h"
 #include "lib/span.h"
 #include "lib/vector.h"
 
@@ -56,7 +57,8 @@ WholeTie whole_tie_of(const ClothState& state, const shader::SeamSpring& s, floa
 SeamBend bend_of(const ClothState& state, const shader::SeamSpring& s, float inverse_dt2) {
   const auto weight = [&](uint32_t i) { return state.inverse_mass[i]; };
   const float wa = weight(s.a), wm = weight(s.middle), wb = weight(s.b), wc = weight(s.beside);
-  const float back = 1.F - s.chord, kept = 1.F - s.turn, compliance = s.compliance * inverse_dt2;
+  const float back = 1.F - s.chord, kept = 1.F - s.turn;
+  const float compliance = s.compliance * inverse_dt2 * shader::clamped_share(wa, wm, wb, s.chord);
   const float w = wa * back * back + wm * s.middle_share * kept * kept + wb * s.chord * s.chord + wc * s.turn * s.turn;
   return {s.a,       s.middle,  s.b,          s.beside,
           s.rest,    s.chord,   s.turn,       compliance > 0 ? 1.F / (w + compliance) : 0.F,
