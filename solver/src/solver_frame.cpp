@@ -2,6 +2,7 @@
 // What a frame is told: substeps as fast colliders need them, pins, parents, colliders and the cloths that are asleep.
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -101,9 +102,10 @@ void Solver::Impl::fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const {
   }
   frame.pulled_apart = pull_of_pins(cloth, 0) > frame.params.stretch_limit;
   if (frame.pulled_apart) {
-    constexpr float kFew = 4;  // spacings: what two pins so near tear open is not worth slack everywhere
+    constexpr float kFew = 4;      // spacings: what two pins so near tear open is not worth slack everywhere
+    constexpr float kSteps = 128;  // of 1: plans are made anew for another limit, which is not for every frame
     const float pull = pull_of_pins(cloth, kFew * cloth.asset->spacing * cloth.scale);
-    frame.params.stretch_limit = std::max(frame.params.stretch_limit, pull);
+    frame.params.stretch_limit = std::max(frame.params.stretch_limit, std::ceil(kSteps * pull) / kSteps);
   }
   frame.pins_above = has_pins_above(cloth);
 }
