@@ -51,6 +51,13 @@ inline vec3 to_world(ColliderPose pose, vec3 p) {
   return r;
 }
 
+// [m] The depth of a contact that friction grows with. A point that its springs draw deep into a solid in one substep
+// is caught behind an edge, and friction as large as that pull would hold it there however far they are stretched.
+inline float largest_grip(ClothParams params, ColliderShape shape) {
+  bool edged = shape.kind == kShapeBox || shape.kind == kShapeConvex;
+  return edged ? params.grip : 1e30f;
+}
+
 inline Contact no_contact() {
   Contact r;
   r.touches = false;
@@ -121,8 +128,9 @@ inline vec3 way_out(vec3 normal, float depth, float thickness, vec3 last) {
 // speed for the push itself (a point that starts deep inside comes out at rest), and brakes the rest by friction.
 // @param n          the contact's normal in the world
 // @param out_of_it  [m] how the point is moved out
+// @param grip       [m] see largest_grip()
 inline PointState respond(PointState point, ColliderPose before, ColliderPose after, vec3 local, Contact contact,
-                          vec3 n, vec3 out_of_it, float friction) {
+                          vec3 n, vec3 out_of_it, float friction, float grip) {
   precise vec3 on_surface = local + contact.normal * contact.depth;
   precise vec3 carried = to_world(after, on_surface) - to_world(before, on_surface);
   vec3 displacement = way_of(point);
@@ -130,7 +138,7 @@ inline PointState respond(PointState point, ColliderPose before, ColliderPose af
   precise float along = dot3(relative, n);
   precise vec3 sliding = relative - n * along;
   precise float slid = length3(sliding);
-  precise float brake = friction * contact.depth;
+  precise float brake = friction * min(contact.depth, grip);
   precise float held = slid > brake ? brake * (1.0f / slid) : 1.0f;
 
   precise vec3 position = point.position + out_of_it - sliding * held;
@@ -274,7 +282,7 @@ inline PointState push_out(ColliderSet set, ClothParams params, uint substep, Po
         float friction = round == 0u ? sqrt(params.friction * shape.friction) : 0.0f;
         vec3 n = rotate_to_world(after, contact.normal);
         vec3 out_of_it = way_out(n, contact.depth, params.thickness, slides_out(round) ? last : vec3(0.0f, 0.0f, 0.0f));
-        state = respond(state, before, after, local, contact, n, out_of_it, friction);
+        state = respond(state, before, after, local, contact, n, out_of_it, friction, largest_grip(params, shape));
         last = n;
         way = length3(state.position - start);
         again = params.collider_count > 1u || shape.kind == kShapeMesh;  // its field is not quite a distance

@@ -165,9 +165,12 @@ inline MovedTriangle push_point(ColliderSet set, ClothParams params, ColliderSha
   precise float sum = dot3(share, weights);
   if (!contact.touches || sum <= 0.0f) return t;
   precise float approach = max(dot3(p0 - p1, contact.normal), 0.0f) + shape.way + kLiftSpeed * params.dt;
-  // Where only a corner with little weight is free it would be thrown far to lift the point by a little.
-  precise float heaviest = max(share.x, max(share.y, share.z));
-  precise float push = min(contact.depth, approach) * (1.0f / max(sum, heaviest * (1.0f / kLargestLever)));
+  // Where only a corner with little weight is free it would be thrown far to lift the point by a little, again and
+  // again where a collider is pushed in between held corners: the less the point gives way, the less is asked of the
+  // corner.
+  precise float least = max(share.x, max(share.y, share.z)) * (1.0f / kLargestLever);
+  precise float lifted = min(sum * (1.0f / least), 1.0f);
+  precise float push = min(contact.depth, approach) * lifted * (1.0f / max(sum, least));
   vec3 n = rotate_to_world(after, contact.normal);
   MovedCorner a = push_corner(before, after, t.a, t.start_a, n, contact.normal, push * share.x);
   MovedCorner b = push_corner(before, after, t.b, t.start_b, n, contact.normal, push * share.y);

@@ -117,9 +117,9 @@ struct ClothParams {
   float self_distance;  // [m] that points of different layers keep
   float self_reach;     // [m] up to which neighbours are listed
   float leave_near;     // [m] what is nearer to a thin collider stays as it is at a frame's end; see lib/finish.h
+  float grip;           // [m] the depth of a contact beyond which friction grows no more; see lib/collide.h
   float unused1;
   float unused2;
-  float unused3;
   FrameField whole;
   FrameField taken;
 };

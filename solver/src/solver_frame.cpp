@@ -70,6 +70,14 @@ uint32_t cell_rounds(float way, float spacing, bool seams, bool hasty) {
   return seams ? 2 : 1;
 }
 
+/// [m] Depth of a contact that friction grows with: what weight alone presses in a long step, and what a collider may
+/// go in a substep before a frame has more of them. Cloth is drawn deeper by springs that are stretched about an edge.
+float grip_of(const ClothFrame& frame, float spacing) {
+  constexpr float kPressed = 0.2F;  // in spacings
+  const shader::vec4& fall = frame.params.gravity_step;
+  return kPressed * spacing + std::hypot(fall.x, fall.y, fall.z);
+}
+
 }  // namespace
 
 FrameClock Solver::Impl::clock() const {
@@ -277,6 +285,7 @@ void Solver::Impl::step() {
     fill_cloth_frame(cloth, frame_.cloths[c]);
     const bool leaves = cloth.collide_cells && !hasty;
     frame_.cloths[c].params.leave_near = leaves ? shader::kLeaveNear * spacing : 0;
+    frame_.cloths[c].params.grip = grip_of(frame_.cloths[c], spacing);
   }
   find_movers();
   fall_asleep();

@@ -73,7 +73,7 @@ HWY_INLINE Points<D> way_out(D d, const Points<D>& normal, Vec<D> depth, Vec<D> 
 template <class D>
 HWY_INLINE void respond(D d, PointStates<D>& point, const shader::ColliderPose& before,
                         const shader::ColliderPose& after, const Points<D>& local, const Contacts<D>& contact,
-                        const Points<D>& n, const Points<D>& out_of_it, Vec<D> friction) {
+                        const Points<D>& n, const Points<D>& out_of_it, Vec<D> friction, Vec<D> grip) {
   const auto one = hn::Set(d, 1.F), zero = hn::Zero(d);
   const Points<D> on_surface = add(local, scale(d, contact.normal, contact.depth));
   const Points<D> carried = sub(to_world(d, after, on_surface), to_world(d, before, on_surface));
@@ -82,7 +82,7 @@ HWY_INLINE void respond(D d, PointStates<D>& point, const shader::ColliderPose& 
   const auto along = dot(d, relative, n);
   const Points<D> sliding = sub(relative, scale(d, n, along));
   const auto slid = length(d, sliding);
-  const auto brake = hn::Mul(friction, contact.depth);
+  const auto brake = hn::Mul(friction, hn::Min(contact.depth, grip));
   const auto held = hn::IfThenElse(hn::Gt(slid, brake), hn::Mul(brake, hn::Div(one, slid)), one);
 
   const Points<D> position = sub(add(point.position, out_of_it), scale(d, sliding, held));
@@ -245,7 +245,8 @@ HWY_INLINE void push_out(D d, const Meeting& meeting, Mask<D> lanes, PointStates
       const float friction = round == 0 ? std::sqrt(meeting.params.friction * shape.friction) : 0.F;
       const Points<D> n = rotate_to_world(d, after, contact.normal);
       const Points<D> out_of_it = way_out(d, n, contact.depth, thickness, shader::slides_out(round) ? last : none);
-      respond(d, points, before, after, local, contact, n, out_of_it, hn::Set(d, friction));
+      respond(d, points, before, after, local, contact, n, out_of_it, hn::Set(d, friction),
+              hn::Set(d, shader::largest_grip(meeting.params, shape)));
       replace(contact.touches, n, last);
       way = length(d, sub(points.position, start));
       if (count > 1 || shape.kind == shader::kShapeMesh) touched = hn::Or(touched, contact.touches);
