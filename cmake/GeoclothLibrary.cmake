@@ -25,3 +25,26 @@ function(geocloth_add_library component)
   install(EXPORT geocloth-${component} NAMESPACE geocloth:: FILE geocloth-${component}-targets.cmake
           DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/geocloth COMPONENT ${component})
 endfunction()
+
+# geocloth_unite_folders(target): in a unity build (CMAKE_UNITY_BUILD) the sources of one folder are compiled as one
+# text, so no two of them define one name. What lists instruction sets by including itself stays by itself.
+function(geocloth_unite_folders target)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD_MODE GROUP)
+  if(CMAKE_UNITY_BUILD)
+    target_compile_options(${target} PRIVATE -Wno-subobject-linkage)  # the text is a header to GCC there
+  endif()
+  get_target_property(sources ${target} SOURCES)
+  list(FILTER sources INCLUDE REGEX "\\.cpp$")
+  foreach(source IN LISTS sources)
+    cmake_path(ABSOLUTE_PATH source NORMALIZE)
+    file(STRINGS ${source} by_target REGEX "HWY_TARGET_INCLUDE")
+    if(by_target)
+      set_source_files_properties(${source} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+    else()
+      cmake_path(GET source PARENT_PATH folder)
+      cmake_path(RELATIVE_PATH folder BASE_DIRECTORY ${PROJECT_SOURCE_DIR})
+      string(MAKE_C_IDENTIFIER ${folder} folder)
+      set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${folder})
+    endif()
+  endforeach()
+endfunction()

@@ -24,7 +24,6 @@ constexpr uint64_t kBeyondCaches = 256U << 20U;  // [B] of all threads together
 /// Runs work() in every thread at once until the time is up; returns calls per second of all of them, best of some
 /// runs.
 double best_rate(uint32_t threads, const std::function<void(uint32_t)>& work) {
-  using Clock = std::chrono::steady_clock;
   double best = 0;
   for (int run = 0; run < kRuns; ++run) {
     std::vector<double> rate(threads, 0);

@@ -7,7 +7,6 @@
 #include "cut/cut_graph.h"
 
 #include <algorithm>
-#include <limits>
 #include <numeric>
 #include <queue>
 #include <string>
@@ -20,7 +19,6 @@
 namespace geocloth {
 namespace {
 
-constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr int kStraightenPasses = 2;
 
 class CutGraphFinder {
@@ -37,7 +35,7 @@ class CutGraphFinder {
     fixed_.assign(half_edge_count(), 0);
     required_.assign(surface.position.size(), 0);
     degree_.assign(surface.position.size(), 0);
-    distance_.assign(surface.position.size(), kFar);
+    distance_.assign(surface.position.size(), kInfinity);
     parent_.assign(surface.position.size(), kNone);
     mark_tied_edges();
     mark_extra_edges(options);
@@ -281,14 +279,14 @@ class CutGraphFinder {
   }
 
   void reach(uint32_t v, double so_far, uint32_t by) {
-    if (distance_[v] == kFar) touched_.push_back(v);
+    if (distance_[v] == kInfinity) touched_.push_back(v);
     distance_[v] = so_far;
     parent_[v] = by;
   }
 
   void forget_distances() {
     for (const uint32_t v : touched_) {
-      distance_[v] = kFar;
+      distance_[v] = kInfinity;
       parent_[v] = kNone;
     }
     touched_.clear();
@@ -508,7 +506,7 @@ class CutGraphFinder {
   std::vector<uint32_t> mirror_vertex_;  // per vertex; empty without a mirror plane
   std::vector<int32_t> near_cut_;        // per vertex; empty until watch_cuts()
 
-  std::vector<double> distance_;  // per vertex, kFar unless in touched_
+  std::vector<double> distance_;  // per vertex, kInfinity unless in touched_
   std::vector<uint32_t> parent_;  // per vertex: half-edge that reached it
   std::vector<uint32_t> touched_;
 

@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <queue>
 
@@ -21,7 +20,6 @@
 namespace geocloth {
 namespace {
 
-constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr uint32_t kPlaces = 3;        // places per edge that the search knows
 constexpr double kSnap = 0.12;         // share of an edge; nearer to its end the path goes through the vertex
 constexpr double kClear = 0.3;         // share of an edge that stays between the path and a vertex of another cut
@@ -318,11 +316,11 @@ class CutStraightener {
     limit *= 1 + 1e-9;
 
     const size_t nodes = mesh_.position.size() + size_t{kPlaces} * half_edge_count();
-    reached_.resize(nodes, kFar);
+    reached_.resize(nodes, kInfinity);
     parent_.resize(nodes, kNone);
-    for (const uint32_t n : touched_) reached_[n] = kFar;
+    for (const uint32_t n : touched_) reached_[n] = kInfinity;
     touched_.clear();
-    double at_target = kFar;
+    double at_target = kInfinity;
     uint32_t target = kNone, before_target = kNone;
     using Entry = std::pair<double, uint32_t>;
     std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
@@ -331,7 +329,7 @@ class CutStraightener {
       if (!(so_far < reached_[node])) return;
       const double at_best = so_far + to_go(place);
       if (at_best > limit) return;
-      if (reached_[node] == kFar) touched_.push_back(node);
+      if (reached_[node] == kInfinity) touched_.push_back(node);
       reached_[node] = so_far;
       parent_[node] = by;
       queue.emplace(at_best, node);
@@ -384,7 +382,7 @@ class CutStraightener {
         offer_vertex(from(previous_half_edge(side)), side / 3, here, so_far, by);
       }
     }
-    if (at_target == kFar) return {};
+    if (at_target == kInfinity) return {};
     std::vector<Stop> way{{target}};
     for (uint32_t n = before_target; n != source; n = parent_[n]) way.push_back(stop_of(n));
     way.push_back({source});

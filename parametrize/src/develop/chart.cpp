@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <queue>
 
 #include "cut/cut_graph.h"
@@ -12,12 +11,6 @@
 #include "mesh/point_math.h"
 
 namespace geocloth {
-namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-}  // namespace
-
 Chart extract_chart(const CutSurface& cut, std::vector<uint32_t> triangles) {
   Chart c;
   c.global_triangle = std::move(triangles);

@@ -24,6 +24,10 @@ struct Chart {
 [[nodiscard]] std::vector<std::vector<uint32_t>> triangles_of_components(const CutSurface& cut);
 
 [[nodiscard]] double total_area(const Chart& chart);
+/// Of a triangle in a chart's plane [m^2], positive when it is counter-clockwise.
+[[nodiscard]] inline double signed_area(const Point2& a, const Point2& b, const Point2& c) {
+  return 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]));
+}
 
 /// The outline's vertices, counter-clockwise.
 [[nodiscard]] std::vector<uint32_t> outline_loop(const Chart& chart);

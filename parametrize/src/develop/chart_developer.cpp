@@ -28,13 +28,13 @@ namespace {
 
 constexpr size_t kTrialWork = 40'000;  // triangles that trials of a cut may have together
 constexpr size_t kLeastTrials = 1;
-constexpr size_t kSmall = 1'500;         // triangles of a chart from which on cuts bring what they brought before
+constexpr size_t kSmallChart = 1'500;    // triangles of a chart from which on cuts bring what they brought before
 constexpr double kMoreThanBelieved = 2;  // in smaller ones they may bring so many times that,
 constexpr double kMoreThanFirst = 2;     // and so many times what their first step brings
 constexpr uint32_t kStartSteps = 80, kTrialSteps = 6;
 constexpr double kStartTolerance = 1e-4, kCutTolerance = 5e-5;
-constexpr double kSpoilt = 0.2;  // share of a chart's area from which short cuts are made too
-constexpr double kApart = 0.15;  // between the places tried, by the root of the area
+constexpr double kSpoilt = 0.2;       // share of a chart's area from which short cuts are made too
+constexpr double kTriedApart = 0.15;  // between the places tried, by the root of the area
 
 /// Places worth a cut, worst first: interior vertices by the excess energy of the triangles within two rings, apart
 /// from each other and as far from the outline as a cut should be long.
@@ -56,7 +56,7 @@ std::vector<uint32_t> worst_vertices(const Chart& c, const std::vector<double>& 
   std::sort(order.begin(), order.end(),
             [&](uint32_t a, uint32_t b) { return score[a] != score[b] ? score[a] > score[b] : a < b; });
   // One of each region.
-  const double apart = kApart * std::sqrt(total_area(c));
+  const double apart = kTriedApart * std::sqrt(total_area(c));
   std::vector<uint32_t> chosen;
   for (const uint32_t v : order) {
     if (chosen.size() == count) break;
@@ -190,7 +190,7 @@ class Developer {
     const std::vector<double> per_triangle =
         SymmetricDirichlet(chart.position, chart.triangle, {}).energy_per_triangle(chart.uv);
     const double side = std::sqrt(total_area(chart));
-    const bool is_small = chart.triangle.size() < kSmall;
+    const bool is_small = chart.triangle.size() < kSmallChart;
     const auto judge = [&](Trial& trial) {
       const double fall = trial.times * trial.fall;
       trial.gain = fall - options_.cut_price * trial.length / side;
@@ -295,7 +295,7 @@ class Developer {
   [[nodiscard]] uint32_t mirror_tip(const Chart& chart, const Distances& way_out, uint32_t tip) const {
     if (!taste_.both_sides || !options_.prefer.mirror) return kNone;
     const MirrorPlane& mirror = *options_.prefer.mirror;
-    if (2 * std::abs(mirror.height(chart.position[tip])) < kApart * std::sqrt(total_area(chart))) return kNone;
+    if (2 * std::abs(mirror.height(chart.position[tip])) < kTriedApart * std::sqrt(total_area(chart))) return kNone;
     const Point3 image = mirror.image(chart.position[tip]);
     uint32_t nearest = 0;
     for (uint32_t v = 1; v < chart.position.size(); ++v) {

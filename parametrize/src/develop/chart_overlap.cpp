@@ -7,18 +7,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "cut/edge_wishes.h"
+#include "mesh/point_math.h"
 #include "mesh/predicates.h"
 
 namespace geocloth {
-namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-}  // namespace
-
 std::optional<std::array<size_t, 2>> crossing_edges(const Chart& c, const std::vector<uint32_t>& loop) {
   const size_t n = loop.size();
   double low_x = kInfinity, low_y = kInfinity, high_x = -kInfinity, high_y = -kInfinity, length = 0;

@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <optional>
 
@@ -24,14 +23,12 @@
 namespace geocloth {
 namespace {
 
-constexpr double kStep = 0.04;        // [sqrt(area)] sewn at once
+constexpr double kSewnAtOnce = 0.04;  // [sqrt(area)] sewn at once
 constexpr double kWorthWhile = 1e-3;  // of the cost, by a step
 constexpr size_t kLeastLoop = 12;     // vertices of an outline that stays
 constexpr uint32_t kSettle = 3;       // Newton steps after every edge
-constexpr uint32_t kTrialSteps = 10, kSteps = 30;
-constexpr size_t kMostWork = 4'000'000;  // triangles relaxed in trials
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr uint32_t kTrySteps = 10, kSewnSteps = 30;
+constexpr size_t kMostTrialWork = 4'000'000;  // triangles relaxed in trials
 
 LayoutCost cost_of(const Chart& chart) {
   LayoutCost cost;
@@ -89,7 +86,7 @@ class SlitCloser {
         try_out(*best);
       }
       for (const Trial& t : trials) change_[t.tip.front()] = t.change;
-      if (best == nullptr || best->change > -kWorthWhile || work_ > kMostWork) break;
+      if (best == nullptr || best->change > -kWorthWhile || work_ > kMostTrialWork) break;
       for (size_t i = 0; i < best->of.size(); ++i) {
         charts_[best->of[i]] = std::move(best->charts[i]);
         cost_[best->of[i]] = cost_of(charts_[best->of[i]]);
@@ -99,7 +96,7 @@ class SlitCloser {
     if (!sewn_any_) return;
     tbb::parallel_for(size_t{0}, charts_.size(), [&](size_t i) {
       Chart settled = charts_[i];
-      minimise(settled, kSteps, 1e-6);
+      minimise(settled, kSewnSteps, 1e-6);
       if (!crossing_edges(settled, outline_loop(settled))) charts_[i] = std::move(settled);
     });
   }
@@ -150,7 +147,7 @@ class SlitCloser {
   /// What the left side of a garment needs the right side needs too.
   void pair_up(std::vector<Trial>& trials, const std::vector<Point3>& place) const {
     const MirrorPlane& mirror = *options_.prefer.mirror;
-    const double near = kStep * std::sqrt(area_);
+    const double near = kSewnAtOnce * std::sqrt(area_);
     std::vector<char> gone(trials.size(), 0);
     for (size_t i = 0; i < trials.size(); ++i) {
       if (gone[i] != 0 || std::abs(mirror.height(place[i])) < near) continue;
@@ -188,7 +185,7 @@ class SlitCloser {
 
   [[nodiscard]] size_t work_of(const Trial& trial) const {
     size_t sum = 0;
-    for (const size_t k : trial.of) sum += charts_[k].triangle.size() * kTrialSteps;
+    for (const size_t k : trial.of) sum += charts_[k].triangle.size() * kTrySteps;
     return sum;
   }
 
@@ -201,7 +198,7 @@ class SlitCloser {
       bool any = false;
       for (const uint32_t tip : trial.tip) any = sew(chart, tip) || any;
       if (!any) return;
-      minimise(chart, kTrialSteps, 5e-5);
+      minimise(chart, kTrySteps, 5e-5);
       if (crossing_edges(chart, outline_loop(chart))) return;
       sewn.push_back(std::move(chart));
     }
@@ -226,7 +223,7 @@ class SlitCloser {
   /// @returns false, and a chart that is no good, where nothing can be sewn without a flip
   [[nodiscard]] bool sew(Chart& chart, uint32_t tip) const {
     double done = 0;
-    const double step = kStep * std::sqrt(area_);
+    const double step = kSewnAtOnce * std::sqrt(area_);
     while (done < step) {
       const std::vector<uint32_t> loop = outline_loop(chart);
       size_t i = 0;

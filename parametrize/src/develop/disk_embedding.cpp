@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
+#include "develop/chart.h"
 #include "develop/dissection.h"
 #include "develop/element_cholesky.h"
 #include "geocloth/asset/error.h"
@@ -18,7 +18,6 @@
 namespace geocloth {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Tangents of half angles of needle triangles span many magnitudes; beyond this share of the mean they only cost
 // precision.
 constexpr double kLeastWeight = 1e-4, kGreatestWeight = 1e4;
@@ -36,10 +35,6 @@ double half_tangent(const Point3& p, const Point3& q) {
   const double cross_length = length(cross(p, q)), scalar = dot(p, q), lengths = length(p) * length(q);
   const double tangent = cross_length / (lengths + scalar);
   return std::isfinite(tangent) ? tangent : 1e6;
-}
-
-double signed_area(const Point2& a, const Point2& b, const Point2& c) {
-  return 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]));
 }
 
 }  // namespace

@@ -20,10 +20,6 @@
 namespace geocloth {
 namespace {
 
-double signed_area(const Point2& a, const Point2& b, const Point2& c) {
-  return ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])) / 2;
-}
-
 /// Tutte's embedding on a circle of the surface's area, with weights 1.
 std::vector<Point2> tutte_embedding(const Chart& c) {
   const std::vector<uint32_t> loop = outline_loop(c);

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <numeric>
 #include <queue>
@@ -20,7 +19,6 @@
 namespace geocloth {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNotable = 0.95;  // a cut must lower the stretch to this share of it
 constexpr double kStretched = 2;   // squared stretch from which a triangle belongs to a region that may need a cut
 constexpr double kMatters = 0.1;   // a region's share of the greatest region's stretch that earns it a cut at once

@@ -24,13 +24,13 @@
 namespace geocloth {
 namespace {
 
-constexpr double kSameGrain = 0.82;      // least cosine between two charts' grain lines
-constexpr double kLevel = 0.3;           // strength below which a chart's grain says nothing
-constexpr size_t kMostWork = 1'000'000;  // triangles relaxed in attempts
-constexpr size_t kFreshStart = 5;        // what a start from Tutte's embedding costs, in attempts
-constexpr double kUnsettled = 1e-4;      // that a chart's energy may still fall
-constexpr size_t kNarrowTip = 8;         // steps of a new slit near its tip, both sides, that are no matter
-constexpr double kLeastShare = 0.05;     // of the shorter outline: shorter arcs make no good seam to keep closed
+constexpr double kSameGrain = 0.82;          // least cosine between two charts' grain lines
+constexpr double kFaintGrain = 0.3;          // strength below which a chart's grain says nothing
+constexpr size_t kMostAttempts = 1'000'000;  // triangles relaxed in attempts
+constexpr size_t kFreshStart = 5;            // what a start from Tutte's embedding costs, in attempts
+constexpr double kStillFalls = 1e-4;         // that a chart's energy may still fall
+constexpr size_t kNarrowTip = 8;             // steps of a new slit near its tip, both sides, that are no matter
+constexpr double kLeastShare = 0.05;         // of the shorter outline: shorter arcs make no good seam to keep closed
 
 /// A stretch that two charts' outlines share: places in the loops, that of the first ascending, of the second
 /// descending.
@@ -180,9 +180,9 @@ class Merger {
     const Chart &a = charts_[arc.a], &b = charts_[arc.b];
     const double area = total_area(a) + total_area(b);
     if (arc.length < kLeastShare * std::min(outline_length(a), outline_length(b))) return std::nullopt;
-    if (work_ + a.triangle.size() + b.triangle.size() > kMostWork) return std::nullopt;
+    if (work_ + a.triangle.size() + b.triangle.size() > kMostAttempts) return std::nullopt;
     const double before = (energy_[arc.a] * total_area(a) + energy_[arc.b] * total_area(b)) / area;
-    if (before > options_.most_energy + kUnsettled) return std::nullopt;  // sewn together they lie no better
+    if (before > options_.most_energy + kStillFalls) return std::nullopt;  // sewn together they lie no better
     const double most = std::min(options_.most_energy, before + options_.seam_price * arc.length / std::sqrt(area));
     std::optional<Chart> merged = sewn(arc);
     if (!merged) return std::nullopt;
@@ -263,7 +263,7 @@ class Merger {
 
   [[nodiscard]] static bool same_grain(const Chart& a, const Chart& b) {
     const Grain of_a = grain_of(a), of_b = grain_of(b);
-    if (of_a.strength < kLevel || of_b.strength < kLevel) return true;
+    if (of_a.strength < kFaintGrain || of_b.strength < kFaintGrain) return true;
     return std::abs(of_a.axis[0] * of_b.axis[0] + of_a.axis[1] * of_b.axis[1]) >= kSameGrain;
   }
 

@@ -99,15 +99,15 @@ bool same_triangles(const Chart& chart, const Chart& former_chart, const std::ve
 /// where it was when it would come to lie over itself on its way down.
 bool settle(Chart& chart, const std::vector<uint32_t>& former_triangle, const FormerLayout& former,
             const Standing& before, double target_energy, bool changed) {
-  constexpr uint32_t kSteps = 30;
+  constexpr uint32_t kStraightSteps = 30;
   if (!carry_layout(chart, former_triangle, former) && !embed_on_circle(chart)) return false;
   if (!changed) {
     const std::vector<Point2> places = chart.uv;
-    SymmetricDirichlet(chart.position, chart.triangle, {}).minimise(chart.uv, kSteps, 1e-6);
+    SymmetricDirichlet(chart.position, chart.triangle, {}).minimise(chart.uv, kStraightSteps, 1e-6);
     if (crossing_edges(chart, outline_loop(chart))) chart.uv = places;
     return true;
   }
-  SymmetricDirichlet(chart.position, chart.triangle, {}).minimise(chart.uv, kSteps, 1e-6);
+  SymmetricDirichlet(chart.position, chart.triangle, {}).minimise(chart.uv, kStraightSteps, 1e-6);
   return is_as_good(standing_of(chart, target_energy), before) && !crossing_edges(chart, outline_loop(chart));
 }
 

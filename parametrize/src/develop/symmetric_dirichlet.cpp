@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include <Eigen/Core>
 #include <tbb/blocked_range.h>
@@ -23,8 +22,6 @@
 
 namespace geocloth {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 using Gradient = std::array<std::array<double, 2>, 3>;  // per corner k, column j: dF(i,j) / du(k,i)
 using Matrix4 = Eigen::Matrix4d;

@@ -35,7 +35,7 @@ constexpr double kLongestMove = 0.25, kFarthest = 0.4;  ///< [spacings] in a rou
 constexpr double kFarOff = 0.1;                         ///< [spacings] that are missing where a target counts twice
 constexpr double kMostWeight = 50;                      ///< that a target may get
 constexpr double kFarOffOfSquares = 0.15, kMostWeightOfSquares = 20;  ///< the same
-constexpr double kLeastArea = 1e-3;              ///< [pixels^2] of a grid triangle in the plane that takes part
+constexpr double kLeastPlaneArea = 1e-3;         ///< [pixels^2] of a grid triangle in the plane that takes part
 constexpr double kExact = 1e-12, kRough = 1e-4;  ///< of the right side that a solution may leave, squared
 
 /// A place of a cell and the surface there.
@@ -167,7 +167,7 @@ class ImageFitter {
   /// Places spread evenly over a grid triangle: the middles of the triangles that its edges' division makes.
   void add_targets(const Triangle& t, const PlaneLocator& locator, std::vector<Target>& targets) const {
     const double area = plane_area(t);
-    if (area < kLeastArea) return;
+    if (area < kLeastPlaneArea) return;
     const int n = places_per_edge_;
     const auto add = [&](double i, double j) {
       const double s = i / n, u = j / n;
@@ -253,7 +253,7 @@ class ImageFitter {
       other.triangle = {{{a, c, b}, {b, c, d}}};
     }
     for (const Triangle& t : other) {
-      if (plane_area(t) < kLeastArea) return std::nullopt;
+      if (plane_area(t) < kLeastPlaneArea) return std::nullopt;
     }
     return other;
   }
@@ -263,8 +263,8 @@ class ImageFitter {
     std::vector<Target> targets;
     for (const Triangle& t : split) add_targets(t, locator, targets);
     CellFit fit = compare(split, targets);
-    const bool whole =
-        split.count == 2 && plane_area(split.triangle[0]) >= kLeastArea && plane_area(split.triangle[1]) >= kLeastArea;
+    const bool whole = split.count == 2 && plane_area(split.triangle[0]) >= kLeastPlaneArea &&
+                       plane_area(split.triangle[1]) >= kLeastPlaneArea;
     if (!whole) return fit;
     if (const auto other = split_otherwise(cell)) {
       // Flat cells keep theirs whatever the rounding.
@@ -299,7 +299,7 @@ class ImageFitter {
       for (std::size_t k = 0; k < split.count; ++k) {
         const Triangle& t = split.triangle[k];
         const double area = plane_area(t);
-        if (area < kLeastArea) continue;
+        if (area < kLeastPlaneArea) continue;
         result.push_back({{first_[t[0]], first_[t[1]], first_[t[2]]},
                           grid_normal(t),
                           slides(t) && !is_square_ ? kInertia : 1,
@@ -335,7 +335,7 @@ class ImageFitter {
   /// Takes back what would make a spring much shorter or longer than it was and than it should be: at folds narrower
   /// than a pixel a fit overshoots.
   void limit_shifts() {
-    constexpr double kShortest = 0.6, kLongest = 1.5, kKept = 0.7;
+    constexpr double kLeastStretch = 0.6, kMostStretch = 1.5, kKept = 0.7;
     constexpr int kSweeps = 6;
     const std::vector<std::array<uint32_t, 2>> edges = grid_edges();
     for (int sweep = 0; sweep <= kSweeps; ++sweep) {
@@ -345,7 +345,7 @@ class ImageFitter {
         const double wanted =
             flat_.charts[asset_.chart[a]].spacing *
             std::hypot(raster_.place[b][0] - raster_.place[a][0], raster_.place[b][1] - raster_.place[a][1]);
-        if (is >= kShortest * std::min(was, wanted) && is <= kLongest * std::max(was, wanted)) continue;
+        if (is >= kLeastStretch * std::min(was, wanted) && is <= kMostStretch * std::max(was, wanted)) continue;
         for (const uint32_t i : {first_[a], first_[b]}) shift_[i] = shift_[i] * (sweep < kSweeps ? kKept : 0.0);
       }
     }

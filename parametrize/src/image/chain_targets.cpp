@@ -94,9 +94,9 @@ std::vector<Point2> chain_targets(std::span<const Point2> sample, double inside)
     if (l > 0) {
       // Left of the outline's direction; v runs down.
       const Point2 inward{dy / l, -dx / l}, outward{-inward[0], -inward[1]};
-      constexpr double kMargin = 0.5;
-      const double most = (edges.room(i, inward, inside + kMargin) - inside) / 2;
-      const double least = (kSlit - edges.room(i, outward, kSlit + kMargin)) / 2;
+      constexpr double kBeyond = 0.5;
+      const double most = (edges.room(i, inward, inside + kBeyond) - inside) / 2;
+      const double least = (kSlit - edges.room(i, outward, kSlit + kBeyond)) / 2;
       const double shift = least > most ? (least + most) / 2 : std::clamp(0.0, least, most);
       p = {p[0] + shift * inward[0], p[1] + shift * inward[1]};
     }

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <utility>
 
+#include "mesh/point_math.h"
+
 namespace geocloth {
 namespace {
 
@@ -16,10 +18,6 @@ constexpr double kBend = 0.1;          // [cosine] from here on an angle counts 
 constexpr double kLeastArea = 0.5;     // [pixels^2] of an angle's parallelogram; below, a penalty sets in
 constexpr double kAreaWeight = 4;      // of that penalty
 constexpr double kLeastSquare = 0.01;  // [pixels^2] of an edge's length, against division by nothing
-
-double dot(const Point2& a, const Point2& b) {
-  return a[0] * b[0] + a[1] * b[1];
-}
 
 double lacking_area(const GridCorner& corner, const Point2& a, const Point2& b) {
   return kLeastArea - corner.turn * (a[0] * b[1] - a[1] * b[0]);

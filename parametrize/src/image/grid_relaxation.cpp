@@ -7,20 +7,13 @@
 #include <cmath>
 
 #include "image/cell_halves.h"
+#include "mesh/point_math.h"
 
 namespace geocloth {
 namespace {
 
 constexpr int kBand = 8;  // [rings] that move
 constexpr int kDiffusionSteps = 12;
-
-Point2 operator-(const Point2& a, const Point2& b) {
-  return {a[0] - b[0], a[1] - b[1]};
-}
-
-double dot(const Point2& a, const Point2& b) {
-  return a[0] * b[0] + a[1] * b[1];
-}
 
 }  // namespace
 

@@ -19,8 +19,8 @@ struct Bounds {
   double shortest, longest, farthest;
 };
 constexpr std::array kBounds{Bounds{0.35, 1.85, 0.8}, Bounds{0.33, 1.97, 1.1}};
-constexpr double kNoDirection = 0.05;  // [spacing] below, a spring's own direction means nothing
-constexpr int kSweeps = 30;
+constexpr double kNoLength = 0.05;  // [spacing] below, a spring's own direction means nothing
+constexpr int kLimitSweeps = 30;
 
 /// The point of the ball around `home` that is nearest to p.
 Point3 held(const Point3& p, const Point3& home, double radius) {
@@ -69,8 +69,8 @@ void limit_springs(ClothAsset& asset) {
     Point3 along = place[s.b] - place[s.a];
     const double is = length(along), wanted = std::clamp(is, bounds.shortest * spacing, bounds.longest * spacing);
     if (is == wanted) return false;
-    if (is < kNoDirection * spacing) along = place[s.after] - place[s.before];
-    if (length(along) < kNoDirection * spacing) along = outwards(s.b) - outwards(s.a);
+    if (is < kNoLength * spacing) along = place[s.after] - place[s.before];
+    if (length(along) < kNoLength * spacing) along = outwards(s.b) - outwards(s.a);
     const double l = length(along);
     if (!(l > 0)) return false;
     const Point3 move = along * ((wanted - is) / (2 * l));
@@ -81,7 +81,7 @@ void limit_springs(ClothAsset& asset) {
   };
   for (const Bounds& bounds : kBounds) {
     bool still = false;
-    for (int sweep = 0; sweep < kSweeps && !still; ++sweep) {
+    for (int sweep = 0; sweep < kLimitSweeps && !still; ++sweep) {
       still = true;
       for (const Spring& s : springs) {
         if (limit(s, bounds)) still = false;

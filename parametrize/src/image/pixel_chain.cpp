@@ -21,7 +21,7 @@ namespace geocloth {
 namespace {
 
 constexpr std::array<Pixel, 8> kStep{{{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr float kNoWay = std::numeric_limits<float>::infinity();
 /// Cost of a turn by 0, 45, 90 and 135 degrees, in squared pixels: keeps straight outlines straight.
 constexpr std::array<float, 4> kTurnCost{0, 0, 0.3F, 2};
 /// By how much a distance along the outline is cheaper than one across: the sample can slide after its pixel later.
@@ -216,13 +216,13 @@ class Router {
       std::vector<uint8_t> from;  // per (pixel, arriving direction): arriving direction of the pixel before
     };
     std::vector<Layer> layer(stretch.steps + 1);
-    std::vector<float> cost(cells * 8, kInfinity), next_cost, entry;
+    std::vector<float> cost(cells * 8, kNoWay), next_cost, entry;
     const auto open_layer = [&](size_t i) {
       const Pixel centre = rounded(target_[wrapped(stretch.first + i)]);
       layer[i].corner = {centre[0] - radius, centre[1] - radius};
       layer[i].from.assign(cells * 8, 0);
       entry.assign(cells, -1);
-      next_cost.assign(cells * 8, kInfinity);
+      next_cost.assign(cells * 8, kNoWay);
     };
     const auto arrive = [&](size_t i, const Pixel& from, size_t arriving, size_t direction, float so_far) {
       const Pixel p = moved(from, direction);
@@ -251,7 +251,7 @@ class Router {
         const Pixel p = pixel_at(layer[i].corner, cell);
         for (size_t d = 0; d < 8; ++d) {
           const float so_far = cost[cell * 8 + d];
-          if (so_far == kInfinity) continue;
+          if (so_far == kNoWay) continue;
           for (size_t turn = 0; turn < kTurnCost.size(); ++turn) {
             arrive(i + 1, p, d, (d + turn) % 8, so_far + kTurnCost[turn]);
             if (turn != 0) arrive(i + 1, p, d, (d + 8 - turn) % 8, so_far + kTurnCost[turn]);
@@ -261,7 +261,7 @@ class Router {
     }
 
     size_t best = next_cost.size();
-    float least = kInfinity;
+    float least = kNoWay;
     for (size_t state = 0; state < next_cost.size(); ++state) {
       const size_t turn = stretch.leaving == kNoDirection ? 0 : turn_between(state % 8, stretch.leaving);
       if (turn >= kTurnCost.size() || next_cost[state] + kTurnCost[turn] >= least) continue;

@@ -26,7 +26,7 @@ struct FlatTriangle {
 
 /// The part of row v that the triangle may cover, widened by a rounding margin; empty when first > second.
 std::array<double, 2> row_span(const FlatTriangle& t, double v) {
-  constexpr double kMargin = 1e-6;
+  constexpr double kTouch = 1e-6;
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (std::size_t k = 0; k < 3; ++k) {
     const Point2 &a = t.uv[k], &b = t.uv[(k + 1) % 3];
@@ -41,7 +41,7 @@ std::array<double, 2> row_span(const FlatTriangle& t, double v) {
       high = std::max(high, u);
     }
   }
-  return {low - kMargin, high + kMargin};
+  return {low - kTouch, high + kTouch};
 }
 
 /// The lattice positions from `first` up to but without `end`; none when first >= end.

@@ -15,7 +15,7 @@ namespace geocloth {
 namespace {
 
 constexpr double kLeastGap = 0.4;  // [steps] between neighbouring samples
-constexpr int kRounds = 20;
+constexpr int kSlideRounds = 20;
 
 /// The place on a side at a length along its seam, and its derivative.
 struct Place {
@@ -38,7 +38,7 @@ class Slider {
   }
 
   void run() {
-    for (int round = 0; round < kRounds; ++round) {
+    for (int round = 0; round < kSlideRounds; ++round) {
       for (GridRelaxation& grid : grid_) grid.sweep();
       for (SlidingSeam& seam : seams_) {
         for (size_t k = 1; k + 1 < seam.places.at.size(); ++k) {

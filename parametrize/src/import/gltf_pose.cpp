@@ -13,13 +13,12 @@
 
 #include <Eigen/Geometry>
 
+#include "import/import_detail.h"
+
 namespace geocloth::import_detail {
 namespace {
 
 using Json = GltfFile::Json;
-
-/// Points that a pose moves less than this part of the mesh's size are at rest: matrices are kept as floats.
-constexpr double kRest = 1e-4;
 
 std::vector<double> numbers(const Json& object, const char* key) {
   std::vector<double> out;
@@ -205,7 +204,7 @@ class Poser {
         moved = std::max(moved, (placed(matrix, triple(position, i)) - at).norm());
       }
     }
-    const bool one = first && first->allFinite() && moved <= kRest * box.diagonal().norm();
+    const bool one = first && first->allFinite() && moved <= kPoseAtRest * box.diagonal().norm();
     return one ? first : std::nullopt;
   }
 

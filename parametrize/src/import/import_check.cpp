@@ -14,18 +14,6 @@
 namespace geocloth::import_detail {
 namespace {
 
-[[noreturn]] void bad(const std::filesystem::path& file, const std::string& what) {
-  fail(file, ErrorCode::invalid_data, what);
-}
-
-/// Reads a little-endian integer.
-template <typename T>
-T read_le(std::string_view bytes, std::size_t at) {
-  T value;
-  std::memcpy(&value, bytes.data() + at, sizeof value);
-  return value;
-}
-
 std::vector<std::string_view> words(std::string_view line) {
   std::vector<std::string_view> out;
   constexpr std::string_view kBlank = " \t\r\n\v\f";

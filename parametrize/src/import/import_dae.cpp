@@ -17,24 +17,24 @@
 namespace geocloth::import_detail {
 namespace {
 
-constexpr std::string_view kBlank = " \t\r\n";
+constexpr std::string_view kXmlBlank = " \t\r\n";
 
 std::size_t count_words(std::string_view text) {
   std::size_t count = 0;
-  for (std::size_t at = text.find_first_not_of(kBlank); at != std::string_view::npos; ++count) {
-    at = text.find_first_not_of(kBlank, std::min(text.find_first_of(kBlank, at), text.size()));
+  for (std::size_t at = text.find_first_not_of(kXmlBlank); at != std::string_view::npos; ++count) {
+    at = text.find_first_not_of(kXmlBlank, std::min(text.find_first_of(kXmlBlank, at), text.size()));
   }
   return count;
 }
 
 std::vector<int64_t> integers(std::string_view text) {
   std::vector<int64_t> out;
-  for (std::size_t at = text.find_first_not_of(kBlank); at != std::string_view::npos;) {
-    const std::size_t end = std::min(text.find_first_of(kBlank, at), text.size());
+  for (std::size_t at = text.find_first_not_of(kXmlBlank); at != std::string_view::npos;) {
+    const std::size_t end = std::min(text.find_first_of(kXmlBlank, at), text.size());
     int64_t value = 0;
     const auto [stop, error] = std::from_chars(text.data() + at, text.data() + end, value);
     out.push_back(error == std::errc() && stop == text.data() + end ? value : INT64_MIN);
-    at = text.find_first_not_of(kBlank, end);
+    at = text.find_first_not_of(kXmlBlank, end);
   }
   return out;
 }
@@ -117,9 +117,9 @@ class DaeReader {
   /// Blanks around a value are as good as none (XML Schema, list types); assimp trips over them in single numbers.
   static void trim(pugi::xml_node text) {
     const std::string_view value = text.value();
-    const std::size_t first = value.find_first_not_of(kBlank);
+    const std::size_t first = value.find_first_not_of(kXmlBlank);
     if (text.type() != pugi::node_pcdata || first == std::string_view::npos) return;
-    const std::size_t last = value.find_last_not_of(kBlank);
+    const std::size_t last = value.find_last_not_of(kXmlBlank);
     if (last + 1 - first < value.size()) text.set_value(std::string(value.substr(first, last + 1 - first)).c_str());
   }
 

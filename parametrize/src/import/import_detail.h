@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstring>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -22,6 +23,20 @@ inline constexpr double kMaxCoordinate = 1e18;  ///< beyond it, products of coor
 
 /// Throws Error(code) with the message "<file>: <what>".
 [[noreturn]] void fail(const std::filesystem::path& file, ErrorCode code, const std::string& what);
+[[noreturn]] inline void bad(const std::filesystem::path& file, const std::string& what) {
+  fail(file, ErrorCode::invalid_data, what);
+}
+
+/// Reads a little-endian integer.
+template <typename T>
+T read_le(std::string_view bytes, std::size_t at) {
+  T value;
+  std::memcpy(&value, bytes.data() + at, sizeof value);
+  return value;
+}
+
+/// Points that a pose moves less than this part of the mesh's size are at rest: matrices are kept as floats.
+inline constexpr double kPoseAtRest = 1e-4;
 
 /// An OBJ file in a form that is safe for assimp: only records that were understood, with absolute indices in range.
 /// Each vertex is written with its number (low 16 bits, high bits) in place of its position, so that the number comes

@@ -9,18 +9,6 @@
 namespace geocloth::import_detail {
 namespace {
 
-[[noreturn]] void bad(const std::filesystem::path& file, const std::string& what) {
-  fail(file, ErrorCode::invalid_data, what);
-}
-
-/// Reads a little-endian integer.
-template <typename T>
-T read_le(std::string_view bytes, std::size_t at) {
-  T value;
-  std::memcpy(&value, bytes.data() + at, sizeof value);
-  return value;
-}
-
 class FbxChecker {
  public:
   FbxChecker(const std::filesystem::path& file, std::string_view bytes) : file_(file), bytes_(bytes) {}

@@ -12,16 +12,16 @@
 namespace geocloth::import_detail {
 namespace {
 
-constexpr std::string_view kBlank = " \t\r\v\f";
+constexpr std::string_view kObjBlank = " \t\r\v\f";
 
 /// Splits the first word off a line.
 std::string_view next_word(std::string_view& line) {
-  const std::size_t begin = line.find_first_not_of(kBlank);
+  const std::size_t begin = line.find_first_not_of(kObjBlank);
   if (begin == std::string_view::npos) {
     line = {};
     return {};
   }
-  const std::size_t end = std::min(line.find_first_of(kBlank, begin), line.size());
+  const std::size_t end = std::min(line.find_first_of(kObjBlank, begin), line.size());
   const std::string_view word = line.substr(begin, end - begin);
   line.remove_prefix(end);
   return word;
@@ -68,9 +68,9 @@ bool read_number(std::string_view word, double& value) {
 
 /// A name that assimp's line reader takes as it is.
 std::string printable(std::string_view line) {
-  const std::size_t begin = line.find_first_not_of(kBlank);
+  const std::size_t begin = line.find_first_not_of(kObjBlank);
   if (begin == std::string_view::npos) return {};
-  std::string name(line.substr(begin, line.find_last_not_of(kBlank) + 1 - begin));
+  std::string name(line.substr(begin, line.find_last_not_of(kObjBlank) + 1 - begin));
   for (char& c : name) {
     if (static_cast<unsigned char>(c) < 32) c = '_';
   }

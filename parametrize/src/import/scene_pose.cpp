@@ -9,11 +9,10 @@
 #include <cmath>
 #include <limits>
 
+#include "import/import_detail.h"
+
 namespace geocloth::import_detail {
 namespace {
-
-/// Points that a pose moves less than this part of the mesh's size are at rest: matrices are kept as floats.
-constexpr float kRest = 1e-4F;
 
 bool finite(const aiMatrix4x4& m) {
   for (unsigned i = 0; i < 4; ++i) {
@@ -50,7 +49,7 @@ class Comparison {
     }
     apart_ = std::max(apart_, (second - first).Length());
   }
-  [[nodiscard]] bool same() const { return apart_ <= kRest * (high_ - low_).Length(); }
+  [[nodiscard]] bool same() const { return apart_ <= static_cast<float>(kPoseAtRest) * (high_ - low_).Length(); }
 
  private:
   aiVector3D low_{std::numeric_limits<float>::max()}, high_{std::numeric_limits<float>::lowest()};

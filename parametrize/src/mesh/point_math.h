@@ -2,12 +2,16 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "geocloth/parametrize/mesh.h"
 
 namespace geocloth {
+
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 [[nodiscard]] inline Point3 operator+(const Point3& a, const Point3& b) {
   return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
@@ -32,6 +36,13 @@ namespace geocloth {
 }
 [[nodiscard]] inline double triangle_area(const Point3& a, const Point3& b, const Point3& c) {
   return 0.5 * length(cross(b - a, c - a));
+}
+
+[[nodiscard]] inline Point2 operator-(const Point2& a, const Point2& b) {
+  return {a[0] - b[0], a[1] - b[1]};
+}
+[[nodiscard]] inline double dot(const Point2& a, const Point2& b) {
+  return a[0] * b[0] + a[1] * b[1];
 }
 
 /// Barycentric coordinates of the point of a triangle's plane below p; the first corner's for a triangle without area.

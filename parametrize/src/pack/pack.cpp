@@ -9,13 +9,13 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <random>
 #include <string>
 
 #include "geocloth/asset/error.h"
 #include "image/chart_outline.h"
+#include "mesh/point_math.h"
 
 namespace geocloth {
 namespace {
@@ -31,7 +31,6 @@ constexpr int kNarrower = 20, kWider = 35;               // steps from the squar
 constexpr int kQuickStride = 3;                          // steps of the width, where speed matters more
 constexpr size_t kMostTries = 4000, kTriesPerPair = 40;  // few shapes have been through everything soon
 constexpr double kThreshold = 0.03;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// A shape in blocks, with the gap below and to the right of every pixel: two shapes so grown are disjoint exactly when
 /// no two of their pixels are 8-neighbours.

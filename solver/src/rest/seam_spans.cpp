@@ -20,7 +20,7 @@ namespace geocloth {
 namespace {
 
 /// Colours are passes of their own: the few spans that need more, at corners of charts, are left out.
-constexpr uint32_t kMostColors = 4;
+constexpr uint32_t kMostSpanColors = 4;
 
 constexpr uint32_t kLineSprings = 4;  ///< right, down and both diagonals
 
@@ -105,7 +105,7 @@ class SeamSpanBuilder {
 }  // namespace
 
 void add_seam_spans(const ClothAsset& asset, const RestShape& rest, ClothData& data) {
-  data.seam_span_colors = append_by_color(SeamSpanBuilder(asset, rest).build(), kMostColors, data);
+  data.seam_span_colors = append_by_color(SeamSpanBuilder(asset, rest).build(), kMostSpanColors, data);
 }
 
 }  // namespace geocloth

@@ -18,7 +18,7 @@
 namespace geocloth {
 namespace {
 
-constexpr uint32_t kMostColors = 4;
+constexpr uint32_t kMostTieColors = 4;
 
 /// Springs between copies of the same two points, as pixels (of the first one, of the second one).
 using PointPair = std::pair<uint32_t, uint32_t>;
@@ -60,7 +60,7 @@ void add_seam_ties(const ClothAsset& asset, const RestShape& rest, ClothData& da
       if (tie.rest > 0) ties.push_back(tie);
     }
   }
-  data.seam_tie_colors = append_by_color(ties, kMostColors, data);
+  data.seam_tie_colors = append_by_color(ties, kMostTieColors, data);
 }
 
 }  // namespace geocloth

@@ -19,7 +19,7 @@ namespace geocloth {
 namespace {
 
 constexpr float kShort = 0.7F;  ///< of the image's spacing
-constexpr uint32_t kMostColors = 8;
+constexpr uint32_t kMostWholeTieColors = 8;
 
 /// Of every pixel its row of the table, kNoRow where it has no copies.
 std::vector<uint32_t> split_rows(const ClothAsset& asset) {
@@ -63,7 +63,7 @@ void add_whole_ties(const ClothAsset& asset, const RestShape& rest, ClothData& d
   std::vector<shader::SeamSpring> list;
   list.reserve(ties.size());
   for (const auto& [points, tie] : ties) list.push_back(tie);
-  data.whole_tie_colors = append_by_color(list, kMostColors, data);
+  data.whole_tie_colors = append_by_color(list, kMostWholeTieColors, data);
 }
 
 }  // namespace geocloth

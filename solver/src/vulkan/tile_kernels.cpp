@@ -26,7 +26,7 @@ vk::DescriptorType tile_descriptor_type(uint32_t binding) {
   return binding < kTileBuffers ? vk::DescriptorType::eStorageBuffer : vk::DescriptorType::eStorageImage;
 }
 
-vk::raii::DescriptorSetLayout make_set_layout(const Context& context) {
+vk::raii::DescriptorSetLayout make_tile_set_layout(const Context& context) {
   std::array<vk::DescriptorSetLayoutBinding, kTileBindings> bindings;
   for (uint32_t binding = 0; binding < kTileBindings; ++binding) {
     bindings[binding] = {.binding = binding,
@@ -97,7 +97,7 @@ TileLimits tile_limits(const Context& context) {
 TileKernels::TileKernels(std::shared_ptr<const Context> context, vk::DescriptorSetLayout pass_set_layout)
     : context_(std::move(context)),
       limits_(tile_limits(*context_)),
-      set_layout_(make_set_layout(*context_)),
+      set_layout_(make_tile_set_layout(*context_)),
       pipeline_layout_(make_pipeline_layout(*context_, pass_set_layout, *set_layout_)) {}
 
 const Kernel& TileKernels::tile_kernel(uint32_t border) {
