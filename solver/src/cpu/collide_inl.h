@@ -12,6 +12,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <type_traits>
 
 #include "cpu/lanes_inl.h"
 #include "cpu/shapes_inl.h"
@@ -109,19 +110,33 @@ struct Guards {
       : guards(frame.guards + substep * frame.contexts[substep].frame.shapes.size()),
         count(frame.contexts[substep].frame.shapes.size()) {}
 
-  /// Points that a collider may touch when they went no farther than half of that.
-  template <class D>
-  static HWY_INLINE Mask<D> near(D d, const ColliderGuard& guard, const Points<D>& position, Vec<D> twice) {
-    const Points<D> place = set(d, guard.x, guard.y, guard.z);
-    const auto reach = hn::MulAdd(twice, hn::Set(d, guard.spread), hn::Set(d, guard.reach));
-    if (guard.kind == ColliderGuard::Kind::plane) return hn::Lt(fused_dot(d, position, place), reach);
+  /// Points that are nearer to a guard than that.
+  template <ColliderGuard::Kind kKind, class D>
+  static HWY_INLINE Mask<D> reaches(D d, const ColliderGuard& guard, const Points<D>& place, const Points<D>& position,
+                                    Vec<D> reach) {
+    if constexpr (kKind == ColliderGuard::Kind::plane) return hn::Lt(fused_dot(d, position, place), reach);
     Points<D> from = sub(position, place);
-    if (guard.kind == ColliderGuard::Kind::segment) {
+    if constexpr (kKind == ColliderGuard::Kind::segment) {
       const Points<D> axis = set(d, guard.axis_x, guard.axis_y, guard.axis_z);
       const auto end = hn::Set(d, guard.half_length);
       from = sub(from, scale(d, axis, hn::Min(hn::Max(fused_dot(d, from, axis), hn::Neg(end)), end)));
     }
     return hn::Lt(fused_dot(d, from, from), hn::Mul(reach, reach));
+  }
+  /// Points that a collider may touch when they went no farther than half of that.
+  template <class D>
+  static HWY_INLINE Mask<D> near(D d, const ColliderGuard& guard, const Points<D>& position, Vec<D> twice) {
+    using Kind = ColliderGuard::Kind;
+    const Points<D> place = set(d, guard.x, guard.y, guard.z);
+    const auto reach = hn::MulAdd(twice, hn::Set(d, guard.spread), hn::Set(d, guard.reach));
+    switch (guard.kind) {
+      case Kind::plane:
+        return reaches<Kind::plane>(d, guard, place, position, reach);
+      case Kind::segment:
+        return reaches<Kind::segment>(d, guard, place, position, reach);
+      default:
+        return reaches<Kind::ball>(d, guard, place, position, reach);
+    }
   }
   template <class D>
   HWY_INLINE Mask<D> near(D d, const Points<D>& position, Vec<D> way) const {
@@ -310,12 +325,10 @@ HWY_INLINE void collide_changed(D d, const Meeting& meeting, uint32_t substep, M
 
 /// From pixel i on.
 template <bool kChanged, class D>
-HWY_NOINLINE void collide_from(D d, const SweepFrame& frame, uint32_t substep, uint32_t i) {
-  ClothState& state = *frame.state;
+HWY_NOINLINE void collide_from(D d, const Meeting& meeting, ClothState& state, uint32_t substep, uint32_t i) {
   const PointRow p = at(state.position, i), pp = at(state.previous, i), pc = at(state.carry, i);
   const PointStates<D> before{load(d, p), load(d, pp), load(d, pc)};
   const auto free = free_lanes(d, &state.inverse_mass[i]);
-  const Meeting meeting(frame, substep);
   PointStates<D> points = before;
   if constexpr (kChanged) {
     collide_changed(d, meeting, substep, free, points);
@@ -331,6 +344,22 @@ HWY_NOINLINE void collide_from(D d, const SweepFrame& frame, uint32_t substep, u
 /// As many vectors as a word has bits.
 constexpr uint32_t kWordVectors = 64;
 
+/// near_vectors() for one collider.
+/// @param near  near(guard, points, what to reach): see Guards::near()
+template <class D, class Near>
+HWY_INLINE uint64_t vectors_near_one(D d, const ColliderGuard& guard, const PointRow& positions, const PointRow& before,
+                                     uint32_t count, const Near& near) {
+  const auto twice = hn::Set(d, 2 * guard.spread), least = hn::Set(d, guard.reach);
+  uint64_t bits = 0;
+  for (uint32_t k = 0; k < count; ++k) {
+    const size_t i = anew(k * hn::Lanes(d));  // else six addresses are counted up
+    const Points<D> p = load(d, after(positions, i));
+    const auto reach = hn::MulAdd(at_most(d, sub(p, load(d, after(before, i)))), twice, least);
+    bits |= uint64_t{hn::AllFalse(d, near(p, reach)) ? 0U : 1U} << k;
+  }
+  return bits;
+}
+
 /// A bit for each of some vectors in a row: a collider may touch one of its points. One collider after the other, so
 /// that nothing is read and chosen anew for each vector.
 /// @param before  where the points were before they moved
@@ -340,11 +369,22 @@ HWY_INLINE uint64_t near_vectors(D d, const Guards& guards, const PointRow& posi
   uint64_t bits = 0;
   for (size_t c = 0; c < guards.count; ++c) {
     const ColliderGuard guard = guards.guards[c];
-    for (uint32_t k = 0; k < count; ++k) {
-      const size_t i = k * hn::Lanes(d);
-      const Points<D> p = load(d, after(positions, i));
-      const auto way = at_most(d, sub(p, load(d, after(before, i))));
-      if (!hn::AllFalse(d, Guards::near(d, guard, p, hn::Add(way, way)))) bits |= uint64_t{1} << k;
+    const Points<D> place = set(d, guard.x, guard.y, guard.z);
+    const auto near = [&](auto kind) GEOCLOTH_LANES {
+      return vectors_near_one(d, guard, positions, before, count, [&](const Points<D>& p, Vec<D> reach) GEOCLOTH_LANES {
+        return Guards::reaches<decltype(kind)::value>(d, guard, place, p, reach);
+      });
+    };
+    switch (guard.kind) {
+      case ColliderGuard::Kind::plane:
+        bits |= near(std::integral_constant<ColliderGuard::Kind, ColliderGuard::Kind::plane>());
+        break;
+      case ColliderGuard::Kind::ball:
+        bits |= near(std::integral_constant<ColliderGuard::Kind, ColliderGuard::Kind::ball>());
+        break;
+      case ColliderGuard::Kind::segment:
+        bits |= near(std::integral_constant<ColliderGuard::Kind, ColliderGuard::Kind::segment>());
+        break;
     }
   }
   return bits;
@@ -354,19 +394,19 @@ HWY_INLINE uint64_t near_vectors(D d, const Guards& guards, const PointRow& posi
 template <class D>
 HWY_NOINLINE void collide(D d, const SweepFrame& frame, uint32_t substep, std::span<const Run> runs) {
   ClothState& state = *frame.state;
+  const Meeting meeting(frame, substep);
   if (frame.collide_all) {
-    return for_vectors(d, runs, [&](uint32_t i) GEOCLOTH_LANES { collide_from<true>(d, frame, substep, i); });
+    return for_vectors(d, runs, [&](uint32_t i) GEOCLOTH_LANES { collide_from<true>(d, meeting, state, substep, i); });
   }
   const auto lanes = static_cast<uint32_t>(hn::Lanes(d));
-  const Guards guards(frame, substep);
   const PointRow positions = at(state.position, 0), before = at(state.previous, 0);
   for (const Run& run : runs) {
     for (uint32_t first = run.first; first < run.last; first += kWordVectors * lanes) {
       const uint32_t count = std::min(kWordVectors, (run.last - first) / lanes);
-      uint64_t near = near_vectors(d, guards, after(positions, first), after(before, first), count);
+      uint64_t near = near_vectors(d, meeting.guards, after(positions, first), after(before, first), count);
       for (; near != 0; near &= near - 1) {
         const uint32_t i = first + static_cast<uint32_t>(std::countr_zero(near)) * lanes;
-        if (!hn::AllFalse(d, free_lanes(d, &state.inverse_mass[i]))) collide_from<false>(d, frame, substep, i);
+        if (!hn::AllFalse(d, free_lanes(d, &state.inverse_mass[i]))) collide_from<false>(d, meeting, state, substep, i);
       }
     }
   }

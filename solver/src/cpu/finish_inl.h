@@ -84,9 +84,7 @@ HWY_INLINE Mask<D> left_near(D d, const Meeting& meeting, const Points<D>& start
 
 /// way_given() of lib/finish.h from pixel i on, where a collider may touch a point.
 template <class D>
-HWY_NOINLINE void give_way_near(D d, const SweepFrame& frame, uint32_t substep, uint32_t i) {
-  ClothState& state = *frame.state;
-  const Meeting meeting(frame, substep);
+HWY_NOINLINE void give_way_near(D d, const Meeting& meeting, ClothState& state, uint32_t i) {
   const PointRow p = at(state.position, i), pp = at(state.previous, i), pc = at(state.carry, i);
   const Points<D> moved = load(d, p), way = load(d, pp), start = load(d, pc);
   const auto free = free_lanes(d, &state.inverse_mass[i]);
@@ -104,28 +102,43 @@ HWY_NOINLINE void give_way_near(D d, const SweepFrame& frame, uint32_t substep, 
   store(d, choose<D>(free, sub(way, sub(position, previous)), start), pc);
 }
 
+/// One coordinate of points that move freely.
+template <class D>
+HWY_INLINE void arrive(D d, const float* positions, float* ways, float* starts, size_t i) {
+  const auto position = hn::LoadU(d, positions + i), way = hn::LoadU(d, ways + i);
+  const auto previous = hn::Sub(position, way);
+  hn::StoreU(previous, d, ways + i);
+  hn::StoreU(hn::Sub(way, hn::Sub(position, previous)), d, starts + i);
+}
+
 template <class D>
 HWY_NOINLINE void give_way(D d, const SweepFrame& frame, uint32_t substep, std::span<const Run> runs) {
   ClothState& state = *frame.state;
-  const Guards guards(frame, substep);
+  const Meeting meeting(frame, substep);
   const auto lanes = static_cast<uint32_t>(hn::Lanes(d));
   const PointRow positions = at(state.position, 0), ways = at(state.previous, 0), starts = at(state.carry, 0);
   const float* const inverse_mass = state.inverse_mass.data();
-  const bool leaves = frame.contexts[substep].cloth.params.leave_near > 0;
+  const bool leaves = meeting.params.leave_near > 0;
   for (const Run& run : runs) {
     for (uint32_t first = run.first; first < run.last; first += kWordVectors * lanes) {
       const uint32_t count = std::min(kWordVectors, (run.last - first) / lanes);
       const uint64_t near =
-          leaves ? ~uint64_t{0} : near_vectors(d, guards, after(positions, first), after(starts, first), count);
+          leaves ? ~uint64_t{0} : near_vectors(d, meeting.guards, after(positions, first), after(starts, first), count);
       for (uint32_t k = 0; k < count; ++k) {
-        const uint32_t i = first + k * lanes;
+        const size_t i = anew(first + k * lanes);
         if ((near >> k & 1) != 0) {
-          give_way_near(d, frame, substep, i);
+          give_way_near(d, meeting, state, static_cast<uint32_t>(i));
+          continue;
+        }
+        const auto free = free_lanes(d, inverse_mass + i);
+        if (hn::AllTrue(d, free)) {
+          arrive(d, positions.x, ways.x, starts.x, i);
+          arrive(d, positions.y, ways.y, starts.y, i);
+          arrive(d, positions.z, ways.z, starts.z, i);
           continue;
         }
         const PointRow pp = after(ways, i), pc = after(starts, i);
         const Points<D> position = load(d, after(positions, i)), way = load(d, pp), start = load(d, pc);
-        const auto free = free_lanes(d, inverse_mass + i);
         const Points<D> previous = sub(position, way);
         store(d, choose<D>(free, previous, way), pp);
         store(d, choose<D>(free, sub(way, sub(position, previous)), start), pc);

@@ -92,11 +92,12 @@ HWY_INLINE FramedSteps<D> take_along(D d, const shader::ClothParams& params, flo
 
 /// lib/predict.h where nothing is pinned and only gravity acts: each coordinate by itself, so that few addresses and
 /// vectors are in use at a time.
+/// @param gravity  none of it -0: then what the shared text adds for the air, 0, changes nothing
 template <class D>
 HWY_INLINE void fall(D d, float* positions, float* previous, float* carry, size_t i, Vec<D> keep, Vec<D> gravity) {
   const auto start = hn::LoadU(d, positions + i);
   const auto way = hn::Add(hn::Sub(start, hn::LoadU(d, previous + i)), hn::LoadU(d, carry + i));
-  const auto increment = hn::Add(hn::Add(hn::Mul(way, keep), gravity), hn::Zero(d));
+  const auto increment = hn::Add(hn::Mul(way, keep), gravity);
   const auto next = hn::Add(start, increment);
   const size_t k = anew(i);
   hn::StoreU(start, d, previous + k);
@@ -109,7 +110,8 @@ HWY_INLINE void fall(D d, float* positions, float* previous, float* carry, size_
 template <bool kForces, class D>
 HWY_NOINLINE void predict(D d, const PassContext& context, ClothState& state, std::span<const Run> runs) {
   const shader::ClothParams& params = context.cloth.params;
-  const Points<D> gravity = set(d, params.gravity_step.x, params.gravity_step.y, params.gravity_step.z);
+  const Points<D> gravity =
+      add(set(d, params.gravity_step.x, params.gravity_step.y, params.gravity_step.z), set(d, 0, 0, 0));
   const auto keep = hn::Set(d, params.keep), dt2 = hn::Set(d, params.dt * params.dt);
   const PointRow positions = at(state.position, 0), before = at(state.previous, 0), carried = at(state.carry, 0);
   const float* const inverse_mass = state.inverse_mass.data();

@@ -9,7 +9,6 @@
 #include <limits>
 #include <span>
 
-#include "cpu/spans.h"
 #include "lib/bend.h"
 #include "lib/span.h"
 #include "lib/vector.h"
@@ -36,9 +35,9 @@ void add_copies(const ClothState& state, std::span<const uint32_t> pixels, SeamS
   stream.copies.resize(first);
 }
 
-/// Up to this square of its length nothing is pulled. @param w  of both ends
+/// Up to this square of its length nothing is pulled, see all_slack() in constraints_inl.h. @param w  of both ends
 float slack_of(float longest, float w) {
-  return w > 0 ? longest * longest * kSurelySlack : std::numeric_limits<float>::infinity();
+  return w > 0 ? longest * longest : std::numeric_limits<float>::infinity();
 }
 
 SeamSpan span_of(const ClothState& state, const shader::SeamSpring& s, float stretch_limit) {

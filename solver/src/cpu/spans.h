@@ -5,10 +5,6 @@
 
 namespace geocloth::cpu {
 
-/// What only pulls is certainly slack where the square of its length is not above that of its longest by this factor:
-/// most of it is, and no root is needed to see that.
-inline constexpr float kSurelySlack = 1 - 1e-6F;
-
 /// Pass spans: those of one group.
 void spans(const PassContext& context, ClothState& state, const PassStep& step);
 
