@@ -92,6 +92,7 @@ class Solver::Impl {
   void change_pins(Cloth& cloth, ClothFrame& frame) const;
   [[nodiscard]] static float pull_of_pins(const Cloth& cloth, float least);
   [[nodiscard]] bool has_pins_above(const Cloth& cloth) const;
+  [[nodiscard]] static bool sags_between_pins(const Cloth& cloth);
   void carry_over(uint32_t cloth);
   [[nodiscard]] float stretch_limit(const Cloth& cloth) const;
   [[nodiscard]] FrameClock clock() const;
