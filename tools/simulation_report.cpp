@@ -83,7 +83,8 @@ void SimulationRecorder::add_energy(Simulation& simulation) {
     if (meter.asset != cloth.asset) meter = {cloth.asset, EnergyMeter(cloth)};
     simulation.solver().read_positions(i, positions);
     simulation.solver().read_velocities(i, velocities);
-    const Energy one = meter.meter->measure(simulation.scene().gravity, positions, velocities);
+    const Energy one =
+        meter.meter->measure(simulation.scene().gravity, positions, velocities, simulation.solver().held_pixels(i));
     sum.kinetic += one.kinetic;
     sum.potential += one.potential;
     sum.elastic += one.elastic;

@@ -77,7 +77,8 @@ struct ClothFrame {
   uint32_t cell_rounds = 0;   ///< see ScheduleOptions
   bool asleep = false;        ///< nothing is done: everything stays as it is
   bool pulled_apart = false;  ///< two of its pins are farther from each other than the cloth may stretch
-  bool pins_above = false;    ///< its pins lie one above the other, as a flag's on its pole
+  bool slack_pins = false;    ///< attachments to its pins are slack: they lie one above the other, as a flag's on its
+                              ///< pole, or the cloth sags between them
 
   /// The set of pinned pixels differs from the last frame's: inverse_mass (and attachments, when ClothData has them)
   /// replace what the backend holds, before the first substep. Positions stay.

@@ -8,6 +8,7 @@
 
 #include "geocloth/asset/grid_mesh.h"
 #include "geocloth/solver/solver.h"
+#include "lib/bend.h"
 #include "rest/upload.h"
 
 namespace geocloth {
@@ -42,27 +43,32 @@ double bend_energy(const Vec3& a, const Vec3& middle, const Vec3& b, const Vec3&
   return 0.5 * (e - static_cast<double>(rest)) * (e - static_cast<double>(rest)) / static_cast<double>(compliance);
 }
 
-double curvature_energy(const ClothData& data, std::span<const Vec3> x) {
+/// @param weight  [1/kg] of every pixel, 0 where it is held: a clamp takes a share of the compliance away
+double curvature_energy(const ClothData& data, std::span<const float> weight, std::span<const Vec3> x) {
   double energy = 0;
+  const auto left = [weight](uint32_t a, uint32_t middle, uint32_t b, double chord, float compliance) {
+    return compliance * shader::clamped_share(weight[a], weight[middle], weight[b], static_cast<float>(chord));
+  };
   for (uint32_t p = 0; p < data.pixel_count(); ++p) {
     const shader::vec4& bend = data.springs[2][p];
     if (bend.y > 0) {
-      const double h1 = data.springs[0][p].x, h2 = data.springs[0][p + 1].x;
-      energy += bend_energy(x[p], x[p + 1], x[p + 2], x[p], h1 / (h1 + h2), 0, bend.x, bend.y);
+      const double h1 = data.springs[0][p].x, h2 = data.springs[0][p + 1].x, chord = h1 / (h1 + h2);
+      energy += bend_energy(x[p], x[p + 1], x[p + 2], x[p], chord, 0, bend.x, left(p, p + 1, p + 2, chord, bend.y));
     }
     if (bend.w > 0) {
-      const uint32_t middle = p + data.width;
-      const double h1 = data.springs[0][p].z, h2 = data.springs[0][middle].z;
-      energy += bend_energy(x[p], x[middle], x[middle + data.width], x[p], h1 / (h1 + h2), 0, bend.z, bend.w);
+      const uint32_t middle = p + data.width, b = middle + data.width;
+      const double h1 = data.springs[0][p].z, h2 = data.springs[0][middle].z, chord = h1 / (h1 + h2);
+      energy += bend_energy(x[p], x[middle], x[b], x[p], chord, 0, bend.z, left(p, middle, b, chord, bend.w));
     }
   }
   for (const shader::SeamSpring& s : data.seam_springs) {
-    energy += bend_energy(x[s.a], x[s.middle], x[s.b], x[s.beside], s.chord, s.turn, s.rest, s.compliance);
+    energy += bend_energy(x[s.a], x[s.middle], x[s.b], x[s.beside], s.chord, s.turn, s.rest,
+                          left(s.a, s.middle, s.b, s.chord, s.compliance));
   }
   return energy;
 }
 
-double elastic_energy(const ClothData& data, std::span<const Vec3> x) {
+double elastic_energy(const ClothData& data, std::span<const float> weight, std::span<const Vec3> x) {
   double energy = 0;
   for (uint32_t p = 0; p < data.pixel_count(); ++p) {
     for (uint32_t c = 0; c < kSpringCount - 2; ++c) {  // the seeds' bending springs are constraints and store none
@@ -73,7 +79,7 @@ double elastic_energy(const ClothData& data, std::span<const Vec3> x) {
       energy += spring_energy(x[p], x[static_cast<size_t>(q)], rest, c % 2 == 0 ? s.y : s.w);
     }
   }
-  return data.bending == Bending::curvature ? energy + curvature_energy(data, x) : energy;
+  return data.bending == Bending::curvature ? energy + curvature_energy(data, weight, x) : energy;
 }
 
 }  // namespace
@@ -104,9 +110,12 @@ EnergyMeter::~EnergyMeter() = default;
 EnergyMeter::EnergyMeter(EnergyMeter&&) noexcept = default;
 EnergyMeter& EnergyMeter::operator=(EnergyMeter&&) noexcept = default;
 
-Energy EnergyMeter::measure(const Vec3& gravity, std::span<const Vec3> positions,
-                            std::span<const Vec3> velocities) const {
+Energy EnergyMeter::measure(const Vec3& gravity, std::span<const Vec3> positions, std::span<const Vec3> velocities,
+                            std::span<const uint32_t> held) const {
   const ClothData& data = impl_->data;
+  std::vector<float> weight(data.pixel_count());
+  for (uint32_t p = 0; p < data.pixel_count(); ++p) weight[p] = data.position[p].w;
+  for (const uint32_t p : held) weight[p] = 0;
   Energy energy;
   for (uint32_t p = 0; p < data.pixel_count(); ++p) {
     if (!(data.position[p].w > 0)) continue;
@@ -114,13 +123,13 @@ Energy EnergyMeter::measure(const Vec3& gravity, std::span<const Vec3> positions
     energy.kinetic += 0.5 * mass * dot64(velocities[p], velocities[p]);
     energy.potential -= mass * dot64(gravity, positions[p]);
   }
-  energy.elastic = elastic_energy(data, positions);
+  energy.elastic = elastic_energy(data, weight, positions);
   return energy;
 }
 
 Energy measure_energy(const ClothDesc& cloth, const Vec3& gravity, std::span<const Vec3> positions,
-                      std::span<const Vec3> velocities) {
-  return EnergyMeter(cloth).measure(gravity, positions, velocities);
+                      std::span<const Vec3> velocities, std::span<const uint32_t> held) {
+  return EnergyMeter(cloth).measure(gravity, positions, velocities, held);
 }
 
 uint64_t hash_state(const ClothAsset& asset, std::span<const Vec3> positions) {

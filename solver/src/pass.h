@@ -124,7 +124,7 @@ struct ScheduleOptions {
   bool fine = false;         ///< constraints act on offsets
   bool attachments = false;  ///< max_stretch > 0 and pins
   /// max_stretch > 0 and colliders: attachments pull too late around them. Or pins that squeezed springs hang from,
-  /// that lie one above the other, or in wind.
+  /// that lie one above the other or that it sags between, or in wind.
   bool spans = false;
   /// Like the spans, and where uneven springs hang from pins; but not on offsets, not where a collider is fast, not
   /// between pins that are pulled apart, and not for cloth that is to fall asleep: what ties pull together sinks back

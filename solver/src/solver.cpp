@@ -238,6 +238,13 @@ void Solver::Impl::set_pins(uint32_t cloth, std::span<const Pin> pins) {
   target.pins = std::move(next);
 }
 
+std::vector<uint32_t> Solver::Impl::held_pixels(uint32_t cloth) const {
+  std::vector<uint32_t> held;
+  for (const auto& [pixel, pin] : cloth_at(cloth).pins)
+    if (pin.held()) held.push_back(pixel);
+  return held;
+}
+
 void Solver::Impl::set_parent(uint32_t cloth, const Transform& pose, const Vec3& inertia_scale, bool teleport) {
   static_cast<void>(cloth_at(cloth));
   check_parent(pose, inertia_scale, cloth_name(cloth) + ": parent");
@@ -398,6 +405,9 @@ void Solver::set_time_step(double frame_time, uint32_t substeps) {
 }
 void Solver::set_pins(uint32_t cloth, std::span<const Pin> pins) {
   impl_->set_pins(cloth, pins);
+}
+std::vector<uint32_t> Solver::held_pixels(uint32_t cloth) const {
+  return impl_->held_pixels(cloth);
 }
 void Solver::set_parent(uint32_t cloth, const Transform& pose, const Vec3& inertia_scale, bool teleport) {
   impl_->set_parent(cloth, pose, inertia_scale, teleport);

@@ -115,7 +115,7 @@ void Solver::Impl::fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const {
     const float pull = pull_of_pins(cloth, kFew * cloth.asset->spacing * cloth.scale);
     frame.params.stretch_limit = std::max(frame.params.stretch_limit, std::ceil(kSteps * pull) / kSteps);
   }
-  frame.pins_above = has_pins_above(cloth);
+  frame.slack_pins = has_pins_above(cloth) || sags_between_pins(cloth);
 }
 
 /// How many times as far as along the cloth two pins are from each other, at most. Attachments that were shorter would
@@ -143,6 +143,17 @@ bool Solver::Impl::has_pins_above(const Cloth& cloth) const {
     lowest = std::max(lowest, dot(down, pin.target));
   }
   return lowest - highest > kSteep * cloth.reach;
+}
+
+/// Cloth hangs in a bow between pins that are nearer to each other than along it: straight to either pin its points
+/// have a shorter way than along the bow, so that no attachment keeps its length.
+bool Solver::Impl::sags_between_pins(const Cloth& cloth) {
+  constexpr float kLong = 0.5F;  // of the longest way to a pin: what sags between neighbours is the fold of a moment
+  constexpr float kNear = 0.9F;  // of the way along the cloth
+  return std::any_of(cloth.pin_ways.begin(), cloth.pin_ways.end(), [&](const PinWay& way) {
+    return way.length > kLong * cloth.reach &&
+           length(cloth.pin_targets[way.b] - cloth.pin_targets[way.a]) < kNear * way.length;
+  });
 }
 
 /// What a frame says of other pins than the one before had.

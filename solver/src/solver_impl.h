@@ -29,6 +29,7 @@ class Solver::Impl {
   void set_gravity(const Vec3& gravity);
   void set_time_step(double frame_time, uint32_t substeps);
   void set_pins(uint32_t cloth, std::span<const Pin> pins);
+  [[nodiscard]] std::vector<uint32_t> held_pixels(uint32_t cloth) const;
   void set_parent(uint32_t cloth, const Transform& pose, const Vec3& inertia_scale, bool teleport);
   CutResult cut(uint32_t cloth, const std::array<Vec3, 3>& triangle);
   [[nodiscard]] const std::shared_ptr<const ClothAsset>& asset(uint32_t cloth) const { return cloth_at(cloth).asset; }
@@ -91,6 +92,7 @@ class Solver::Impl {
   void change_pins(Cloth& cloth, ClothFrame& frame) const;
   [[nodiscard]] static float pull_of_pins(const Cloth& cloth, float least);
   [[nodiscard]] bool has_pins_above(const Cloth& cloth) const;
+  [[nodiscard]] static bool sags_between_pins(const Cloth& cloth);
   void carry_over(uint32_t cloth);
   [[nodiscard]] float stretch_limit(const Cloth& cloth) const;
   [[nodiscard]] FrameClock clock() const;

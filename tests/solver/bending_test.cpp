@@ -81,6 +81,44 @@ TEST(Bending, IsAsStiffOnAGridWhoseLinesAreNotStraight) {
   }
 }
 
+// Bent by an angle at the clamp alone, a strip has the curvature 2 sin(angle / 2) / spacing over a free half cell,
+// which is the curvature of a whole one at a free row: B curvature^2 there for half of that elsewhere.
+TEST(Bending, EnergyCountsAClampAsItActs) {
+  constexpr double kAngle = 0.2, kWidth = 0.1, kRigidity = 1e-4;
+  Material material;
+  material.bend_warp = material.bend_weft = static_cast<float>(kRigidity);
+  for (const uint32_t charts : {1U, 2U}) {  // with two, the clamp lies on their seam and the bend is in the list
+    const test::SheetOptions options{.nx = 5, .ny = 5, .width = 0.1F, .height = 0.1F, .charts_y = charts};
+    const ClothDesc cloth = test::describe(test::make_sheet(options), material);
+    Solver solver(std::vector{cloth}, test::cpu_settings());
+    std::vector<Vec3> x = cloth.asset->rest_position;
+    std::vector<Pin> pins;
+    for (const uint32_t row : {0U, 1U, 2U})
+      for (uint32_t column = 0; column < 5; ++column) {
+        const uint32_t pixel = test::sheet_pixel(options, column, row);
+        pins.push_back({pixel, x[pixel]});
+      }
+    pins.push_back({test::sheet_pixel(options, 0, 4), {}, 2.0F});  // a soft pin holds nothing
+    solver.set_pins(0, pins);
+    EXPECT_THAT(solver.held_pixels(0), testing::SizeIs(10 + 5 * charts));
+
+    const double spacing = 0.025;
+    const float clamp = x[pins[10].pixel].y, way = clamp - x[pins[5].pixel].y;
+    for (Vec3& p : x) {
+      const float rows = std::round((p.y - clamp) / way);
+      if (rows <= 0) continue;
+      p.y = clamp + rows * way * static_cast<float>(std::cos(kAngle));
+      p.z = rows * static_cast<float>(spacing * std::sin(kAngle));
+    }
+    const std::vector<Vec3> still(x.size());
+    const double curvature = 2 * std::sin(kAngle / 2) / spacing;
+    const double free_bend = kRigidity / 2 * curvature * curvature * kWidth * spacing;
+    const EnergyMeter meter(cloth);
+    EXPECT_NEAR(meter.measure({}, x, still).elastic, free_bend, 0.001 * free_bend) << charts;
+    EXPECT_NEAR(meter.measure({}, x, still, solver.held_pixels(0)).elastic, 2 * free_bend, 0.002 * free_bend) << charts;
+  }
+}
+
 /// Height / width of a strip of 20 cm that is clamped at one end, Gamma = w L^3 / B = 5, cut into charts.
 double droop(uint32_t charts_x, uint32_t charts_y) {
   constexpr uint32_t kCells = 12;

@@ -119,6 +119,8 @@ class Solver {
   void set_gravity(const Vec3& gravity);
   /// Replaces the pins of a cloth. A pin that was not there before starts from where its point is.
   void set_pins(uint32_t cloth, std::span<const Pin> pins);
+  /// Ascending pixels that its pins hold, all copies of a point; those with a frequency hold nothing.
+  [[nodiscard]] std::vector<uint32_t> held_pixels(uint32_t cloth) const;
 
   /// The pose of what carries the cloth (a rider, a dancer), scale 1; takes effect in the next step, over which it
   /// moves evenly from the pose of the last call. The cloth trails behind: by inertia_scale 1 it feels all of the
@@ -190,8 +192,9 @@ class EnergyMeter {
   EnergyMeter(EnergyMeter&&) noexcept;
   EnergyMeter& operator=(EnergyMeter&&) noexcept;
 
-  [[nodiscard]] Energy measure(const Vec3& gravity, std::span<const Vec3> positions,
-                               std::span<const Vec3> velocities) const;
+  /// @param held  pixels that pins hold, see Solver::held_pixels: cloth is clamped at the second row of them
+  [[nodiscard]] Energy measure(const Vec3& gravity, std::span<const Vec3> positions, std::span<const Vec3> velocities,
+                               std::span<const uint32_t> held = {}) const;
 
  private:
   struct Impl;
@@ -199,7 +202,7 @@ class EnergyMeter {
 };
 /// The same for one state.
 [[nodiscard]] Energy measure_energy(const ClothDesc& cloth, const Vec3& gravity, std::span<const Vec3> positions,
-                                    std::span<const Vec3> velocities);
+                                    std::span<const Vec3> velocities, std::span<const uint32_t> held = {});
 
 /// 64-bit FNV-1a of the bits of the positions of the valid pixels: equal states, equal hashes.
 [[nodiscard]] uint64_t hash_state(const ClothAsset& asset, std::span<const Vec3> positions);
