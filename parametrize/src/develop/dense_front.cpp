@@ -108,6 +108,23 @@ void update_rows(const RankUpdate& u, size_t first_row, size_t last_row) {
   }
 }
 
+/// Adds column entries, two numbers each, to where they belong in two columns.
+void add_pairs(const double* from, size_t from_stride, const uint32_t* to, size_t count, double* into,
+               size_t into_stride) {
+  const hn::CappedTag<double, 2> d;
+  constexpr size_t kPair = 2, kPairLanes = hn::MaxLanes(d);
+  const auto add = [&](const double* pair, double* place) {
+    for (size_t a = 0; a < kPair; a += kPairLanes) {
+      hn::StoreU(hn::Add(hn::LoadU(d, place + a), hn::LoadU(d, pair + a)), d, place + a);
+    }
+  };
+  for (size_t i = 0; i < count; ++i) {
+    double* const place = into + kPair * to[i];
+    add(from + kPair * i, place);
+    add(from + from_stride + kPair * i, place + into_stride);
+  }
+}
+
 /// Columns first to last, from which all before them have been subtracted, become the factor's.
 bool finish_columns(double* matrix, size_t stride, size_t first, size_t last) {
   const D d;
@@ -228,6 +245,7 @@ HWY_AFTER_NAMESPACE();
 namespace geocloth {
 namespace {
 
+HWY_EXPORT(add_pairs);
 HWY_EXPORT(update_rows);
 HWY_EXPORT(finish_columns);
 HWY_EXPORT(solve_forwards);
@@ -261,6 +279,24 @@ void DenseFront::clear(double* factor, double diagonal, double* rest) const {
   }
   for (size_t c = 0; c < rest_; ++c) {
     std::fill(rest + c * rest_stride_ + rounded_down(c), rest + (c + 1) * rest_stride_, 0.0);
+  }
+}
+
+void DenseFront::add(const DenseFront& child, const double* left, std::span<const uint32_t> to, size_t width,
+                     double* factor, double* rest) const {
+  const auto pairs = HWY_DYNAMIC_DISPATCH(add_pairs);
+  for (size_t k = 0; k < to.size(); ++k) {
+    const double* const from = left + k * width * child.rest_stride_;
+    const size_t column = to[k] * width;
+    const bool is_own = column < own_;
+    // Row 0 of the column; that of what is left has no rows of own unknowns.
+    double* const into = is_own ? factor + column * stride_ : rest + (column - own_) * rest_stride_ - own_;
+    const size_t stride = is_own ? stride_ : rest_stride_;
+    if (width == 2) {
+      pairs(from + 2 * k, child.rest_stride_, to.data() + k, to.size() - k, into, stride);
+    } else {
+      for (size_t i = k; i < to.size(); ++i) into[to[i]] += from[i];
+    }
   }
 }
 

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <span>
 
 namespace geocloth {
 
@@ -27,6 +29,12 @@ class DenseFront {
 
   /// Everything to zero, but the diagonal of the eliminated unknowns.
   void clear(double* factor, double diagonal, double* rest) const;
+
+  /// Adds what is left of another front.
+  /// @param to     where its unknowns are here, in groups of `width`, ascending
+  /// @param width  1 or 2
+  void add(const DenseFront& child, const double* left, std::span<const uint32_t> to, size_t width, double* factor,
+           double* rest) const;
 
   /// @param factor  the eliminated unknowns' columns, of all rows
   /// @param rest    matrix of the unknowns that stay

@@ -201,8 +201,7 @@ double cost(const TermsView& terms) {
   return sum;
 }
 
-void differentiate(const TermsView& terms, size_t first_triangle, size_t last,
-                   std::array<double, DirichletTerms::kUnknowns>* gradient, double* hessian) {
+void differentiate(const TermsView& terms, size_t first_triangle, size_t last, double* gradient, double* hessian) {
   constexpr size_t kUnknowns = DirichletTerms::kUnknowns, kLowerHalf = DirichletTerms::kLowerHalf;
   for (size_t t = first_triangle; t < last; t += kLanes) {
     const Map f = map_of(terms, t);
@@ -239,7 +238,7 @@ void differentiate(const TermsView& terms, size_t first_triangle, size_t last,
       }
     }
     for (size_t lane = 0; lane < std::min(kLanes, last - t); ++lane) {
-      for (size_t k = 0; k < kUnknowns; ++k) gradient[t + lane][k] = of_gradient[k][lane];
+      for (size_t k = 0; k < kUnknowns; ++k) gradient[(t + lane) * kUnknowns + k] = of_gradient[k][lane];
       double* const into = hessian + (t + lane) * kLowerHalf;
       for (size_t k = 0; k < kLowerHalf; ++k) into[k] = of_hessian[k][lane];
     }
@@ -343,7 +342,7 @@ double DirichletTerms::cost(std::span<const Point2> uv, double shear_price) cons
 }
 
 void DirichletTerms::differentiate(size_t first, size_t last, std::span<const Point2> uv, double shear_price,
-                                   std::span<std::array<double, kUnknowns>> gradient, std::span<double> hessian) const {
+                                   std::span<double> gradient, std::span<double> hessian) const {
   HWY_DYNAMIC_DISPATCH(differentiate)(view(uv, shear_price), first, last, gradient.data(), hessian.data());
 }
 

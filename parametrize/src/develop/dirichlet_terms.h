@@ -35,10 +35,11 @@ class DirichletTerms {
 
   static constexpr size_t kAtOnce = 4;  ///< triangles
 
-  /// Gradient and projected Hessian of what triangles first..last-1 add to the cost; the latter's lower half by rows.
+  /// Gradient and projected Hessian of what triangles first..last-1 add to the cost, kUnknowns and kLowerHalf numbers
+  /// for each of all triangles; the latter's lower half by rows.
   /// @param first  a multiple of kAtOnce
   void differentiate(size_t first, size_t last, std::span<const Point2> uv, double shear_price,
-                     std::span<std::array<double, kUnknowns>> gradient, std::span<double> hessian) const;
+                     std::span<double> gradient, std::span<double> hessian) const;
 
   /// The largest step along `direction` before a triangle's determinant becomes zero.
   [[nodiscard]] double largest_step(std::span<const Point2> uv, std::span<const Point2> direction) const;

@@ -55,6 +55,7 @@ struct ElementCholesky::Impl {
   std::vector<uint32_t> place_in_parent;        // of these unknowns: in the front of the parent
   std::vector<uint32_t> triangle;               // by front
   std::vector<std::array<uint32_t, 3>> corner;  // of these triangles: where their corners are in the front, or kNone
+  size_t factor_size = 0;
   NumberStore factor;
 
   void analyse(std::span<const Triangle> triangles, std::span<const int32_t> unknown, std::span<const Point2> place) {
@@ -76,14 +77,12 @@ struct ElementCholesky::Impl {
     hand_out(triangles, unknown, owner);
     std::vector<uint32_t> known_to(turn.size(), kNone);  // per turn: the last front that has it in its boundary
     std::vector<uint32_t> place_in_front(turn.size());
-    size_t factor_size = 0;
     for (uint32_t f = 0; f < front.size(); ++f) {
       gather_boundary(f, known_to);
       place_corners(front[f], place_in_front);
       front[f].factor = factor_size;
       factor_size += front[f].matrix.factor_size();
     }
-    factor = NumberStore(factor_size);
   }
 
   /// Every triangle goes to the front that eliminates the first of its corners.
@@ -202,26 +201,6 @@ struct ElementCholesky::Impl {
     }
   }
 
-  /// Only the lower half counts.
-  template <size_t kWidth>
-  void add_child(const Front& child, const double* left, const Columns& columns) const {
-    const size_t stride = child.matrix.rest_stride();
-    const std::span<const uint32_t> to(place_in_parent.data() + child.boundary.begin, child.boundary.size());
-    for (size_t k = 0; k < to.size(); ++k) {
-      for (size_t a = 0; a < kWidth; ++a) {
-        const size_t column = to[k] * kWidth + a;
-        add<kWidth>(left + (k * kWidth + a) * stride, to, k, columns.at(column, column) - column);
-      }
-    }
-  }
-
-  template <size_t kWidth>
-  static void add(const double* __restrict from, std::span<const uint32_t> to, size_t first, double* __restrict into) {
-    for (size_t i = first; i < to.size(); ++i) {
-      for (size_t a = 0; a < kWidth; ++a) into[to[i] * kWidth + a] += from[i * kWidth + a];
-    }
-  }
-
   /// What is the same for all fronts while a matrix is factorised.
   struct Job {
     std::span<const double> element;
@@ -234,12 +213,11 @@ struct ElementCholesky::Impl {
     double* const own = factor.data() + f.factor;
     f.matrix.clear(own, job.diagonal, rest);
     const Columns columns{f.matrix, own, rest};
-    if (width == 1) {
-      add_triangles<1>(f, job.element, columns);
-      for (uint32_t c = 0; c < f.children; ++c) add_child<1>(front[f.child.at(c)], left.at(c), columns);
-    } else {
-      add_triangles<2>(f, job.element, columns);
-      for (uint32_t c = 0; c < f.children; ++c) add_child<2>(front[f.child.at(c)], left.at(c), columns);
+    width == 1 ? add_triangles<1>(f, job.element, columns) : add_triangles<2>(f, job.element, columns);
+    for (uint32_t c = 0; c < f.children; ++c) {
+      const Front& child = front[f.child.at(c)];
+      const std::span<const uint32_t> to(place_in_parent.data() + child.boundary.begin, child.boundary.size());
+      f.matrix.add(child.matrix, left.at(c), to, width, own, rest);
     }
     if (!job.definite || !f.matrix.eliminate(own, rest)) job.definite = false;
   }
@@ -316,9 +294,14 @@ ElementCholesky& ElementCholesky::operator=(ElementCholesky&&) noexcept = defaul
 ElementCholesky::~ElementCholesky() = default;
 
 bool ElementCholesky::factorise(std::span<const double> element, double diagonal) {
+  if (impl_->factor.empty()) impl_->factor = NumberStore(impl_->factor_size);
   Impl::Job job{element, diagonal};
   for (const uint32_t root : impl_->root) (void)impl_->eliminate_in_tasks(impl_->front[root], job);
   return job.definite;
+}
+
+void ElementCholesky::forget_factor() {
+  impl_->factor = NumberStore();
 }
 
 void ElementCholesky::solve(Eigen::MatrixXd& right) const {

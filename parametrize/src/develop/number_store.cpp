@@ -2,6 +2,8 @@
 #include "develop/number_store.h"
 
 #include <algorithm>
+#include <bit>
+#include <iterator>
 #include <mutex>
 #include <new>
 #include <utility>
@@ -13,6 +15,7 @@ namespace {
 constexpr std::align_val_t kCacheLine{64};
 constexpr size_t kMostKept = size_t{4} << 20U;  // numbers, of all threads together
 constexpr size_t kRoomy = 4;                    // what is kept is given to those who need this share of it at least
+constexpr size_t kSteps = 8;                    // sizes that are made, from a power of two to the next
 
 struct Piece {
   double* first;
@@ -30,17 +33,15 @@ class Kept {
   Kept& operator=(const Kept&) = delete;
   ~Kept() { std::for_each(piece_.begin(), piece_.end(), free); }
 
-  /// The smallest piece that has room for so many numbers, and not for too many more; nothing where there is none.
+  /// Of the pieces that have room for so many numbers, and not for too many more, the one that was kept last: it is in
+  /// the cache still. Nothing where there is none.
   Piece take(size_t count) {
     const std::scoped_lock lock(mutex_);
     const auto has_room = [&](const Piece& p) { return p.size >= count && p.size <= kRoomy * count; };
-    auto best = piece_.end();
-    for (auto p = piece_.begin(); p != piece_.end(); ++p) {
-      if (has_room(*p) && (best == piece_.end() || p->size < best->size)) best = p;
-    }
-    if (best == piece_.end()) return {nullptr, 0};
-    const Piece result = *best;
-    piece_.erase(best);
+    const auto found = std::find_if(piece_.rbegin(), piece_.rend(), has_room);
+    if (found == piece_.rend()) return {nullptr, 0};
+    const Piece result = *found;
+    piece_.erase(std::next(found).base());
     sum_ -= result.size;
     return result;
   }
@@ -73,7 +74,11 @@ Kept& kept() {
 NumberStore::NumberStore(size_t count) {
   if (count == 0) return;
   Piece piece = kept().take(count);
-  if (piece.first == nullptr) piece = {static_cast<double*>(operator new[](count * sizeof(double), kCacheLine)), count};
+  if (piece.first == nullptr) {
+    const size_t step = std::max(std::bit_floor(count) / kSteps, size_t{1});
+    piece.size = (count + step - 1) / step * step;
+    piece.first = static_cast<double*>(operator new[](piece.size * sizeof(double), kCacheLine));
+  }
   first_ = piece.first;
   size_ = piece.size;
 }

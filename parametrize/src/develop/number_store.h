@@ -19,6 +19,7 @@ class NumberStore {
   ~NumberStore();
 
   [[nodiscard]] double* data() const { return first_; }
+  [[nodiscard]] bool empty() const { return first_ == nullptr; }
 
  private:
   double* first_ = nullptr;

@@ -9,7 +9,6 @@
 #include "develop/symmetric_dirichlet.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -19,6 +18,7 @@
 
 #include "develop/dirichlet_terms.h"
 #include "develop/element_cholesky.h"
+#include "develop/number_store.h"
 #include "geocloth/asset/error.h"
 
 namespace geocloth {
@@ -37,21 +37,23 @@ struct SymmetricDirichlet::Impl {
   std::vector<int32_t> unknown;  // per vertex: index among the free vertices, -1 when fixed
   int32_t unknowns = 0;
   std::unique_ptr<ElementCholesky> solver;
-  std::vector<double> hessian;                                              // per triangle: lower half by rows
-  std::vector<std::array<double, DirichletTerms::kUnknowns>> first_change;  // per triangle: gradient by its corners
+  // Per triangle, while there is something to minimise: gradient, and lower half of the Hessian by rows.
+  NumberStore first_change, hessian;
   double shear_price = 0;
 
   /// Differentiates by all unknowns and factorises the Hessian. @returns whether that could be done
   bool linearise(std::span<const Point2> uv, Eigen::MatrixXd& gradient) {
-    if (!solver) {
-      solver = std::make_unique<ElementCholesky>(triangle, unknown, uv, 2);
-      hessian.resize(triangle.size() * DirichletTerms::kLowerHalf);
-      first_change.resize(triangle.size());
+    constexpr size_t kUnknowns = DirichletTerms::kUnknowns, kLowerHalf = DirichletTerms::kLowerHalf;
+    if (!solver) solver = std::make_unique<ElementCholesky>(triangle, unknown, uv, 2);
+    if (hessian.empty()) {
+      first_change = NumberStore(triangle.size() * kUnknowns);
+      hessian = NumberStore(triangle.size() * kLowerHalf);
     }
+    const std::span<double> first(first_change.data(), triangle.size() * kUnknowns);
+    const std::span<double> second(hessian.data(), triangle.size() * kLowerHalf);
     constexpr size_t kGrain = 1'000;
     tbb::parallel_for(size_t{0}, (triangle.size() + kGrain - 1) / kGrain, [&](size_t i) {
-      terms.differentiate(i * kGrain, std::min(triangle.size(), (i + 1) * kGrain), uv, shear_price, first_change,
-                          hessian);
+      terms.differentiate(i * kGrain, std::min(triangle.size(), (i + 1) * kGrain), uv, shear_price, first, second);
     });
     gradient.setZero(2 * unknowns, 1);
     double trace = 0;
@@ -61,8 +63,8 @@ struct SymmetricDirichlet::Impl {
         if (u < 0) continue;
         for (int i = 0; i < 2; ++i) {
           const size_t p = 2 * k + static_cast<size_t>(i);
-          gradient(2 * u + i) += first_change[t][p];
-          trace += hessian[t * DirichletTerms::kLowerHalf + (p + 1) * (p + 2) / 2 - 1];
+          gradient(2 * u + i) += first[t * kUnknowns + p];
+          trace += second[t * kLowerHalf + (p + 1) * (p + 2) / 2 - 1];
         }
       }
     }
@@ -70,10 +72,19 @@ struct SymmetricDirichlet::Impl {
     constexpr int kAttempts = 3;
     double diagonal = 1e-8 * trace / (2 * unknowns);
     for (int attempt = 0; attempt < kAttempts; ++attempt, diagonal *= 100) {
-      if (solver->factorise(hessian, diagonal)) return true;
+      if (solver->factorise(second, diagonal)) return true;
     }
     return false;
   }
+
+  /// What a step needs is no longer needed: whoever takes the next step has it while it is in the cache.
+  void forget_step() {
+    first_change = NumberStore();
+    hessian = NumberStore();
+    if (solver) solver->forget_factor();
+  }
+
+  double minimise(std::vector<Point2>& uv, uint32_t max_iterations, double tolerance);
 };
 
 SymmetricDirichlet::SymmetricDirichlet(std::span<const Point3> position, std::span<const Triangle> triangle,
@@ -108,24 +119,29 @@ void SymmetricDirichlet::set_weights(std::span<const double> times) {
 }
 
 double SymmetricDirichlet::minimise(std::vector<Point2>& uv, uint32_t max_iterations, double tolerance) {
-  Impl& s = *impl_;
-  double current = s.terms.cost(uv, s.shear_price);
+  const double reached = impl_->minimise(uv, max_iterations, tolerance);
+  impl_->forget_step();
+  return reached;
+}
+
+double SymmetricDirichlet::Impl::minimise(std::vector<Point2>& uv, uint32_t max_iterations, double tolerance) {
+  double current = terms.cost(uv, shear_price);
   if (!std::isfinite(current))
     throw Error(ErrorCode::verification, "the start of the flattening has a flipped triangle");
-  if (s.unknowns == 0) return current;
+  if (unknowns == 0) return current;
   Eigen::MatrixXd gradient, step;
   std::vector<Point2> direction(uv.size(), Point2{0, 0});
   std::vector<Point2> trial;
   for (uint32_t iteration = 0; iteration < max_iterations; ++iteration) {
-    if (!s.linearise(uv, gradient)) break;
+    if (!linearise(uv, gradient)) break;
     step = -gradient;
-    s.solver->solve(step);
+    solver->solve(step);
     const double slope = gradient.col(0).dot(step.col(0));
     if (!std::isfinite(slope) || slope >= 0) break;
     for (size_t v = 0; v < uv.size(); ++v) {
-      if (s.unknown[v] >= 0) direction[v] = {step(2 * s.unknown[v]), step(2 * s.unknown[v] + 1)};
+      if (unknown[v] >= 0) direction[v] = {step(2 * unknown[v]), step(2 * unknown[v] + 1)};
     }
-    double t = std::min(1.0, 0.9 * s.terms.largest_step(uv, direction));
+    double t = std::min(1.0, 0.9 * terms.largest_step(uv, direction));
     double reached = kInfinity;
     for (int halving = 0; halving < 40; ++halving, t *= 0.5) {
       trial = uv;
@@ -133,7 +149,7 @@ double SymmetricDirichlet::minimise(std::vector<Point2>& uv, uint32_t max_iterat
         trial[v][0] += t * direction[v][0];
         trial[v][1] += t * direction[v][1];
       }
-      reached = s.terms.cost(trial, s.shear_price);
+      reached = terms.cost(trial, shear_price);
       if (reached <= current + 1e-4 * t * slope) break;
       reached = kInfinity;
     }

@@ -197,7 +197,7 @@ std::optional<std::array<uint32_t, 2>> Board::find(const Grown& shape, uint32_t 
   return std::array{found.column, found.row};
 }
 
-void Board::take(const Grown& shape, const std::array<uint32_t, 2>& corner) {
+void Board::take(const Grown& shape, const std::array<uint32_t, 2>& corner, uint32_t levels) {
   const uint32_t rows = std::max(rows_, corner[1] + shape.height);
   const size_t row_stride = levels_ * stride();
   if (window_.size() < rows * row_stride + kMostLanes + 1) window_.resize(2 * rows * row_stride + kMostLanes + 1);
@@ -215,19 +215,19 @@ void Board::take(const Grown& shape, const std::array<uint32_t, 2>& corner) {
   for (uint32_t y = corner[1]; y < corner[1] + shape.height; ++y) {
     switch (words_) {
       case 1:
-        widen_among<1>(y);
+        widen_among<1>(y, levels);
         break;
       case 2:
-        widen_among<2>(y);
+        widen_among<2>(y, levels);
         break;
       case 3:
-        widen_among<3>(y);
+        widen_among<3>(y, levels);
         break;
       case 4:
-        widen_among<4>(y);
+        widen_among<4>(y, levels);
         break;
       default:
-        for (uint32_t level = 1; level < levels_; ++level) widen(y, level);
+        for (uint32_t level = 1; level < levels; ++level) widen(y, level);
     }
   }
 }
@@ -238,19 +238,19 @@ void Board::widen(uint32_t row, uint32_t level) {
   for (uint32_t k = 0; k < words_; ++k) whole[k] = half[k] | shifted(half + k, 1U << (level - 1));
 }
 
-/// Fills in all levels of a row. What is stored is not read again at once: words that straddle two stored ones would
+/// Fills in the levels of a row. What is stored is not read again at once: words that straddle two stored ones would
 /// have to wait for both.
 template <uint32_t kWords>
-void Board::widen_among(uint32_t row) {
+void Board::widen_among(uint32_t row, uint32_t levels) {
   std::array<uint64_t, kWords + 1> half{};
   std::copy_n(window(row, 0), kWords, half.begin());
-  const uint32_t within_words = std::min(levels_, 7U);
+  const uint32_t within_words = std::min(levels, 7U);
   for (uint32_t level = 1; level < within_words; ++level) {
     const uint32_t by = 1U << (level - 1);
     uint64_t* whole = window(row, level);
     for (uint32_t k = 0; k < kWords; ++k) whole[k] = half[k] |= half[k] >> by | half[k + 1] << (64 - by);
   }
-  for (uint32_t level = within_words; level < levels_; ++level) widen(row, level);
+  for (uint32_t level = within_words; level < levels; ++level) widen(row, level);
 }
 
 }  // namespace geocloth

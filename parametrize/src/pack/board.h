@@ -39,7 +39,8 @@ class Board {
   [[nodiscard]] std::optional<std::array<uint32_t, 2>> find(const Grown& shape, uint32_t first_row, uint32_t last_row,
                                                             uint64_t& work) const;
 
-  void take(const Grown& shape, const std::array<uint32_t, 2>& corner);
+  /// @param levels  more than that of any run of the shapes that are looked for from now on
+  void take(const Grown& shape, const std::array<uint32_t, 2>& corner, uint32_t levels);
 
  private:
   /// Of a row at one level [words]: zeros follow its bits, so that whatever is shifted in from beyond its end is free.
@@ -50,7 +51,7 @@ class Board {
   }
   void widen(uint32_t row, uint32_t level);
   template <uint32_t kWords>
-  void widen_among(uint32_t row);
+  void widen_among(uint32_t row, uint32_t levels);
 
   uint32_t width_ = 0, words_ = 0, levels_ = 1;
   uint32_t rows_ = 0;

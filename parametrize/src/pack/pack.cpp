@@ -150,7 +150,8 @@ class Packer {
   /// The shapes as a way to fill sees them.
   struct Seen {
     std::vector<const Grown*> upright, turned;
-    uint32_t widest = 0;  // [pixels]
+    std::vector<uint32_t> levels;  // more than that of any run
+    uint32_t widest = 0;           // [pixels]
   };
 
   void measure() {
@@ -180,9 +181,11 @@ class Packer {
   }
 
   void count_blocks() {
-    for (const Seen& seen : seen_) {
+    for (Seen& seen : seen_) {
       for (const Grown* g : seen.upright) {
-        for (const Grown::Run& r : g->run) levels_ = std::max(levels_, r.level + 1);
+        uint32_t& levels = seen.levels.emplace_back(1);
+        for (const Grown::Run& r : g->run) levels = std::max(levels, r.level + 1);
+        levels_ = std::max(levels_, levels);
       }
     }
     for (const Grown* g : seen_[0].upright) {
@@ -257,11 +260,16 @@ class Packer {
     if (choose) arrangement.turned.assign(shape_.size(), 0);
     board_.reset(arrangement.width, levels_);
     const Seen& seen = seen_[arrangement.fill];
+    levels_from_.assign(shape_.size() + 1, 1);
+    for (size_t k = shape_.size(); k-- > 0;) {
+      levels_from_[k] = std::max(levels_from_[k + 1], seen.levels[arrangement.order[k]]);
+    }
     Packing packing;
     packing.corner.resize(shape_.size());
     uint32_t row = 0;  // of the shape placed last
     const Grown* last = nullptr;
-    for (const uint32_t i : arrangement.order) {
+    for (size_t k = 0; k < arrangement.order.size(); ++k) {
+      const uint32_t i = arrangement.order[k];
       const Grown* lying = arrangement.turned[i] != 0 ? seen.turned[i] : seen.upright[i];
       // Where an equal shape did not fit this does not either.
       const uint32_t first = last != nullptr && last->run == lying->run ? row : 0;
@@ -282,7 +290,7 @@ class Packer {
       packing.width = std::max(packing.width, packing.corner[i][0] + width);
       packing.height = std::max(packing.height, packing.corner[i][1] + height);
       if (cost_of(packing) >= bound) return kInfinity;
-      if (i != arrangement.order.back()) board_.take(*lying, corner);
+      if (k + 1 < arrangement.order.size()) board_.take(*lying, corner, levels_from_[k + 1]);
     }
     const auto is_set = [](uint8_t t) { return t != 0; };
     const bool turns = std::any_of(arrangement.turned.begin(), arrangement.turned.end(), is_set);
@@ -326,6 +334,7 @@ class Packer {
   std::vector<Grown> own_;
   std::array<Seen, kFills.size()> seen_;
   Board board_;
+  std::vector<uint32_t> levels_from_;  // per place of an order: of the shapes from there on
   uint32_t block_ = 1, levels_ = 1;
   double blocks_ = 0;
   uint64_t work_ = 0;
