@@ -14,15 +14,15 @@ namespace {
 
 constexpr std::align_val_t kCacheLine{64};
 constexpr size_t kMostKept = size_t{4} << 20U;  // numbers, of all threads together
-constexpr size_t kRoomy = 4;                    // what is kept is given to those who need this share of it at least
-constexpr size_t kSteps = 8;                    // sizes that are made, from a power of two to the next
+constexpr size_t kMostRoom = 4;                 // what is kept is given to those who need this share of it at least
+constexpr size_t kSizesPerDoubling = 8;         // sizes that are made, from a power of two to the next
 
-struct Piece {
+struct KeptNumbers {
   double* first;
   size_t size;
 };
 
-void free(const Piece& piece) {
+void give_back(const KeptNumbers& piece) {
   operator delete[](piece.first, kCacheLine);
 }
 
@@ -31,36 +31,36 @@ class Kept {
   Kept() = default;
   Kept(const Kept&) = delete;
   Kept& operator=(const Kept&) = delete;
-  ~Kept() { std::for_each(piece_.begin(), piece_.end(), free); }
+  ~Kept() { std::for_each(numbers_.begin(), numbers_.end(), give_back); }
 
   /// Of the pieces that have room for so many numbers, and not for too many more, the one that was kept last: it is in
   /// the cache still. Nothing where there is none.
-  Piece take(size_t count) {
+  KeptNumbers take(size_t count) {
     const std::scoped_lock lock(mutex_);
-    const auto has_room = [&](const Piece& p) { return p.size >= count && p.size <= kRoomy * count; };
-    const auto found = std::find_if(piece_.rbegin(), piece_.rend(), has_room);
-    if (found == piece_.rend()) return {nullptr, 0};
-    const Piece result = *found;
-    piece_.erase(std::next(found).base());
+    const auto has_room = [&](const KeptNumbers& p) { return p.size >= count && p.size <= kMostRoom * count; };
+    const auto found = std::find_if(numbers_.rbegin(), numbers_.rend(), has_room);
+    if (found == numbers_.rend()) return {nullptr, 0};
+    const KeptNumbers result = *found;
+    numbers_.erase(std::next(found).base());
     sum_ -= result.size;
     return result;
   }
 
-  /// The one that was not asked for longest gives way.
-  void keep(const Piece& piece) {
+  /// Those that were kept first give way.
+  void keep(const KeptNumbers& piece) {
     const std::scoped_lock lock(mutex_);
-    piece_.push_back(piece);
+    numbers_.push_back(piece);
     sum_ += piece.size;
     while (sum_ > kMostKept) {
-      sum_ -= piece_.front().size;
-      free(piece_.front());
-      piece_.erase(piece_.begin());
+      sum_ -= numbers_.front().size;
+      give_back(numbers_.front());
+      numbers_.erase(numbers_.begin());
     }
   }
 
  private:
   std::mutex mutex_;
-  std::vector<Piece> piece_;
+  std::vector<KeptNumbers> numbers_;
   size_t sum_ = 0;
 };
 
@@ -73,9 +73,9 @@ Kept& kept() {
 
 NumberStore::NumberStore(size_t count) {
   if (count == 0) return;
-  Piece piece = kept().take(count);
+  KeptNumbers piece = kept().take(count);
   if (piece.first == nullptr) {
-    const size_t step = std::max(std::bit_floor(count) / kSteps, size_t{1});
+    const size_t step = std::max(std::bit_floor(count) / kSizesPerDoubling, size_t{1});
     piece.size = (count + step - 1) / step * step;
     piece.first = static_cast<double*>(operator new[](piece.size * sizeof(double), kCacheLine));
   }

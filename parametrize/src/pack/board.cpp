@@ -22,7 +22,7 @@ namespace geocloth {
 constexpr uint32_t kMostLanes = 4;
 
 /// A shape and the rows of a board among which it is to find its place.
-struct Search {
+struct BoardSearch {
   const Grown& shape;
   const uint64_t* window;        // of row 0 at level 0, with kMostLanes words behind the last one
   size_t row_stride, stride;     // [words] from row to row, and from level to level
@@ -31,12 +31,12 @@ struct Search {
 };
 
 /// The row and the first free column in it; kNone where there is none.
-struct Found {
+struct BoardPlace {
   uint32_t column, row;
 };
 
 /// Ones where the shape would stand out.
-inline uint64_t beyond(const Search& s, uint32_t word) {
+inline uint64_t beyond(const BoardSearch& s, uint32_t word) {
   const uint32_t last = s.width - s.shape.width, first = 64 * word;
   const uint32_t free = last + 1 > first ? std::min(last + 1 - first, 64U) : 0;
   return free == 64 ? 0 : ~uint64_t{0} << free;
@@ -64,7 +64,7 @@ HWY_INLINE V shifted(const uint64_t* row, uint32_t by) {
 
 /// @tparam kVectors  that hold the board's words
 template <uint32_t kVectors>
-HWY_INLINE Found find_among(const Search& s, uint64_t& work) {
+HWY_INLINE BoardPlace find_among(const BoardSearch& s, uint64_t& work) {
   constexpr uint32_t kHeld = kVectors * kLanes;
   alignas(64) uint64_t word[kHeld];
   for (uint32_t k = 0; k < kHeld; ++k) word[k] = k < s.words ? beyond(s, k) : ~uint64_t{0};
@@ -98,7 +98,7 @@ HWY_INLINE Found find_among(const Search& s, uint64_t& work) {
   return {kNone, kNone};
 }
 
-Found find_among_few(const Search& s, uint64_t& work) {
+BoardPlace find_among_few(const BoardSearch& s, uint64_t& work) {
   constexpr uint32_t kMost = (kMostLanes + kLanes - 1) / kLanes;
   switch ((s.words + kLanes - 1) / kLanes) {
     case 1:
@@ -127,7 +127,7 @@ uint64_t shifted(const uint64_t* row, uint32_t by) {
   return word[0] >> bits | word[1] << 1 << (63 - bits);
 }
 
-Found find_among_many(const Search& s, uint64_t& work) {
+BoardPlace find_among_many(const BoardSearch& s, uint64_t& work) {
   std::vector<uint64_t> forbidden(s.words), blocked(s.words);
   for (uint32_t k = 0; k < s.words; ++k) forbidden[k] = beyond(s, k);
   for (uint32_t y = s.first_row; y <= s.last_row; ++y) {
@@ -190,8 +190,9 @@ void Board::reset(uint32_t width, uint32_t levels) {
 
 std::optional<std::array<uint32_t, 2>> Board::find(const Grown& shape, uint32_t first_row, uint32_t last_row,
                                                    uint64_t& work) const {
-  const Search search{shape, window_.data(), levels_ * stride(), stride(), width_, words_, rows_, first_row, last_row};
-  const Found found =
+  const BoardSearch search{shape,  window_.data(), levels_ * stride(), stride(), width_,
+                           words_, rows_,          first_row,          last_row};
+  const BoardPlace found =
       words_ <= kMostLanes ? HWY_DYNAMIC_DISPATCH(find_among_few)(search, work) : find_among_many(search, work);
   if (found.row == kNone) return std::nullopt;
   return std::array{found.column, found.row};
