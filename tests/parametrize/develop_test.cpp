@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 
 #include "cut/edge_wishes.h"
 #include "develop/chart.h"
@@ -72,6 +73,26 @@ TEST(Develop, ThreadsMeetAtRightAnglesWhereTheClothIsCurved) {
   EXPECT_TRUE(flip_free(chart));
   EXPECT_FALSE(crossing_edges(chart, outline_loop(chart)));
   EXPECT_GT(grain_of(chart).axis[1], 0.999);
+}
+
+TEST(Develop, TheEnergyIsMinimisedAlikeWithEveryInstructionSet) {
+  const Chart start = laid_out_cap();
+  const auto minimised = [&] {
+    Chart chart = start;
+    SymmetricDirichlet energy(chart.position, chart.triangle, {});
+    energy.set_shear_price(2);
+    (void)energy.minimise(chart.uv, 5, 0);
+    return chart.uv;
+  };
+  const std::vector<Point2> best = minimised();
+  EXPECT_NE(best, start.uv);
+  for (const int64_t target : {int64_t{HWY_SSE4}, int64_t{HWY_AVX2}, int64_t{HWY_AVX3}, int64_t{HWY_NEON}}) {
+    if ((hwy::SupportedTargets() & target) == 0) continue;
+    hwy::SetSupportedTargetsForTest(target);
+    const std::vector<Point2> here = minimised();
+    hwy::SetSupportedTargetsForTest(0);
+    EXPECT_EQ(best, here) << hwy::TargetName(target);
+  }
 }
 
 // Where stretch is near its target, angles must be able to take less of it.

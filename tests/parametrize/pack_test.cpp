@@ -6,8 +6,10 @@
 #include <random>
 
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 
 #include "geocloth/asset/error.h"
+#include "pack/ready_shape.h"
 #include "parametrize/clean_surfaces.h"
 
 namespace geocloth {
@@ -154,6 +156,36 @@ TEST(Pack, IsDeterministic) {
   const Packing once = pack_shapes(shapes), again = pack_shapes(shapes);
   EXPECT_EQ(once.corner, again.corner);
   EXPECT_EQ(once.turned, again.turned);
+}
+
+// Boards of one, two, three and four words, and of more, are looked at in different ways.
+TEST(Pack, IsTheSameWithEveryInstructionSet) {
+  for (const uint32_t side : {20U, 50U, 90U, 120U, 160U}) {
+    const std::vector<ChartShape> shapes{disc(0.5 * side), wedge(side), rectangle_shape(side / 3, side),
+                                         disc(side / 5.0), wedge(side / 2)};
+    for (const PackEffort effort : {PackEffort::quick, PackEffort::thorough}) {
+      const Packing best = pack_shapes(shapes, effort);
+      for (const int64_t target : {int64_t{HWY_SSE4}, int64_t{HWY_AVX2}, int64_t{HWY_AVX3}, int64_t{HWY_NEON}}) {
+        if ((hwy::SupportedTargets() & target) == 0) continue;
+        hwy::SetSupportedTargetsForTest(target);
+        const Packing here = pack_shapes(shapes, effort);
+        hwy::SetSupportedTargetsForTest(0);
+        EXPECT_EQ(best.corner, here.corner) << hwy::TargetName(target) << ' ' << side;
+        EXPECT_EQ(best.turned, here.turned) << hwy::TargetName(target) << ' ' << side;
+      }
+    }
+  }
+}
+
+TEST(Pack, ShapesThatAreReadyArePackedAlike) {
+  const std::vector<ChartShape> shapes{disc(30), wedge(40), rectangle_shape(11, 60), disc(12), wedge(25)};
+  std::vector<ReadyShape> ready;
+  for (const ChartShape& s : shapes) ready.push_back(make_ready(s));
+  std::vector<const ReadyShape*> each;
+  for (const ReadyShape& r : ready) each.push_back(&r);
+  const Packing packing = pack_shapes(shapes, PackEffort::quick), same = pack_quickly(each);
+  EXPECT_EQ(packing.corner, same.corner);
+  EXPECT_EQ(packing.turned, same.turned);
 }
 
 TEST(Pack, RefusesAnAtlasThatIsTooLarge) {

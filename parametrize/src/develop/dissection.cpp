@@ -16,7 +16,7 @@ constexpr size_t kLong = 4;      // squared length of a separator, by what it pa
 
 /// Who is connected to whom, by number.
 struct Graph {
-  std::vector<uint32_t> first, neighbour;  // per node: a range of neighbours, twice where two triangles say so
+  std::vector<uint32_t> first, neighbour;  // per node: a range of neighbours, in the order in which triangles name them
 
   /// @param number  of a vertex; negative leaves it out
   template <class Number>
@@ -37,10 +37,30 @@ struct Graph {
     neighbour.resize(first.back());
     std::vector<uint32_t> end = first;
     each([&](uint32_t a, uint32_t b) { neighbour[end[a]++] = b; });
+    name_once(nodes);
   }
 
   [[nodiscard]] std::span<const uint32_t> around(uint32_t u) const {
     return {neighbour.data() + first[u], neighbour.data() + first[u + 1]};
+  }
+
+ private:
+  /// Two triangles have named most neighbours.
+  void name_once(size_t nodes) {
+    std::vector<uint32_t> named_by(nodes, kNone);
+    uint32_t kept = 0;
+    for (uint32_t u = 0, begin = 0; u < nodes; ++u) {
+      const uint32_t end = first[u + 1];
+      first[u] = kept;
+      for (; begin < end; ++begin) {
+        const uint32_t w = neighbour[begin];
+        if (named_by[w] == u) continue;
+        named_by[w] = u;
+        neighbour[kept++] = w;
+      }
+    }
+    first[nodes] = kept;
+    neighbour.resize(kept);
   }
 };
 
@@ -60,7 +80,7 @@ class Dissector {
   }
 
  private:
-  enum class Side : uint8_t { elsewhere, low, high, between };
+  enum class Side : uint8_t { elsewhere, low, high };
 
   static std::vector<Point2> places_of_unknowns(std::span<const int32_t> unknown, std::span<const Point2> place) {
     std::vector<Point2> result;
@@ -95,47 +115,59 @@ class Dissector {
     size_t separator = 0;
   };
 
+  /// An unknown beside its coordinate, by which it is compared more often than looked up.
+  struct Placed {
+    double at;
+    uint32_t unknown;
+
+    friend bool operator<(const Placed& a, const Placed& b) {
+      return a.at != b.at ? a.at < b.at : a.unknown < b.unknown;
+    }
+  };
+
   /// Rearranges a range: what is on the low side, what is on the high side, what parts them.
   std::array<uint32_t, 2> halve(uint32_t begin, uint32_t end) {
     const std::span<uint32_t> range(result_.order.data() + begin, end - begin);
-    const auto half = static_cast<std::ptrdiff_t>(range.size() / 2);
-    Halves best;
-    best.separator = range.size() + 1;
+    best_.separator = range.size() + 1;
+    placed_.resize(range.size());
     for (const size_t axis : {size_t{0}, size_t{1}}) {
-      std::nth_element(range.begin(), range.begin() + half, range.end(), [&](uint32_t a, uint32_t b) {
-        return place_[a][axis] != place_[b][axis] ? place_[a][axis] < place_[b][axis] : a < b;
-      });
-      part_halves(range, best);
+      for (size_t i = 0; i < range.size(); ++i) placed_[i] = {place_[range[i]][axis], range[i]};
+      std::nth_element(placed_.begin(), placed_.begin() + static_cast<std::ptrdiff_t>(range.size() / 2), placed_.end());
+      for (size_t i = 0; i < range.size(); ++i) range[i] = placed_[i].unknown;
+      part_halves(range);
     }
-    if (best.separator * best.separator > kLong * range.size()) {
+    if (best_.separator * best_.separator > kLong * range.size()) {
       walk(range);
-      part_halves(range, best);
+      part_halves(range);
     }
     for (const uint32_t u : range) side_[u] = Side::elsewhere;
-    std::copy(best.order.begin(), best.order.end(), range.begin());
-    return {begin + static_cast<uint32_t>(best.end[0]), begin + static_cast<uint32_t>(best.end[1])};
+    std::copy(best_.order.begin(), best_.order.end(), range.begin());
+    return {begin + static_cast<uint32_t>(best_.end[0]), begin + static_cast<uint32_t>(best_.end[1])};
   }
 
   /// Keeps what parts the first half of a range from the rest where that is shorter than the best so far.
-  void part_halves(std::span<const uint32_t> range, Halves& best) {
-    for (size_t i = 0; i < range.size(); ++i) side_[range[i]] = i < range.size() / 2 ? Side::low : Side::high;
-    std::array<std::vector<uint32_t>, 4> part;  // by Side
+  void part_halves(std::span<const uint32_t> range) {
+    const std::span<const uint32_t> low = range.first(range.size() / 2), high = range.subspan(range.size() / 2);
+    for (const uint32_t u : low) side_[u] = Side::low;
+    for (const uint32_t u : high) side_[u] = Side::high;
     for (const Side from : {Side::low, Side::high}) {
       const Side to = from == Side::low ? Side::high : Side::low;
-      const auto touches = [&](uint32_t u) {
+      inner_.clear();
+      between_.clear();
+      for (const uint32_t u : from == Side::low ? low : high) {
         const std::span<const uint32_t> around = graph_.around(u);
-        return std::any_of(around.begin(), around.end(), [&](uint32_t w) { return side_[w] == to; });
-      };
-      for (auto& p : part) p.clear();
-      for (const uint32_t u : range) {
-        const Side at = side_[u] == from && touches(u) ? Side::between : side_[u];
-        part[static_cast<size_t>(at)].push_back(u);
+        const bool touches = std::any_of(around.begin(), around.end(), [&](uint32_t w) { return side_[w] == to; });
+        (touches ? between_ : inner_).push_back(u);
+        if (between_.size() >= best_.separator) break;
       }
-      const auto& [elsewhere, low, high, between] = part;
-      if (between.size() >= best.separator) continue;
-      best = {low, {low.size(), low.size() + high.size()}, between.size()};
-      best.order.insert(best.order.end(), high.begin(), high.end());
-      best.order.insert(best.order.end(), between.begin(), between.end());
+      if (between_.size() >= best_.separator) continue;
+      const std::span<const uint32_t> inner = inner_, first = from == Side::low ? inner : low,
+                                      second = from == Side::low ? high : inner;
+      best_.order.assign(first.begin(), first.end());
+      best_.order.insert(best_.order.end(), second.begin(), second.end());
+      best_.end = {first.size(), best_.order.size()};
+      best_.order.insert(best_.order.end(), between_.begin(), between_.end());
+      best_.separator = between_.size();
     }
   }
 
@@ -165,6 +197,10 @@ class Dissector {
   std::vector<Point2> place_;  // per unknown
   Graph graph_;
   std::vector<Side> side_;  // per unknown, while its range is parted
+  // While a range is parted:
+  Halves best_;
+  std::vector<Placed> placed_;
+  std::vector<uint32_t> inner_, between_;  // of the half that gives up what touches the other
   Dissection result_;
 };
 

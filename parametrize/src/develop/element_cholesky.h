@@ -29,6 +29,9 @@ class ElementCholesky {
   /// @returns false when the matrix is not positive definite
   [[nodiscard]] bool factorise(std::span<const double> element, double diagonal);
 
+  /// Gives the factor's memory back until it is factorised again.
+  void forget_factor();
+
   /// Replaces right sides, one a column, rows `width` * unknown + scalar, by their solutions.
   void solve(Eigen::MatrixXd& right) const;
 

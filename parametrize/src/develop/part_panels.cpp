@@ -11,6 +11,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <memory>
 #include <numeric>
 #include <optional>
 #include <set>
@@ -22,6 +23,7 @@
 #include "mesh/predicates.h"
 #include "pack/pack.h"
 #include "pack/panel_piece.h"
+#include "pack/ready_shape.h"
 
 namespace geocloth {
 namespace {
@@ -56,11 +58,11 @@ struct Chord {
 struct Piece {
   uint32_t chart;
   std::vector<uint32_t> loop;  // places in the chart's loop
-  ChartShape shape;
+  ReadyShape shape;
 };
 
 struct Parting {
-  std::vector<Piece> piece;
+  std::vector<std::shared_ptr<const Piece>> piece;  // most are those of other partings too
   std::vector<Chord> chord;
   double cell = 0;   // [m] of the shapes
   double added = 0;  // [m] of seam
@@ -490,9 +492,9 @@ class PanelParter {
     return misses_of(f, p.added / side_, options_) + (gives_up ? kGivenUp : 0);
   }
 
-  [[nodiscard]] Piece make_piece(uint32_t chart, std::vector<uint32_t> loop, double cell) const {
+  [[nodiscard]] std::shared_ptr<const Piece> make_piece(uint32_t chart, std::vector<uint32_t> loop, double cell) const {
     ChartShape shape = plan_[chart].shape_of(loop, plan_[chart].up_of(loop), cell);
-    return {chart, std::move(loop), std::move(shape)};
+    return std::make_shared<const Piece>(Piece{chart, std::move(loop), make_ready(std::move(shape))});
   }
 
   [[nodiscard]] double pixels(double added) const {
@@ -506,10 +508,10 @@ class PanelParter {
 
   /// About how much of the image the pieces fill.
   void measure(Parting& p) const {
-    std::vector<ChartShape> shape;
+    std::vector<const ReadyShape*> shape;
     shape.reserve(p.piece.size());
-    for (const Piece& piece : p.piece) shape.push_back(piece.shape);
-    const Packing packing = pack_shapes(shape, PackEffort::quick);
+    for (const auto& piece : p.piece) shape.push_back(&piece->shape);
+    const Packing packing = pack_quickly(shape);
     const double scale = p.cell / options_.pixel;
     p.utilisation = pixels(p.added) / (((packing.width - 1) * scale + 1) * ((packing.height - 1) * scale + 1));
   }
@@ -521,7 +523,7 @@ class PanelParter {
     if (kStraightened * (seam_ + added) > most_seam_ * side_) return std::nullopt;
     if (least_misses(border_share(added), added / side_, options_) > most_misses_) return std::nullopt;
     for (size_t i = 0; i < from.piece.size(); ++i) {
-      const Piece& piece = from.piece[i];
+      const Piece& piece = *from.piece[i];
       const auto begin = piece.loop.begin(), end = piece.loop.end();
       const auto a = std::find(begin, end, chord.first), b = std::find(begin, end, chord.second);
       if (piece.chart != chord.chart || a == end || b == end) continue;

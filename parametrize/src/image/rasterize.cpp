@@ -11,6 +11,8 @@
 #include <optional>
 #include <string>
 
+#include <tbb/parallel_for.h>
+
 #include "geocloth/asset/error.h"
 #include "image/chart_outline.h"
 #include "image/chart_sampling.h"
@@ -162,7 +164,7 @@ class Rasterizer {
   void sample_displaced() {
     std::vector<std::vector<uint32_t>> triangles(flat_.charts.size());
     for (uint32_t t = 0; t < flat_.triangle.size(); ++t) triangles[flat_.chart[t]].push_back(t);
-    for (std::size_t c = 0; c < flat_.charts.size(); ++c) {
+    tbb::parallel_for(std::size_t{0}, flat_.charts.size(), [&](std::size_t c) {  // no pixel belongs to two
       const FlatChart& chart = flat_.charts[c];
       const std::vector<Point2> places = sampling_places(flat_, chart);
       std::optional<PlaneLocator> locator;
@@ -177,7 +179,7 @@ class Rasterizer {
         out_.place[pixel] = at;
         sample(pixel, found.triangle, found.weight);
       });
-    }
+    });
   }
 
   Raster finish() {

@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <tbb/parallel_for.h>
+
 #include "image/grid_relaxation.h"
 
 namespace geocloth {
@@ -39,7 +41,7 @@ class Slider {
 
   void run() {
     for (int round = 0; round < kSlideRounds; ++round) {
-      for (GridRelaxation& grid : grid_) grid.sweep();
+      tbb::parallel_for(size_t{0}, grid_.size(), [&](size_t c) { grid_[c].sweep(); });
       for (SlidingSeam& seam : seams_) {
         for (size_t k = 1; k + 1 < seam.places.at.size(); ++k) {
           if (!std::binary_search(seam.mark.begin(), seam.mark.end(), seam.places.at[k])) slide(seam, k);

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Packing of real outlines: bottom left fill on a bitmap (as in Levy et al., Least Squares Conformal Maps, 2002, but
-// with whole shapes in place of their horizons, so that hollows are filled too). A shape is tried at all columns of a
-// row at once: the columns that one of its runs forbids are a window over the bits taken, and windows whose length is a
-// power of two are kept per row. Several widths, orders, half turns and corners to fill from are tried and the best
-// kept; large atlases are packed in blocks of pixels, so that the work stays bounded.
+// with whole shapes in place of their horizons, so that hollows are filled too; board.cpp). Several widths, orders,
+// half turns and corners to fill from are tried and the best kept; large atlases are packed in blocks of pixels, so
+// that the work stays bounded.
 #include "pack/pack.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <numeric>
 #include <random>
@@ -16,6 +14,8 @@
 #include "geocloth/asset/error.h"
 #include "image/chart_outline.h"
 #include "mesh/point_math.h"
+#include "pack/board.h"
+#include "pack/ready_shape.h"
 
 namespace geocloth {
 namespace {
@@ -31,46 +31,6 @@ constexpr int kNarrower = 20, kWider = 35;               // steps from the squar
 constexpr int kQuickStride = 3;                          // steps of the width, where speed matters more
 constexpr size_t kMostTries = 4000, kTriesPerPair = 40;  // few shapes have been through everything soon
 constexpr double kThreshold = 0.03;
-
-/// A shape in blocks, with the gap below and to the right of every pixel: two shapes so grown are disjoint exactly when
-/// no two of their pixels are 8-neighbours.
-struct Grown {
-  struct Run {
-    uint32_t row, first, last;  // columns first..last
-    uint32_t level;             // of the longest windows (Board) that are no longer than the run
-
-    friend bool operator==(const Run&, const Run&) = default;
-  };
-  uint32_t width = 0, height = 0;
-  std::vector<Run> run;  // one or more per row, disjoint, the widest first: they exclude most columns
-};
-
-Grown grown(const ChartShape& shape, uint32_t block) {
-  Grown result;
-  result.width = shape.width / block + 1;
-  result.height = shape.height / block + 1;
-  std::vector<std::vector<std::array<uint32_t, 2>>> row(result.height);
-  for (const ChartShape::Run& r : shape.run) {
-    for (uint32_t y = r.row / block; y <= (r.row + 1) / block; ++y) {
-      row[y].push_back({r.first / block, (r.last + 1) / block});
-    }
-  }
-  for (uint32_t y = 0; y < result.height; ++y) {
-    std::sort(row[y].begin(), row[y].end());
-    const size_t first_of_row = result.run.size();
-    for (const auto& [first, last] : row[y]) {
-      if (result.run.size() > first_of_row && first <= result.run.back().last + 1) {
-        result.run.back().last = std::max(result.run.back().last, last);
-      } else {
-        result.run.push_back({y, first, last, 0});
-      }
-    }
-  }
-  for (Grown::Run& r : result.run) r.level = static_cast<uint32_t>(std::bit_width(r.last - r.first + 1)) - 1;
-  std::stable_sort(result.run.begin(), result.run.end(),
-                   [](const auto& a, const auto& b) { return a.last - a.first > b.last - b.first; });
-  return result;
-}
 
 ChartShape half_turned(const ChartShape& shape) {
   ChartShape result = shape;
@@ -117,137 +77,6 @@ struct Fill {
 };
 constexpr std::array kFills{Fill{false, false}, Fill{false, true}, Fill{true, false}, Fill{true, true}};
 
-/// The blocks taken, for columns 0..width-1 and as many rows as needed.
-class Board {
- public:
-  /// @param levels  more than any run's of the shapes
-  Board(uint32_t width, uint32_t levels) : width_(width), words_((width + 63) / 64), levels_(levels) {}
-
-  /// The first row, and the first column in it, where the shape fits.
-  std::array<uint32_t, 2> find(const Grown& shape, uint32_t first_row, uint64_t& work) const {
-    switch (words_) {
-      case 1:
-        return find_among<1>(shape, first_row, work);
-      case 2:
-        return find_among<2>(shape, first_row, work);
-      case 3:
-        return find_among<3>(shape, first_row, work);
-      case 4:
-        return find_among<4>(shape, first_row, work);
-      default:
-        return find_among<0>(shape, first_row, work);
-    }
-  }
-
-  void take(const Grown& shape, const std::array<uint32_t, 2>& corner) {
-    rows_ = std::max(rows_, corner[1] + shape.height);
-    window_.resize(size_t{rows_} * levels_ * stride(), 0);
-    for (const Grown::Run& r : shape.run) {
-      uint64_t* taken = window(corner[1] + r.row, 0);
-      const uint32_t first = corner[0] + r.first, last = corner[0] + r.last;
-      for (uint32_t k = first / 64; k <= last / 64; ++k) {
-        const uint32_t from = k == first / 64 ? first % 64 : 0, to = k == last / 64 ? last % 64 : 63;
-        taken[k] |= (~uint64_t{0} >> (63 - (to - from))) << from;
-      }
-    }
-    for (uint32_t y = corner[1]; y < corner[1] + shape.height; ++y) {
-      switch (words_) {
-        case 1:
-          widen_among<1>(y);
-          break;
-        case 2:
-          widen_among<2>(y);
-          break;
-        case 3:
-          widen_among<3>(y);
-          break;
-        case 4:
-          widen_among<4>(y);
-          break;
-        default:
-          for (uint32_t level = 1; level < levels_; ++level) widen(y, level);
-      }
-    }
-  }
-
- private:
-  /// Of a row at one level [words]: zeros follow its bits, so that whatever is shifted in from beyond its end is free.
-  [[nodiscard]] size_t stride() const { return 2 * size_t{words_}; }
-
-  /// Bit x of a level: one of the 2^level columns from x on is taken.
-  uint64_t* window(uint32_t row, uint32_t level) { return &window_[(size_t{row} * levels_ + level) * stride()]; }
-  [[nodiscard]] const uint64_t* window(uint32_t row, uint32_t level) const {
-    return &window_[(size_t{row} * levels_ + level) * stride()];
-  }
-
-  /// Bits `by` .. `by` + 63 of a row.
-  static uint64_t shifted(const uint64_t* row, uint32_t by) {
-    const uint64_t *word = row + by / 64, bits = by % 64;
-    return word[0] >> bits | word[1] << 1 << (63 - bits);
-  }
-
-  void widen(uint32_t row, uint32_t level) {
-    const uint64_t* half = window(row, level - 1);
-    uint64_t* whole = window(row, level);
-    for (uint32_t k = 0; k < words_; ++k) whole[k] = half[k] | shifted(half + k, 1U << (level - 1));
-  }
-
-  /// Fills in all levels of a row. What is stored is not read again at once: words that straddle two stored ones would
-  /// have to wait for both.
-  template <uint32_t kWords>
-  void widen_among(uint32_t row) {
-    std::array<uint64_t, kWords + 1> half{};
-    std::copy_n(window(row, 0), kWords, half.begin());
-    const uint32_t within_words = std::min(levels_, 7U);
-    for (uint32_t level = 1; level < within_words; ++level) {
-      const uint32_t by = 1U << (level - 1);
-      uint64_t* whole = window(row, level);
-      for (uint32_t k = 0; k < kWords; ++k) whole[k] = half[k] |= half[k] >> by | half[k + 1] << (64 - by);
-    }
-    for (uint32_t level = within_words; level < levels_; ++level) widen(row, level);
-  }
-
-  /// @tparam kWords  how many words a row has, or 0: any number
-  template <uint32_t kWords>
-  std::array<uint32_t, 2> find_among(const Grown& shape, uint32_t first_row, uint64_t& work) const {
-    const uint32_t words = kWords > 0 ? kWords : words_;
-    std::vector<uint64_t> many(kWords > 0 ? 0 : words_);
-    std::array<uint64_t, kWords> few;
-    uint64_t* blocked = kWords > 0 ? few.data() : many.data();
-    for (uint32_t y = first_row;; ++y) {
-      forbid_beyond(width_ - shape.width, words, blocked);
-      uint64_t all = 0;
-      for (const Grown::Run& run : shape.run) {
-        if (y + run.row >= rows_) continue;
-        const uint64_t* taken = window(y + run.row, run.level);
-        const uint32_t second = run.last + 1 - (1U << run.level);
-        all = ~uint64_t{0};
-        for (uint32_t k = 0; k < words; ++k) {
-          all &= blocked[k] |= shifted(taken + k, run.first) | shifted(taken + k, second);
-        }
-        work += words;
-        if (~all == 0) break;
-      }
-      if (~all == 0) continue;
-      for (uint32_t k = 0; k < words; ++k) {
-        if (~blocked[k] != 0) return {64 * k + static_cast<uint32_t>(std::countr_one(blocked[k])), y};
-      }
-    }
-  }
-
-  static void forbid_beyond(uint32_t last, uint32_t words, uint64_t* blocked) {
-    for (uint32_t k = 0; k < words; ++k) {
-      const uint32_t first = 64 * k;
-      const uint32_t free = last + 1 > first ? std::min(last + 1 - first, 64U) : 0;
-      blocked[k] = free == 64 ? 0 : ~uint64_t{0} << free;
-    }
-  }
-
-  uint32_t width_, words_, levels_;
-  uint32_t rows_ = 0;
-  std::vector<uint64_t> window_;
-};
-
 /// In which order shapes are placed, on a board of which width, and how they lie.
 struct Arrangement {
   std::vector<uint32_t> order;
@@ -265,39 +94,30 @@ void expect_side(uint32_t side) {
 /// Tries arrangements and keeps the best.
 class Packer {
  public:
-  Packer(std::span<const ChartShape> shape, PackEffort effort) : shape_(shape) {
-    double area = 0;
-    uint32_t widest = 0, highest = 0;
-    for (const ChartShape& s : shape) {
-      area += (s.width + 1.0) * (s.height + 1.0);
-      widest = std::max(widest, s.width);
-      highest = std::max(highest, s.height);
+  Packer(std::span<const ChartShape> shape, PackEffort effort) : is_quick_(effort == PackEffort::quick) {
+    for (const ChartShape& s : shape) shape_.push_back(&s);
+    measure();
+    see();
+  }
+
+  /// To be packed quickly.
+  explicit Packer(std::span<const ReadyShape* const> shape) : is_quick_(true) {
+    for (const ReadyShape* s : shape) shape_.push_back(&s->shape);
+    measure();
+    if (block_ > 1) {
+      see();
+      return;
     }
-    expect_side(std::max(widest, highest));
-    block_ = static_cast<uint32_t>(std::ceil(std::sqrt(area / kMostBlocks)));
-    const size_t fills = effort == PackEffort::quick ? 1 : kFills.size();
-    for (size_t f = 0; f < fills; ++f) {
-      Seen& seen = seen_[f];
-      seen.widest = kFills[f].is_transposed ? highest : widest;
-      for (const ChartShape& s : shape) {
-        const ChartShape lying = kFills[f].seen(s);
-        seen.upright.push_back(grown(lying, block_));
-        seen.turned.push_back(grown(half_turned(lying), block_));
-      }
+    for (const ReadyShape* s : shape) {
+      seen_[0].upright.push_back(&s->upright);
+      seen_[0].turned.push_back(&s->turned);
     }
-    for (const Seen& seen : seen_) {
-      for (const Grown& g : seen.upright) {
-        for (const Grown::Run& r : g.run) levels_ = std::max(levels_, r.level + 1);
-      }
-    }
-    for (const Grown& g : seen_[0].upright) {
-      for (const Grown::Run& r : g.run) blocks_ += r.last - r.first + 1.0;
-    }
+    count_blocks();
   }
 
   Packing pack_quickly() {
     std::vector<std::vector<uint32_t>> order = orders(0);
-    order.resize(2);
+    order.resize(order[0] == order[1] ? 1 : 2);
     for (const std::vector<uint32_t>& o : order) {
       for (const uint32_t width : widths(0, kQuickStride)) {
         Arrangement arrangement{o, {}, width};
@@ -328,9 +148,49 @@ class Packer {
  private:
   /// The shapes as a way to fill sees them.
   struct Seen {
-    std::vector<Grown> upright, turned;
-    uint32_t widest = 0;  // [pixels]
+    std::vector<const Grown*> upright, turned;
+    std::vector<uint32_t> levels;  // more than that of any run
+    uint32_t widest = 0;           // [pixels]
   };
+
+  void measure() {
+    double area = 0;
+    uint32_t widest = 0, highest = 0;
+    for (const ChartShape* s : shape_) {
+      area += (s->width + 1.0) * (s->height + 1.0);
+      widest = std::max(widest, s->width);
+      highest = std::max(highest, s->height);
+    }
+    expect_side(std::max(widest, highest));
+    block_ = static_cast<uint32_t>(std::ceil(std::sqrt(area / kMostBlocks)));
+    for (size_t f = 0; f < kFills.size(); ++f) seen_[f].widest = kFills[f].is_transposed ? highest : widest;
+  }
+
+  void see() {
+    const size_t fills = is_quick_ ? 1 : kFills.size();
+    own_.reserve(2 * fills * shape_.size());
+    for (size_t f = 0; f < fills; ++f) {
+      for (const ChartShape* s : shape_) {
+        const ChartShape lying = kFills[f].seen(*s);
+        seen_[f].upright.push_back(&own_.emplace_back(grown(lying, block_)));
+        seen_[f].turned.push_back(&own_.emplace_back(grown(half_turned(lying), block_)));
+      }
+    }
+    count_blocks();
+  }
+
+  void count_blocks() {
+    for (Seen& seen : seen_) {
+      for (const Grown* g : seen.upright) {
+        uint32_t& levels = seen.levels.emplace_back(1);
+        for (const Grown::Run& r : g->run) levels = std::max(levels, r.level + 1);
+        levels_ = std::max(levels_, levels);
+      }
+    }
+    for (const Grown* g : seen_[0].upright) {
+      for (const Grown::Run& r : g->run) blocks_ += r.last - r.first + 1.0;
+    }
+  }
 
   [[nodiscard]] uint32_t least_width(size_t fill) const { return seen_[fill].widest / block_ + 1; }
 
@@ -352,11 +212,11 @@ class Packer {
     std::vector<uint32_t> order(shape_.size());
     std::iota(order.begin(), order.end(), 0U);
     std::vector<std::vector<uint32_t>> result;
-    const std::vector<Grown>& upright = seen_[fill].upright;
+    const std::vector<const Grown*>& upright = seen_[fill].upright;
     const auto by = [&](const auto& size) {
       std::vector<uint32_t> sorted = order;
       std::stable_sort(sorted.begin(), sorted.end(),
-                       [&](uint32_t a, uint32_t b) { return size(upright[a]) > size(upright[b]); });
+                       [&](uint32_t a, uint32_t b) { return size(*upright[a]) > size(*upright[b]); });
       result.push_back(std::move(sorted));
     };
     by([](const Grown& g) { return g.height; });
@@ -397,21 +257,28 @@ class Packer {
   double try_arrangement(Arrangement& arrangement, double bound) {
     const bool choose = arrangement.turned.empty();
     if (choose) arrangement.turned.assign(shape_.size(), 0);
-    Board board(arrangement.width, levels_);
+    board_.reset(arrangement.width, levels_);
     const Seen& seen = seen_[arrangement.fill];
+    levels_from_.assign(shape_.size() + 1, 1);
+    for (size_t k = shape_.size(); k-- > 0;) {
+      levels_from_[k] = std::max(levels_from_[k + 1], seen.levels[arrangement.order[k]]);
+    }
     Packing packing;
     packing.corner.resize(shape_.size());
     uint32_t row = 0;  // of the shape placed last
     const Grown* last = nullptr;
-    for (const uint32_t i : arrangement.order) {
-      const Grown* lying = arrangement.turned[i] != 0 ? &seen.turned[i] : &seen.upright[i];
+    for (size_t k = 0; k < arrangement.order.size(); ++k) {
+      const uint32_t i = arrangement.order[k];
+      const Grown* lying = arrangement.turned[i] != 0 ? seen.turned[i] : seen.upright[i];
       // Where an equal shape did not fit this does not either.
-      std::array<uint32_t, 2> corner = board.find(*lying, last != nullptr && last->run == lying->run ? row : 0, work_);
+      const uint32_t first = last != nullptr && last->run == lying->run ? row : 0;
+      std::array<uint32_t, 2> corner = board_.find(*lying, first, kNone, work_).value();
       if (choose) {
-        const std::array<uint32_t, 2> other = board.find(seen.turned[i], 0, work_);
-        if (std::array{other[1], other[0]} < std::array{corner[1], corner[0]}) {
-          corner = other;
-          lying = &seen.turned[i];
+        // Thorough packing counts all rows as work, since that decides how long it goes on.
+        const auto other = board_.find(*seen.turned[i], 0, is_quick_ ? corner[1] : kNone, work_);
+        if (other && std::array{(*other)[1], (*other)[0]} < std::array{corner[1], corner[0]}) {
+          corner = *other;
+          lying = seen.turned[i];
           arrangement.turned[i] = 1;
         }
       }
@@ -422,7 +289,7 @@ class Packer {
       packing.width = std::max(packing.width, packing.corner[i][0] + width);
       packing.height = std::max(packing.height, packing.corner[i][1] + height);
       if (cost_of(packing) >= bound) return kInfinity;
-      if (i != arrangement.order.back()) board.take(*lying, corner);
+      if (k + 1 < arrangement.order.size()) board_.take(*lying, corner, levels_from_[k + 1]);
     }
     const auto is_set = [](uint8_t t) { return t != 0; };
     const bool turns = std::any_of(arrangement.turned.begin(), arrangement.turned.end(), is_set);
@@ -439,7 +306,7 @@ class Packer {
 
   /// Width and height of a shape as a way to fill sees it [pixels].
   [[nodiscard]] std::array<uint32_t, 2> size_of(uint32_t i, size_t fill) const {
-    const ChartShape& s = shape_[i];
+    const ChartShape& s = *shape_[i];
     return kFills[fill].is_transposed ? std::array{s.height, s.width} : std::array{s.width, s.height};
   }
 
@@ -461,8 +328,12 @@ class Packer {
     return longer * shorter * (1 + kOblong * (ratio - 1) + kLopsided * std::max(ratio - kLongest, 0.0));
   }
 
-  std::span<const ChartShape> shape_;
+  bool is_quick_;
+  std::vector<const ChartShape*> shape_;
+  std::vector<Grown> own_;
   std::array<Seen, kFills.size()> seen_;
+  Board board_;
+  std::vector<uint32_t> levels_from_;  // per place of an order: of the shapes from there on
   uint32_t block_ = 1, levels_ = 1;
   double blocks_ = 0;
   uint64_t work_ = 0;
@@ -488,6 +359,15 @@ ChartShape chart_shape(const FlatChart& chart) {
     for (size_t k = 0; k + 1 < crossing[y].size(); k += 2) shape.run.push_back({y, crossing[y][k], crossing[y][k + 1]});
   }
   return shape;
+}
+
+ReadyShape make_ready(ChartShape shape) {
+  Grown upright = grown(shape, 1), turned = grown(half_turned(shape), 1);
+  return {std::move(shape), std::move(upright), std::move(turned)};
+}
+
+Packing pack_quickly(std::span<const ReadyShape* const> shape) {
+  return Packer(shape).pack_quickly();
 }
 
 Packing pack_shapes(std::span<const ChartShape> shape, PackEffort effort) {

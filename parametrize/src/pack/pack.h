@@ -40,6 +40,10 @@ enum class PackEffort : uint8_t { quick, thorough };
 /// @throws Error(limit) when the atlas would exceed kMaxImageSide
 [[nodiscard]] Packing pack_shapes(std::span<const ChartShape> shape, PackEffort effort = PackEffort::thorough);
 
+/// The same with little effort, of shapes that are ready for it (ready_shape.h).
+struct ReadyShape;
+[[nodiscard]] Packing pack_quickly(std::span<const ReadyShape* const> shape);
+
 /// Packs the charts of a flat surface: sets its size and the charts' corners, and turns charts with their vertices.
 /// @param flat  complete but for width, height and the charts' corners
 void pack_charts(FlatSurface& flat);
