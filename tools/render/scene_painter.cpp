@@ -174,7 +174,7 @@ class ScenePainter::Impl {
   }
   void set_lender(Solver* lender) { lender_ = lender; }
   void set_ribbons(size_t cloth, RibbonLayer layer, std::span<const RibbonInstance> ribbons) {
-    cloths_.at(cloth).set_ribbons(context_, layer, ribbons);
+    cloths_.at(cloth)->set_ribbons(context_, layer, ribbons);
   }
   void set_camera(const Camera& camera) { camera_ = camera; }
   void set_subject(const Bounds& subject) { subject_ = subject; }
@@ -183,19 +183,19 @@ class ScenePainter::Impl {
     if (colliders.size() != solids_.size() || (lender_ == nullptr && states.size() != cloths_.size()))
       throw Error(ErrorCode::invalid_argument, "a picture needs a pose of every collider and a state of every cloth");
     if (lender_ == nullptr)
-      for (size_t i = 0; i < cloths_.size(); ++i) cloths_[i].upload(states[i]);
+      for (size_t i = 0; i < cloths_.size(); ++i) cloths_[i]->upload(states[i]);
     colliders_.assign(colliders.begin(), colliders.end());
     extent_ = extent;
     write_frame_params();
   }
 
   void record_before(const vk::raii::CommandBuffer& commands, const Layers& layers) const {
-    for (const GpuCloth& cloth : cloths_) cloth.record_upload(commands);
+    for (const auto& cloth : cloths_) cloth->record_upload(commands);
     shadow_.begin(commands);
     bind(commands, pipelines_.solid_shadow);
     if (layers.colliders) draw_colliders(commands, true);
     bind(commands, pipelines_.cloth_shadow);
-    for (const GpuCloth& cloth : cloths_) cloth.record_draw(commands, *layout_, true, layers.strain_range);
+    for (const auto& cloth : cloths_) cloth->record_draw(commands, *layout_, true, layers.strain_range);
     shadow_.end(commands);
   }
 
@@ -206,11 +206,11 @@ class ScenePainter::Impl {
     draw_grounds(commands);
     if (layers.colliders) draw_colliders(commands, false);
     bind(commands, pipelines_.cloth);
-    for (const GpuCloth& cloth : cloths_) cloth.record_draw(commands, *layout_, false, layers.strain_range);
+    for (const auto& cloth : cloths_) cloth->record_draw(commands, *layout_, false, layers.strain_range);
     bind(commands, pipelines_.ribbon);
     const auto height = static_cast<float>(extent_.height);
     const auto draw = [&](RibbonLayer layer, float thickness) {
-      for (const GpuCloth& cloth : cloths_) cloth.record_ribbons(commands, *layout_, layer, thickness);
+      for (const auto& cloth : cloths_) cloth->record_ribbons(commands, *layout_, layer, thickness);
     };
     draw(RibbonLayer::seams, std::max(2.F, height / 180));
     if (layers.springs) draw(RibbonLayer::springs, std::max(1.F, height / 600));
@@ -220,10 +220,10 @@ class ScenePainter::Impl {
   [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
 
  private:
-  GpuCloth make_cloth(size_t index, const RenderCloth& cloth, Show show) {
+  std::unique_ptr<GpuCloth> make_cloth(size_t index, const RenderCloth& cloth, Show show) {
     std::optional<VulkanClothImages> lent;
     if (lender_ != nullptr) lent = vulkan_images(*lender_, static_cast<uint32_t>(index));
-    return {context_, cloth_layouts_, cloth, show, lent, warnings_};
+    return std::make_unique<GpuCloth>(context_, cloth_layouts_, cloth, show, lent, warnings_);
   }
 
   void find_ground_height(const RenderScene& scene) {
@@ -340,7 +340,7 @@ class ScenePainter::Impl {
   vk::raii::DescriptorPool pool_ = nullptr;
   vk::raii::DescriptorSet frame_set_ = nullptr;
   GpuSolid ground_;
-  std::vector<GpuCloth> cloths_;
+  std::vector<std::unique_ptr<GpuCloth>> cloths_;  ///< a descriptor pool may not be moved over: its sets die later
   std::vector<std::optional<GpuSolid>> solids_;
   std::vector<Collider> colliders_;  ///< in their poses
   Camera camera_;

@@ -31,9 +31,10 @@ void set_style() {
   style.ItemSpacing = {8, 5};
   const ImVec4 accent{0.42F, 0.60F, 0.86F, 1}, quiet{0.28F, 0.31F, 0.36F, 0.85F}, warm{0.36F, 0.40F, 0.47F, 0.95F};
   auto& color = style.Colors;
-  color[ImGuiCol_WindowBg] = {0.10F, 0.11F, 0.13F, 0.86F};
+  color[ImGuiCol_WindowBg] = {0.10F, 0.11F, 0.13F, 0.95F};
+  color[ImGuiCol_TextDisabled] = {0.62F, 0.65F, 0.70F, 1};
   color[ImGuiCol_TitleBg] = color[ImGuiCol_TitleBgActive] =
-      color[ImGuiCol_TitleBgCollapsed] = {0.14F, 0.155F, 0.18F, 0.92F};
+      color[ImGuiCol_TitleBgCollapsed] = {0.14F, 0.155F, 0.18F, 0.97F};
   color[ImGuiCol_FrameBg] = color[ImGuiCol_Button] = color[ImGuiCol_Header] = quiet;
   color[ImGuiCol_FrameBgHovered] = color[ImGuiCol_ButtonHovered] = color[ImGuiCol_HeaderHovered] = warm;
   color[ImGuiCol_FrameBgActive] = color[ImGuiCol_ButtonActive] = color[ImGuiCol_HeaderActive] = accent;

@@ -123,6 +123,7 @@ class Viewer::Impl {
 
   [[nodiscard]] Window& window() { return window_; }
   [[nodiscard]] Session& session() { return session_; }
+  [[nodiscard]] const std::vector<std::string>& warnings() const { return painter_.warnings(); }
   [[nodiscard]] bool draws_from_solver() const { return device_.for_solver; }
   [[nodiscard]] std::shared_ptr<const ValidationLog> validation_log() const {
     return device_.context->validation_log();
@@ -260,6 +261,10 @@ Window& Viewer::window() {
 
 Session& Viewer::session() {
   return impl_->session();
+}
+
+const std::vector<std::string>& Viewer::warnings() const {
+  return impl_->warnings();
 }
 
 bool Viewer::draws_from_solver() const {

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "geocloth/solver/scene.h"
 #include "render/picture.h"
@@ -44,6 +45,8 @@ class Viewer {
 
   [[nodiscard]] Window& window();
   [[nodiscard]] Session& session();
+  /// See Renderer::warnings.
+  [[nodiscard]] const std::vector<std::string>& warnings() const;
   /// Whether the solver's own images are drawn.
   [[nodiscard]] bool draws_from_solver() const;
   /// Of the device of the window; outlives the viewer.
