@@ -14,6 +14,7 @@
 #include "options.h"
 #include "render/picture_options.h"
 #include "scene_input.h"
+#include "view/controls.h"
 #include "view/viewer.h"
 
 namespace geocloth {
@@ -21,11 +22,11 @@ namespace {
 
 constexpr uint32_t kMaxFrames = 1000000;
 
-constexpr const char* kControls =
-    "Mouse: left on the cloth drags it, beside it orbits; right orbits, middle (or shift and left) pans, the wheel "
-    "zooms; control and left cuts along a line, through all that lies behind it.\n"
-    "Keys: space plays and pauses, right arrow steps, R restarts, F frames all, C cuts with the left button until C or "
-    "Escape, 1 to 5 show cloth, grid, strain, charts, seams; S springs, P pins, O colliders, Tab the panel.";
+std::string controls() {
+  std::string text = "Mouse and keys:\n";
+  for (const auto& [hand, what] : view::kControls) text += fmt::format("  {:<30}{}\n", hand, what);
+  return text;
+}
 
 struct Options {
   std::filesystem::path input, screenshot;
@@ -74,7 +75,7 @@ void run(const Options& options) {
 
 CommandRun add_view(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  app.footer(kControls);
+  app.footer(controls());
   add_scene_input(app, options->input);
   add_solver_options(app, options->solver);
   add_size_option(app, options->picture, "size of the window");

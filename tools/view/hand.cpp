@@ -11,7 +11,7 @@ namespace geocloth::view {
 namespace {
 
 constexpr float kSag = 0.02F;      ///< [m] when all of the cloth hangs from the hand
-constexpr float kMostWeights = 5;  ///< the hardest pull, in weights of the cloth
+constexpr float kMostWeights = 3;  ///< the hardest pull, in weights of the cloth
 constexpr float kGravity = 9.81F;  ///< [m/s^2] a hand is no weaker in scenes without gravity
 
 }  // namespace

@@ -6,13 +6,13 @@
 namespace geocloth::view {
 namespace {
 
-constexpr double kMostFrames = 4;   ///< in one picture
+constexpr double kMostOwed = 0.25;  ///< [s] a picture that takes longer is no motion any more
 constexpr double kRounding = 1e-6;  ///< of a frame
 
 }  // namespace
 
 void Pacer::pass(double seconds) {
-  owed_ = std::min(owed_ + std::max(seconds, 0.0), kMostFrames * frame_time_);
+  owed_ = std::min(owed_ + std::max(seconds, 0.0), std::max(kMostOwed, frame_time_));
 }
 
 bool Pacer::due() const {

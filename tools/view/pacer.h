@@ -4,7 +4,7 @@
 namespace geocloth::view {
 
 /// Keeps a simulation in step with the clock. Time that it cannot keep up with is dropped: then it is slower than the
-/// clock, and never owes more than a picture's worth of frames.
+/// clock, and never owes more than a quarter of a second or one frame.
 class Pacer {
  public:
   /// @param frame_time  [s] > 0

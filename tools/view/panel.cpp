@@ -10,6 +10,7 @@
 #include <imgui.h>
 
 #include "render/color_map.h"
+#include "view/controls.h"
 
 namespace geocloth::view {
 namespace {
@@ -132,6 +133,18 @@ void lay_out_forces(Session& session) {
   session.set_wind(wind);
 }
 
+void lay_out_controls() {
+  if (!ImGui::CollapsingHeader("mouse and keys")) return;
+  for (const auto& [hand, what] : kControls) {
+    text(hand);
+    ImGui::PushTextWrapPos(0);
+    ImGui::Indent();
+    ImGui::TextDisabled("%s", what);
+    ImGui::Unindent();
+    ImGui::PopTextWrapPos();
+  }
+}
+
 /// What the mouse does, drawn over the scene: the line to cut along, and how the hand pulls.
 void draw_gestures(Session& session) {
   ImDrawList* const list = ImGui::GetBackgroundDrawList();
@@ -192,6 +205,7 @@ const ImDrawData& Panel::lay_out(Session& session) {
       lay_out_display(session);
       ImGui::Separator();
       lay_out_forces(session);
+      lay_out_controls();
       if (!session.note().empty()) {
         ImGui::Separator();
         ImGui::PushTextWrapPos(0);

@@ -20,7 +20,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kPictureBudget = 0.04;  ///< [s] of real time that frames between two pictures may take
+constexpr double kPictureBudget = 0.06;  ///< [s] of real time that frames between two pictures may take
 constexpr double kMeasureEvery = 0.25;   ///< [s] of real time
 constexpr size_t kStepsKept = 30;
 constexpr float kRoom = 0.08F, kNearby = 0.35F;  ///< what is framed around the garments, shares of their diagonal
@@ -197,7 +197,8 @@ void Session::take_cut_assets() {
 void Session::update_hand() {
   if (!hand_) return;
   const Vec3& now = positions(hand_->cloth())[hand_->pixel()];
-  if (!is_finite(now)) {
+  constexpr float kLost = 1e5F;  // [m] pins have a limit too
+  if (!(length(now) < kLost)) {
     let_go();
     return;
   }
@@ -310,14 +311,23 @@ void Session::cut_along(const CutLine& line) {
   const auto triangle = cut_triangle(screen(), line.from, line.to, cloth_bounds());
   if (!triangle) return;
   CutResult all;
-  for (uint32_t c = 0; c < states_.size(); ++c) {
-    const CutResult cut = simulation_->solver().cut(c, *triangle);
-    all.springs += cut.springs;
-    all.parted_points += cut.parted_points;
+  try {
+    for (uint32_t c = 0; c < states_.size(); ++c) {
+      const CutResult cut = simulation_->solver().cut(c, *triangle);
+      all.springs += cut.springs;
+      all.parted_points += cut.parted_points;
+    }
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::invalid_argument) throw;
+    note_ = error.what();  // cloth that flew out of the world
+    return take_cut_assets();
   }
   take_cut_assets();
-  note_ = all == CutResult{} ? "the line met no cloth"
-                             : fmt::format("cut {} springs and {} points of seams", all.springs, all.parted_points);
+  note_ = all == CutResult{}
+              ? "the line met no cloth"
+              : fmt::format(
+                    "cut {} springs{}", all.springs,
+                    all.parted_points == 0 ? std::string() : fmt::format(" and {} points of seams", all.parted_points));
 }
 
 void Session::on(const Scrolled& event) {
