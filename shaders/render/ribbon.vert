@@ -16,8 +16,8 @@ layout(location = 0) out vec3 out_color;
 
 vec4 project(uint pixel) {
   vec3 point = fetch_position(pixel, draw.width) + draw.origin.xyz;
-  // A little towards the eye, so that the line lies on the cloth from either side.
-  point += normalize(frame.eye.xyz - point) * (0.004 * frame.center.w);
+  // A little towards the eye, so that the line lies on the cloth from either side; dots lie on lines.
+  point += normalize(frame.eye.xyz - point) * ((in_pixel.x == in_pixel.y ? 0.008 : 0.004) * frame.center.w);
   return frame.view_projection * vec4(point, 1.0);
 }
 

@@ -318,6 +318,21 @@ TEST_F(SessionTest, a_pinned_point_comes_back_when_it_is_let_go) {
   expect_near(session.positions(0)[pixel], pinned, 1e-4F);
 }
 
+TEST_F(SessionTest, knows_the_pins_of_the_scene) {
+  Session session(setup_, kSize);
+  EXPECT_THAT(session.simulation().held_pixels(0), testing::SizeIs(16));
+  EXPECT_THAT(session.simulation().held_pixels(0), testing::Contains(test::sheet_pixel(options_, 3, 0)));
+  setup_.scene.cloths[0].pins[0].from = 0.1;
+  setup_.scene.cloths[0].pins[0].until = 0.2;
+  Session later(setup_, kSize);
+  EXPECT_THAT(later.simulation().held_pixels(0), IsEmpty());
+  play(later, 9);
+  EXPECT_THAT(later.simulation().held_pixels(0), testing::SizeIs(16));
+  play(later, 9);
+  EXPECT_THAT(later.simulation().held_pixels(0), IsEmpty());
+  EXPECT_THROW(later.simulation().set_hand(1, {}), Error);
+}
+
 TEST_F(SessionTest, a_line_cuts_the_cloth_in_two) {
   Session session(setup_, kSize);
   const auto before = session.asset(0);

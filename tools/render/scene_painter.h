@@ -15,7 +15,7 @@ namespace geocloth::render {
 struct Layers {
   bool colliders = true;  ///< planes are ground
   bool springs = false, pins = false;
-  float strain_range = 0.10F;  ///< strain at the ends of the heat scale
+  float strain_range = kStrainRange;
 };
 
 /// Records how a scene is drawn, for pictures and for windows alike. What it draws into is the caller's, and so is the

@@ -15,8 +15,6 @@
 namespace geocloth::view {
 namespace {
 
-constexpr float kStrainRange = RenderOptions{}.strain_range;
-
 void text(const std::string& line) {
   ImGui::TextUnformatted(line.c_str());
 }

@@ -26,7 +26,8 @@ float meet(const Ray& ray, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 from = ray.origin - a, q = cross(from, ab);
   const float u = dot(from, p) / determinant, v = dot(ray.direction, q) / determinant;
   const float depth = dot(ac, q) / determinant;
-  return u >= 0 && v >= 0 && u + v <= 1 && depth > 0 ? depth : kNever;
+  if (u >= 0 && v >= 0 && u + v <= 1 && depth > 0) return depth;
+  return kNever;
 }
 
 struct Hit {
