@@ -16,6 +16,7 @@ using CommandRun = std::function<void()>;
 [[nodiscard]] CommandRun add_inspect(CLI::App& app);
 [[nodiscard]] CommandRun add_simulate(CLI::App& app);
 [[nodiscard]] CommandRun add_render(CLI::App& app);
+[[nodiscard]] CommandRun add_view(CLI::App& app);
 [[nodiscard]] CommandRun add_devices(CLI::App& app);
 [[nodiscard]] CommandRun add_bench(CLI::App& app);
 

@@ -8,7 +8,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -21,35 +20,31 @@
 #include "geocloth/asset/error.h"
 #include "geocloth/asset/grid_mesh.h"
 #include "geocloth/asset/output_file.h"
-#include "geocloth/parametrize/import.h"
 #include "geocloth/solver/scene.h"
 #include "options.h"
 #include "progress.h"
 #include "render/picture_options.h"
 #include "render/picture_writers.h"
+#include "scene_input.h"
 #include "simulation_report.h"
 
 namespace geocloth {
 namespace {
 
 constexpr uint32_t kMaxFrames = 1000000;
-constexpr uint32_t kMaxThreads = 256;
 
 struct Options {
   std::filesystem::path input, report, last_state;
   std::vector<std::string> outputs;
   uint32_t frames = 0;
   CLI::Option* frames_option = nullptr;
-  Backend backend = Backend::automatic;
-  std::string device;
-  uint32_t threads = std::clamp(std::thread::hardware_concurrency(), 1U, kMaxThreads);
+  SolverSettings solver = default_solver_settings();
   RenderOptions pictures;
   bool check = false, quiet = false;
 };
 
 Scene load_scene(const Options& options) {
-  const bool is_asset = CLI::detail::to_lower(options.input.extension().string()) == ".glb";
-  Scene scene = is_asset ? default_scene(options.input) : read_scene(options.input);
+  Scene scene = read_scene_or_asset(options.input);
   if (options.frames_option->count() > 0) scene.frames = options.frames;
   return scene;
 }
@@ -73,32 +68,15 @@ std::vector<NamedFile> written_files(const Options& options, size_t cloths) {
 
 /// What the scene names is known once it is read.
 void check_files_of_scene(const Options& options, const Scene& scene) {
-  std::vector<NamedFile> read{{"the scene", options.input}};
-  for (const SceneCloth& cloth : scene.cloths) read.push_back({"an asset of the scene", cloth.asset});
-  for (const SceneCollider& collider : scene.colliders) {
-    if (collider.mesh) read.push_back({"a collider of the scene", collider.mesh->file});
-  }
-  const std::string clash = find_name_clash(read, written_files(options, scene.cloths.size()));
+  const std::string clash =
+      find_name_clash(files_read(options.input, scene), written_files(options, scene.cloths.size()));
   if (!clash.empty()) throw Error(ErrorCode::invalid_argument, clash);
 }
 
-/// A collider's mesh may be of any kind that a garment may be.
-TriangleSurface read_body(const std::filesystem::path& path) {
-  const TriangleMesh mesh = import_mesh(path);
-  TriangleSurface surface;
-  surface.position.reserve(mesh.position.size());
-  for (const auto& p : mesh.position)
-    surface.position.push_back({static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])});
-  surface.triangle.assign(mesh.triangle.begin(), mesh.triangle.end());
-  return surface;
-}
-
 SolverSettings solver_settings(const Options& options) {
-  SolverSettings settings;
+  SolverSettings settings = options.solver;
   // A scene can be checked on a machine without the device that it is to run on.
-  settings.backend = options.check ? Backend::cpu : options.backend;
-  settings.device = options.device;
-  settings.threads = options.threads;
+  if (options.check) settings.backend = Backend::cpu;
   settings.timings = settings.check_copies = !options.report.empty();
   return settings;
 }
@@ -224,10 +202,7 @@ void run(const Options& options) {
 
 CommandRun add_simulate(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  add_text(app, "scene", "SCENE", options->input,
-           "a scene file (.json), or an asset (.glb), which is hung by its highest boundary", "required")
-      ->required()
-      ->check(ends_with({".json", ".glb"}));
+  add_scene_input(app, options->input);
   CLI::Option* output =
       add_text(app, "-o,--output", "OUT", options->outputs,
                "what to write, by its ending: .glb (animated), .pc2, .mdd, .obj (numbered), .png (numbered), .mp4, "
@@ -237,13 +212,7 @@ CommandRun add_simulate(CLI::App& app) {
           ->allow_extra_args(false);
   options->frames_option = add_number<uint32_t>(app, "--frames", "N", options->frames, 0, kMaxFrames, "frames",
                                                 "how long to run", "what the scene says");
-  add_choice<Backend>(app, "--backend", options->backend,
-                      {{"auto", Backend::automatic}, {"cpu", Backend::cpu}, {"vulkan", Backend::vulkan}},
-                      "what runs the solver; auto: a real GPU if there is one, else cpu");
-  add_text(app, "--device", "NAME", options->device, "part of a device's name as `geocloth devices` lists it",
-           "default the first of the backend");
-  add_number<uint32_t>(app, "--threads", "N", options->threads, 1, kMaxThreads, "threads",
-                       "for the cpu backend; the result does not depend on it", "all of the machine's");
+  add_solver_options(app, options->solver);
   add_picture_options(app, options->pictures);
   CLI::Option* report = add_text(
       app, "--report", "R.json", options->report,

@@ -7,7 +7,7 @@ set -eu
 packages="g++ cmake ninja-build pkg-config git ca-certificates
   libcgal-dev libeigen3-dev libassimp-dev libpugixml-dev libdraco-dev libmeshoptimizer-dev libtbb-dev libhwy-dev
   libcli11-dev libfmt-dev nlohmann-json3-dev
-  libpng-dev libjpeg-dev libstb-dev libopenexr-dev
+  libpng-dev libjpeg-dev libstb-dev libopenexr-dev libglfw3-dev libimgui-dev
   libvulkan-dev glslang-tools spirv-tools libgtest-dev libgmock-dev"
 optional=""
 for purpose in "$@"; do
@@ -15,7 +15,7 @@ for purpose in "$@"; do
     # lavapipe draws where there is no GPU.
     demo) packages="$packages ffmpeg mesa-vulkan-drivers" ;;
     test)
-      packages="$packages ffmpeg mesa-vulkan-drivers vulkan-validationlayers clang clang-format clang-tidy"
+      packages="$packages ffmpeg mesa-vulkan-drivers vulkan-validationlayers xvfb clang clang-format clang-tidy"
       # The glTF validator and three.js come through npm; the browser test skips where there is no Chromium.
       command -v node >/dev/null || packages="$packages nodejs"
       command -v npm >/dev/null || packages="$packages npm"

@@ -30,11 +30,12 @@ struct Command {
   CommandRun (*add)(CLI::App& app);
 };
 
-constexpr std::array<Command, 6> kCommands{{
+constexpr std::array<Command, 7> kCommands{{
     {"convert", "turn a garment mesh into an asset: geometry image and split-vertex table", geocloth::add_convert},
     {"inspect", "say what is in an asset, or write its grid mesh", geocloth::add_inspect},
     {"simulate", "run a scene and write the motion", geocloth::add_simulate},
     {"render", "make pictures of an asset or of a simulated motion, off screen", geocloth::add_render},
+    {"view", "show a scene in a window: orbit, play, drag, cut", geocloth::add_view},
     {"devices", "list what can run the solver, and why a device cannot", geocloth::add_devices},
     {"bench", "measure how fast the solver is on this machine", geocloth::add_bench},
 }};

@@ -63,6 +63,10 @@ struct RibbonDraw {
   float thickness;  // [pixels]
 };
 
+struct PanelDraw {
+  vec4 corner_size;  // upper left corner and size of what the picture shows, in the unit of the vertices
+};
+
 #ifdef __cplusplus
 }  // namespace geocloth::shader
 #endif

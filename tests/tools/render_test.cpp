@@ -2,6 +2,7 @@
 // The off-screen renderer: what a picture must show, and that the validation layers have nothing to say about it.
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <functional>
 
 #include <gmock/gmock.h>
@@ -150,10 +151,12 @@ class Render : public test::VulkanTest {
 
 TEST_F(Render, every_way_of_showing_gives_another_picture) {
   const Stage stage(test::make_sheet({.nx = 24, .ny = 24, .charts_x = 2, .charts_y = 2}));
+  const std::string folder = std::string(GEOCLOTH_BINARY_DIR) + "/test_output";
+  std::filesystem::create_directories(folder);
   std::vector<Picture> pictures;
   for (const auto& [name, show] : kShowNames) {
     pictures.push_back(draw(stage, small(show)));
-    write_png(pictures.back(), std::string(GEOCLOTH_BINARY_DIR) + "/test_output/show_" + name + ".png");
+    write_png(pictures.back(), folder + "/show_" + name + ".png");
   }
   for (size_t i = 0; i < pictures.size(); ++i)
     for (size_t j = 0; j < i; ++j) EXPECT_GT(difference(pictures[i], pictures[j]), 0.02) << i << " " << j;

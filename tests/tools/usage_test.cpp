@@ -15,7 +15,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::StartsWith;
 
-const std::vector<std::string> kCommands{"convert", "inspect", "simulate", "render", "devices", "bench"};
+const std::vector<std::string> kCommands{"convert", "inspect", "simulate", "render", "view", "devices", "bench"};
 
 std::ptrdiff_t count_lines(const std::string& text) {
   return std::count(text.begin(), text.end(), '\n');
@@ -60,9 +60,11 @@ INSTANTIATE_TEST_SUITE_P(
         Words{"simulate", "a.glb", "-o", "b.glb", "--frames", "-1"},
         Words{"simulate", "a.glb", "-o", "b.glb", "--frames", "1e3"},
         Words{"simulate", "a.glb", "-o", "b.glb", "--threads", "0"},
-        Words{"simulate", "a.glb", "-o", "b.glb", "--backend", "abacus"}, Words{"devices", "all"},
-        Words{"bench", "fast"}, Words{"bench", "--scene", "loom"}, Words{"bench", "--size", "1"},
-        Words{"bench", "--compare", "a.json"}));
+        Words{"simulate", "a.glb", "-o", "b.glb", "--backend", "abacus"}, Words{"view"}, Words{"view", "a.txt"},
+        Words{"view", "a.json", "--size", "640"}, Words{"view", "a.json", "--play", "--paused"},
+        Words{"view", "a.json", "-o", "a.jpg"}, Words{"view", "a.json", "--show", "bones"},
+        Words{"view", "a.json", "--frames", "-1"}, Words{"devices", "all"}, Words{"bench", "fast"},
+        Words{"bench", "--scene", "loom"}, Words{"bench", "--size", "1"}, Words{"bench", "--compare", "a.json"}));
 
 TEST(Usage, UnknownCommandNamesTheNearestOne) {
   EXPECT_THAT(run_program({"convret", "a.obj"}).err, HasSubstr("convert"));
@@ -113,6 +115,7 @@ TEST(Usage, EveryCommandHelpSaysTheDefaultOfEveryOption) {
 }
 
 TEST(Usage, WhateverDrawsTakesTheSameOptions) {
+  for (const char* option : {"--size", "--show"}) EXPECT_THAT(run_program({"view", "--help"}).out, HasSubstr(option));
   for (const char* command : {"simulate", "render"}) {
     const std::string help = run_program({command, "--help"}).out;
     for (const char* option : {"--camera", "--size", "--show"}) EXPECT_THAT(help, HasSubstr(option)) << command;

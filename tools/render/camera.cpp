@@ -28,18 +28,6 @@ Vec3 orbit_direction(const OrbitCamera& orbit) {
   return {std::sin(a) * std::cos(e), std::sin(e), std::cos(a) * std::cos(e)};
 }
 
-struct ViewAxes {
-  Vec3 right, up, back;
-};
-
-ViewAxes view_axes(const Vec3& eye, const Vec3& target) {
-  const Vec3 difference = eye - target;
-  const Vec3 back = length(difference) > 0 ? normalized(difference) : Vec3{0, 0, 1};
-  const Vec3 across = cross(Vec3{0, 1, 0}, back);
-  const Vec3 right = length(across) > 1e-6F ? normalized(across) : Vec3{1, 0, 0};
-  return {right, cross(back, right), back};
-}
-
 /// The same box turned to every azimuth.
 Bounds swept_round(const Bounds& box) {
   const Vec3 half = (box.high - box.low) * 0.5F, middle = box.center();
@@ -133,6 +121,14 @@ Camera place_camera(const CameraChoice& choice, const Bounds& subject, float asp
   const float distance = orbit.distance.value_or(framing_distance(box, axes, camera.field_of_view_deg, aspect));
   camera.eye = camera.target + direction * distance;
   return camera;
+}
+
+ViewAxes view_axes(const Vec3& eye, const Vec3& target) {
+  const Vec3 difference = eye - target;
+  const Vec3 back = length(difference) > 0 ? normalized(difference) : Vec3{0, 0, 1};
+  const Vec3 across = cross(Vec3{0, 1, 0}, back);
+  const Vec3 right = length(across) > 1e-6F ? normalized(across) : Vec3{1, 0, 0};
+  return {right, cross(back, right), back};
 }
 
 Matrix4 operator*(const Matrix4& a, const Matrix4& b) {

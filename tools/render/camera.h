@@ -49,6 +49,12 @@ using CameraChoice = std::variant<OrbitCamera, Camera>;
 [[nodiscard]] Camera place_camera(const CameraChoice& choice, const Bounds& subject, float aspect,
                                   bool all_round = false);
 
+/// Unit vectors of a view, at right angles: to the right and up in the picture, and from the target to the eye.
+struct ViewAxes {
+  Vec3 right, up, back;
+};
+[[nodiscard]] ViewAxes view_axes(const Vec3& eye, const Vec3& target);
+
 /// Column-major 4 x 4 matrices for Vulkan's clip space (y down, depth 0..1).
 using Matrix4 = std::array<float, 16>;
 [[nodiscard]] Matrix4 operator*(const Matrix4& a, const Matrix4& b);

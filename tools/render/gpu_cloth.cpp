@@ -23,6 +23,7 @@ constexpr std::array<Color, 5> kFabrics{
     {{118, 142, 176, 255}, {186, 132, 108, 255}, {140, 160, 124, 255}, {172, 150, 178, 255}, {196, 176, 128, 255}}};
 constexpr Color kPaleFabric{196, 200, 206, 255};  ///< under grid lines and seams
 constexpr Color kFreeBorder{24, 26, 32, 255};
+constexpr Color kStructural{28, 32, 44, 255}, kShear{236, 190, 92, 255};  ///< springs, by family
 constexpr uint32_t kMaxTextureSide = 1024;  ///< there are no smaller levels: a larger one would only flicker
 
 shader::vec4 linear(Color color) {
@@ -113,6 +114,25 @@ Picture heat_scale() {
 
 }  // namespace
 
+std::vector<RibbonInstance> spring_ribbons(const ClothAsset& asset) {
+  std::vector<RibbonInstance> ribbons;
+  for (uint32_t pixel = 0; pixel < asset.pixel_count(); ++pixel) {
+    const uint32_t mask = asset.spring_mask[pixel], down = pixel + asset.width;
+    if ((mask & kSpringRight) != 0) ribbons.push_back({{pixel, pixel + 1}, kStructural});
+    if ((mask & kSpringDown) != 0) ribbons.push_back({{pixel, down}, kStructural});
+    if ((mask & kSpringDownRight) != 0) ribbons.push_back({{pixel, down + 1}, kShear});
+    if ((mask & kSpringDownLeft) != 0) ribbons.push_back({{pixel, down - 1}, kShear});
+  }
+  return ribbons;
+}
+
+std::vector<RibbonInstance> pixel_dots(std::span<const uint32_t> pixels, Color color) {
+  std::vector<RibbonInstance> dots;
+  dots.reserve(pixels.size());
+  for (const uint32_t pixel : pixels) dots.push_back({{pixel, pixel}, color});
+  return dots;
+}
+
 ClothLayouts::ClothLayouts(const ContextPtr& context)
     : images(make_set_layout(context,
                              std::array{vk::DescriptorType::eSampledImage, vk::DescriptorType::eSampledImage,
@@ -161,11 +181,14 @@ void GpuCloth::make_geometry(const ContextPtr& context, const RenderCloth& cloth
   } else {
     runs_.push_back({0, static_cast<uint32_t>(3 * triangles.size()), 0});
   }
-  if (show == Show::seams) {
-    const std::vector<RibbonInstance> ribbons = seam_ribbons(asset);
-    ribbon_count_ = static_cast<uint32_t>(ribbons.size());
-    ribbons_ = filled_buffer(context, std::span(ribbons), vk::BufferUsageFlagBits::eVertexBuffer);
-  }
+  if (show == Show::seams) set_ribbons(context, RibbonLayer::seams, seam_ribbons(asset));
+}
+
+void GpuCloth::set_ribbons(const ContextPtr& context, RibbonLayer layer, std::span<const RibbonInstance> ribbons) {
+  Ribbons& target = ribbons_.at(static_cast<size_t>(layer));
+  target.count = static_cast<uint32_t>(ribbons.size());
+  target.instances.reset();
+  if (!ribbons.empty()) target.instances = filled_buffer(context, ribbons, vk::BufferUsageFlagBits::eVertexBuffer);
 }
 
 void GpuCloth::make_materials(const ContextPtr& context, const ClothAsset& asset, Show show,
@@ -303,15 +326,17 @@ void GpuCloth::record_draw(const vk::raii::CommandBuffer& commands, vk::Pipeline
   }
 }
 
-void GpuCloth::record_ribbons(const vk::raii::CommandBuffer& commands, vk::PipelineLayout layout,
+void GpuCloth::record_ribbons(const vk::raii::CommandBuffer& commands, vk::PipelineLayout layout, RibbonLayer layer,
                               float thickness) const {
+  const Ribbons& ribbons = ribbons_.at(static_cast<size_t>(layer));
+  if (ribbons.count == 0) return;
   const shader::RibbonDraw draw{
       .origin = {origin_.x, origin_.y, origin_.z, 0}, .width = width_, .thickness = thickness};
-  commands.bindVertexBuffers(0, ribbons_->handle(), vk::DeviceSize{0});
+  commands.bindVertexBuffers(0, ribbons.instances->handle(), vk::DeviceSize{0});
   commands.bindDescriptorSets(vk::PipelineBindPoint::eGraphics, layout, 1, *images_set_, {});
   commands.pushConstants<shader::RibbonDraw>(
       layout, vk::ShaderStageFlagBits::eVertex | vk::ShaderStageFlagBits::eFragment, 0, draw);
-  commands.draw(6, ribbon_count_, 0, 0);
+  commands.draw(6, ribbons.count, 0, 0);
 }
 
 }  // namespace geocloth::render

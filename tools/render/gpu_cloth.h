@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "geocloth/solver/vulkan_interop.h"
 #include "render/gpu_support.h"
@@ -35,6 +38,14 @@ struct RibbonInstance {
 [[nodiscard]] std::span<const vk::VertexInputAttributeDescription> cloth_attributes();
 [[nodiscard]] std::span<const vk::VertexInputAttributeDescription> ribbon_attributes();
 
+/// Lines over a cloth, each drawn on its own.
+enum class RibbonLayer : uint8_t { seams, springs, pins };
+inline constexpr size_t kRibbonLayers = 3;
+/// Structural and shear springs, one ribbon each.
+[[nodiscard]] std::vector<RibbonInstance> spring_ribbons(const ClothAsset& asset);
+/// A dot at each pixel.
+[[nodiscard]] std::vector<RibbonInstance> pixel_dots(std::span<const uint32_t> pixels, Color color);
+
 /// One run of triangles with one material.
 struct ClothRun {
   uint32_t first_index = 0, index_count = 0;
@@ -55,10 +66,17 @@ class GpuCloth {
   /// Draws with the pipeline that is bound.
   void record_draw(const vk::raii::CommandBuffer& commands, vk::PipelineLayout layout, bool shadow_pass,
                    float strain_range) const;
-  void record_ribbons(const vk::raii::CommandBuffer& commands, vk::PipelineLayout layout, float thickness) const;
-  [[nodiscard]] bool has_ribbons() const { return ribbon_count_ > 0; }
+  /// What a layer draws from now on; a cloth shown by its seams begins with them. The device must not be drawing.
+  void set_ribbons(const ContextPtr& context, RibbonLayer layer, std::span<const RibbonInstance> ribbons);
+  /// Nothing where the layer is empty.
+  void record_ribbons(const vk::raii::CommandBuffer& commands, vk::PipelineLayout layout, RibbonLayer layer,
+                      float thickness) const;
 
  private:
+  struct Ribbons {
+    std::optional<vulkan::Buffer> instances;
+    uint32_t count = 0;
+  };
   struct Material {
     shader::vec4 base_color{1, 1, 1, 1};
     float alpha_cutoff = 0;
@@ -77,8 +95,8 @@ class GpuCloth {
   uint32_t mode_ = 0;
   std::vector<ClothRun> runs_;
   std::vector<Material> materials_;
-  std::optional<vulkan::Buffer> vertices_, indices_, ribbons_, staging_;
-  uint32_t ribbon_count_ = 0;
+  std::optional<vulkan::Buffer> vertices_, indices_, staging_;
+  std::array<Ribbons, kRibbonLayers> ribbons_;
   std::optional<vulkan::Image> position_, normal_, rest_, heat_scale_;
   vk::raii::Sampler sampler_ = nullptr, clamped_ = nullptr;
   vk::raii::DescriptorPool pool_ = nullptr;

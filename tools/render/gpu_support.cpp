@@ -53,13 +53,10 @@ vk::raii::Pipeline make_pipeline(const ContextPtr& context, vk::PipelineLayout l
       .vertexAttributeDescriptionCount = static_cast<uint32_t>(options.attributes.size()),
       .pVertexAttributeDescriptions = options.attributes.data()};
   const vk::PipelineInputAssemblyStateCreateInfo assembly{.topology = vk::PrimitiveTopology::eTriangleList};
-  const vk::Viewport viewport{.width = static_cast<float>(options.extent.width),
-                              .height = static_cast<float>(options.extent.height),
-                              .minDepth = 0,
-                              .maxDepth = 1};
-  const vk::Rect2D scissor{{0, 0}, options.extent};
-  const vk::PipelineViewportStateCreateInfo view{
-      .viewportCount = 1, .pViewports = &viewport, .scissorCount = 1, .pScissors = &scissor};
+  const vk::PipelineViewportStateCreateInfo view{.viewportCount = 1, .scissorCount = 1};
+  constexpr std::array kDynamic{vk::DynamicState::eViewport, vk::DynamicState::eScissor};
+  const vk::PipelineDynamicStateCreateInfo dynamic{.dynamicStateCount = static_cast<uint32_t>(kDynamic.size()),
+                                                   .pDynamicStates = kDynamic.data()};
   const vk::PipelineRasterizationStateCreateInfo raster{.polygonMode = vk::PolygonMode::eFill,
                                                         .cullMode = vk::CullModeFlagBits::eNone,
                                                         .depthBiasEnable = options.depth_bias,
@@ -72,8 +69,15 @@ vk::raii::Pipeline make_pipeline(const ContextPtr& context, vk::PipelineLayout l
                                                       .depthWriteEnable = options.depth,
                                                       .depthCompareOp = vk::CompareOp::eLessOrEqual};
   using Mask = vk::ColorComponentFlagBits;
-  const vk::PipelineColorBlendAttachmentState opaque{.colorWriteMask = Mask::eR | Mask::eG | Mask::eB | Mask::eA};
-  const vk::PipelineColorBlendStateCreateInfo blend{.attachmentCount = drawn ? 1U : 0U, .pAttachments = &opaque};
+  const vk::PipelineColorBlendAttachmentState attachment{.blendEnable = options.blend,
+                                                         .srcColorBlendFactor = vk::BlendFactor::eSrcAlpha,
+                                                         .dstColorBlendFactor = vk::BlendFactor::eOneMinusSrcAlpha,
+                                                         .colorBlendOp = vk::BlendOp::eAdd,
+                                                         .srcAlphaBlendFactor = vk::BlendFactor::eOne,
+                                                         .dstAlphaBlendFactor = vk::BlendFactor::eOneMinusSrcAlpha,
+                                                         .alphaBlendOp = vk::BlendOp::eAdd,
+                                                         .colorWriteMask = Mask::eR | Mask::eG | Mask::eB | Mask::eA};
+  const vk::PipelineColorBlendStateCreateInfo blend{.attachmentCount = drawn ? 1U : 0U, .pAttachments = &attachment};
   return {context->device(), nullptr,
           vk::GraphicsPipelineCreateInfo{.stageCount = drawn ? 2U : 1U,
                                          .pStages = stages.data(),
@@ -84,8 +88,17 @@ vk::raii::Pipeline make_pipeline(const ContextPtr& context, vk::PipelineLayout l
                                          .pMultisampleState = &multisample,
                                          .pDepthStencilState = &depth,
                                          .pColorBlendState = &blend,
+                                         .pDynamicState = &dynamic,
                                          .layout = layout,
                                          .renderPass = render_pass}};
+}
+
+void fill_target(const vk::raii::CommandBuffer& commands, vk::Extent2D extent) {
+  commands.setViewport(0, vk::Viewport{.width = static_cast<float>(extent.width),
+                                       .height = static_cast<float>(extent.height),
+                                       .minDepth = 0,
+                                       .maxDepth = 1});
+  commands.setScissor(0, vk::Rect2D{{0, 0}, extent});
 }
 
 }  // namespace geocloth::render

@@ -35,18 +35,22 @@ template <typename T>
 [[nodiscard]] vk::raii::DescriptorSetLayout make_set_layout(const ContextPtr& context,
                                                             std::span<const vk::DescriptorType> bindings);
 
-/// What a graphics pipeline of this renderer can differ in.
+/// What a graphics pipeline of this renderer can differ in. Viewport and scissor are set by the target (fill_target),
+/// so that pipelines outlive a target of another size.
 struct PipelineOptions {
   std::span<const uint32_t> vertex, fragment;  ///< SPIR-V; no fragment stage when empty
   vk::VertexInputBindingDescription vertex_binding;
   std::span<const vk::VertexInputAttributeDescription> attributes;
-  vk::Extent2D extent;
   vk::SampleCountFlagBits samples = vk::SampleCountFlagBits::e4;
   bool depth = true;        ///< test and write
   bool depth_bias = false;  ///< push away from the light, for shadow maps
   bool alpha_to_coverage = false;
+  bool blend = false;  ///< over what is there, by alpha, which is not multiplied in yet
 };
 [[nodiscard]] vk::raii::Pipeline make_pipeline(const ContextPtr& context, vk::PipelineLayout layout,
                                                vk::RenderPass render_pass, const PipelineOptions& options);
+
+/// Sets viewport and scissor to all of a target.
+void fill_target(const vk::raii::CommandBuffer& commands, vk::Extent2D extent);
 
 }  // namespace geocloth::render

@@ -161,10 +161,10 @@ void PictureTarget::begin(const vk::raii::CommandBuffer& commands) const {
                             .clearValueCount = static_cast<uint32_t>(clear.size()),
                             .pClearValues = clear.data()},
                            vk::SubpassContents::eInline);
+  fill_target(commands, extent_);
 }
 
-void PictureTarget::end(const vk::raii::CommandBuffer& commands) const {
-  commands.endRenderPass();
+void PictureTarget::record_readback(const vk::raii::CommandBuffer& commands) const {
   commands.copyImageToBuffer(resolved_.handle(), Layout::eTransferSrcOptimal, pixels_.handle(), resolved_.whole_copy());
   vulkan::memory_barrier(commands, Stage::eTransfer, Access::eTransferWrite, Stage::eHost, Access::eHostRead);
 }
@@ -197,6 +197,7 @@ void ShadowTarget::begin(const vk::raii::CommandBuffer& commands) const {
                             .clearValueCount = 1,
                             .pClearValues = &clear},
                            vk::SubpassContents::eInline);
+  fill_target(commands, depth_.extent());
 }
 
 }  // namespace geocloth::render

@@ -5,7 +5,7 @@
 
 namespace geocloth::render {
 
-/// Where a picture is drawn: four samples a pixel, resolved, and copied to host memory.
+/// Where a picture is drawn: four samples a pixel, resolved, for a window or to be copied to host memory.
 class PictureTarget {
  public:
   PictureTarget(const ContextPtr& context, vk::Extent2D extent);
@@ -13,9 +13,12 @@ class PictureTarget {
   [[nodiscard]] vk::RenderPass render_pass() const { return *render_pass_; }
   [[nodiscard]] vk::Extent2D extent() const { return extent_; }
   void begin(const vk::raii::CommandBuffer& commands) const;
-  /// Ends the pass and copies the picture to where picture() finds it once the commands are done.
-  void end(const vk::raii::CommandBuffer& commands) const;
+  void end(const vk::raii::CommandBuffer& commands) const { commands.endRenderPass(); }
+  /// After the pass: copies the picture to where picture() finds it once the commands are done.
+  void record_readback(const vk::raii::CommandBuffer& commands) const;
   [[nodiscard]] Picture picture() const;
+  /// What was drawn, after the pass in the layout "transfer source" and ready to be copied by the same queue.
+  [[nodiscard]] const vulkan::Image& resolved() const { return resolved_; }
 
  private:
   vk::Extent2D extent_;

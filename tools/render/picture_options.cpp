@@ -25,16 +25,24 @@ void add_parsed(CLI::App& app, const std::string& name, const std::string& place
 
 }  // namespace
 
+void add_size_option(CLI::App& app, RenderOptions& options, const std::string& what) {
+  add_parsed(app, "--size", "WxH", options.size, parse_size,
+             fmt::format("{0} [pixels; from {1}x{1} to {2}x{2}; default {3}x{4}]", what, kMinPictureSide,
+                         kMaxRenderSide, options.size.width, options.size.height));
+}
+
+void add_show_option(CLI::App& app, RenderOptions& options) {
+  add_choice<Show>(app, "--show", options.show, {kShowNames.begin(), kShowNames.end()},
+                   "the garment, or the grid that is simulated: plain, by strain, by chart, with its seams");
+}
+
 void add_picture_options(CLI::App& app, RenderOptions& options) {
   add_parsed(
       app, "--camera", "A,E[,D]", options.camera, parse_camera,
       "where to look from: azimuth,elevation or azimuth,elevation,distance round the garment (azimuth 0 from +z, "
       "90 from +x), or six numbers: eye and target [degrees, m; default 30,12, as near as all is seen]");
-  add_parsed(app, "--size", "WxH", options.size, parse_size,
-             fmt::format("size of the pictures [pixels; from {0}x{0} to {1}x{1}; default {2}x{3}]", kMinPictureSide,
-                         kMaxRenderSide, options.size.width, options.size.height));
-  add_choice<Show>(app, "--show", options.show, {kShowNames.begin(), kShowNames.end()},
-                   "the garment, or the grid that is simulated: plain, by strain, by chart, with its seams");
+  add_size_option(app, options, "size of the pictures");
+  add_show_option(app, options);
 }
 
 }  // namespace geocloth

@@ -7,7 +7,11 @@
 
 namespace geocloth {
 
-/// Adds --camera, --size and --show, the same in every command that draws.
+/// --size. @param what  begins the help's sentence: "size of the pictures"
+void add_size_option(CLI::App& app, RenderOptions& options, const std::string& what);
+/// --show
+void add_show_option(CLI::App& app, RenderOptions& options);
+/// Adds --camera, --size and --show, the same in every command that draws files.
 void add_picture_options(CLI::App& app, RenderOptions& options);
 
 }  // namespace geocloth

@@ -33,12 +33,14 @@ inline constexpr uint32_t kMinPictureSide = 16, kMaxRenderSide = 8192;  ///< [pi
 /// "1280x720". @throws Error(invalid_argument) when it is not that or out of range
 [[nodiscard]] PictureSize parse_size(const std::string& text);
 
+inline constexpr float kStrainRange = 0.10F;  ///< strain at the ends of the heat scale
+
 struct RenderOptions {
   PictureSize size;
   Show show = Show::cloth;
   CameraChoice camera;
-  std::string device;          ///< part of a device's name; empty: any that can draw
-  float strain_range = 0.10F;  ///< strain at the ends of the heat scale
+  std::string device;  ///< part of a device's name; empty: any that can draw
+  float strain_range = kStrainRange;
 };
 
 }  // namespace geocloth

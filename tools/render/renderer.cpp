@@ -1,71 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One picture: a shadow map from the key light, then background, ground, colliders and cloth with four samples a pixel.
-// The cloth's vertices are fetched from the position and normal images through the binding, in both passes.
+// Pictures in host memory: a painter, a target to draw into, and a camera that frames what the scene is about.
 #include "render/renderer.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 
-#include "background_frag.h"
-#include "background_vert.h"
-#include "cloth_frag.h"
-#include "cloth_vert.h"
 #include "geocloth/asset/error.h"
 #include "geocloth/solver/vulkan_interop.h"
 #include "render/canvas.h"
 #include "render/color_map.h"
-#include "render/gpu_cloth.h"
-#include "render/gpu_support.h"
 #include "render/gpu_target.h"
-#include "render/render_layout.h"
-#include "render/solid_mesh.h"
-#include "ribbon_frag.h"
-#include "ribbon_vert.h"
-#include "solid_frag.h"
-#include "solid_vert.h"
+#include "render/scene_painter.h"
 
 namespace geocloth {
 namespace {
 
 using namespace render;
-
-constexpr uint32_t kShadowSide = 2048;  ///< [pixels]
-constexpr auto kBothStages = vk::ShaderStageFlagBits::eVertex | vk::ShaderStageFlagBits::eFragment;
-constexpr uint32_t kPushBytes = 128;  ///< what every device has
-static_assert(sizeof(shader::ClothDraw) <= kPushBytes && sizeof(shader::SolidDraw) <= kPushBytes &&
-              sizeof(shader::RibbonDraw) <= kPushBytes);
-
-struct SolidVertex {
-  Vec3 position, normal;
-};
-
-struct GpuSolid {
-  vulkan::Buffer vertices, indices;
-  uint32_t index_count;
-};
-
-/// What is drawn with which pipeline.
-struct Pipelines {
-  vk::raii::Pipeline background, solid, solid_shadow, cloth, cloth_shadow, ribbon;
-};
-
-shader::vec4 to_vec4(const Vec3& v, float w) {
-  return {v.x, v.y, v.z, w};
-}
-
-shader::mat4 to_mat4(const Matrix4& m) {
-  shader::mat4 result;
-  for (size_t i = 0; i < 4; ++i) result.column[i] = {m[4 * i], m[4 * i + 1], m[4 * i + 2], m[4 * i + 3]};
-  return result;
-}
-
-shader::mat4 to_mat4(const Transform& pose) {
-  const Vec3 x = rotate(pose.rotate, {1, 0, 0}) * pose.scale, y = rotate(pose.rotate, {0, 1, 0}) * pose.scale,
-             z = rotate(pose.rotate, {0, 0, 1}) * pose.scale;
-  return {{to_vec4(x, 0), to_vec4(y, 0), to_vec4(z, 0), to_vec4(pose.translate, 1)}};
-}
 
 ContextPtr open_context(const RenderOptions& options, Solver* solver, bool& shared) {
   shared = false;
@@ -83,92 +33,6 @@ ContextPtr open_context(const RenderOptions& options, Solver* solver, bool& shar
                             "mesa-vulkan-drivers); ") +
                     error.what());
   }
-}
-
-GpuSolid upload_solid(const ContextPtr& context, const SolidMesh& mesh) {
-  std::vector<SolidVertex> vertices;
-  for (size_t i = 0; i < mesh.position.size(); ++i) vertices.push_back({mesh.position[i], mesh.normal[i]});
-  return {filled_buffer(context, std::span<const SolidVertex>(vertices), vk::BufferUsageFlagBits::eVertexBuffer),
-          filled_buffer(context, std::span(mesh.triangle), vk::BufferUsageFlagBits::eIndexBuffer),
-          static_cast<uint32_t>(3 * mesh.triangle.size())};
-}
-
-std::span<const vk::VertexInputAttributeDescription> solid_attributes() {
-  static const std::array<vk::VertexInputAttributeDescription, 2> attributes{
-      {{0, 0, vk::Format::eR32G32B32Sfloat, offsetof(SolidVertex, position)},
-       {1, 0, vk::Format::eR32G32B32Sfloat, offsetof(SolidVertex, normal)}}};
-  return attributes;
-}
-
-Pipelines make_pipelines(const ContextPtr& context, vk::PipelineLayout layout, const PictureTarget& picture,
-                         const ShadowTarget& shadow) {
-  const vk::VertexInputBindingDescription solid{.stride = sizeof(SolidVertex)}, cloth{.stride = sizeof(ClothVertex)},
-      ribbon{.stride = sizeof(RibbonInstance), .inputRate = vk::VertexInputRate::eInstance};
-  const auto drawn = [&](std::span<const uint32_t> vertex, std::span<const uint32_t> fragment,
-                         const vk::VertexInputBindingDescription& binding,
-                         std::span<const vk::VertexInputAttributeDescription> attributes, bool depth, bool coverage) {
-    return make_pipeline(context, layout, picture.render_pass(),
-                         {.vertex = vertex,
-                          .fragment = fragment,
-                          .vertex_binding = binding,
-                          .attributes = attributes,
-                          .extent = picture.extent(),
-                          .depth = depth,
-                          .alpha_to_coverage = coverage});
-  };
-  const auto shadowed = [&](std::span<const uint32_t> vertex, const vk::VertexInputBindingDescription& binding,
-                            std::span<const vk::VertexInputAttributeDescription> attributes) {
-    return make_pipeline(context, layout, shadow.render_pass(),
-                         {.vertex = vertex,
-                          .fragment = {},
-                          .vertex_binding = binding,
-                          .attributes = attributes,
-                          .extent = shadow.extent(),
-                          .samples = vk::SampleCountFlagBits::e1,
-                          .depth_bias = true});
-  };
-  return {.background = drawn(background_vert, background_frag, {}, {}, false, false),
-          .solid = drawn(solid_vert, solid_frag, solid, solid_attributes(), true, false),
-          .solid_shadow = shadowed(solid_vert, solid, solid_attributes()),
-          .cloth = drawn(cloth_vert, cloth_frag, cloth, cloth_attributes(), true, true),
-          .cloth_shadow = shadowed(cloth_vert, cloth, cloth_attributes()),
-          .ribbon = drawn(ribbon_vert, ribbon_frag, ribbon, ribbon_attributes(), true, false)};
-}
-
-vk::raii::PipelineLayout make_layout(const ContextPtr& context, std::span<const vk::DescriptorSetLayout> sets) {
-  const vk::PushConstantRange push{.stageFlags = kBothStages, .size = kPushBytes};
-  return {context->device(), vk::PipelineLayoutCreateInfo{.setLayoutCount = static_cast<uint32_t>(sets.size()),
-                                                          .pSetLayouts = sets.data(),
-                                                          .pushConstantRangeCount = 1,
-                                                          .pPushConstantRanges = &push}};
-}
-
-/// Unit vector to the key light: over the viewer's left shoulder.
-Vec3 key_light(const Camera& camera) {
-  const Vec3 back = camera.eye - camera.target;
-  const Vec3 level = Vec3{back.x, 0, back.z};
-  const Vec3 towards = length(level) > 1e-6F ? normalized(level) : Vec3{0, 0, 1};
-  const Vec3 right = cross(Vec3{0, 1, 0}, towards);
-  return normalized(towards * 0.75F - right * 0.65F + Vec3{0, 1.15F, 0});
-}
-
-/// The plane whose mesh is a square of 2 x 2 in xz, `half` times enlarged about the point of the plane nearest to what
-/// is shown, moved to whole steps so that its grid stays where it is in the world.
-Transform plane_pose(const Vec3& point, const Vec3& normal, const Vec3& center, float half, float step) {
-  const Vec3 up{0, 1, 0};
-  const Vec3 axis = cross(up, normal);
-  Quat turn;
-  if (length(axis) > 1e-6F) {
-    const float half_angle = std::atan2(length(axis), dot(up, normal)) / 2;
-    const Vec3 a = normalized(axis) * std::sin(half_angle);
-    turn = {a.x, a.y, a.z, std::cos(half_angle)};
-  } else if (normal.y < 0) {
-    turn = {1, 0, 0, 0};
-  }
-  const Vec3 x = rotate(turn, {1, 0, 0}), z = rotate(turn, {0, 0, 1});
-  const auto whole = [step](float v) { return std::round(v / step) * step; };
-  const Vec3 along = center - point;
-  return {point + x * whole(dot(along, x)) + z * whole(dot(along, z)), turn, half};
 }
 
 /// The heat scale with its ends, in the lower left corner.
@@ -201,52 +65,34 @@ class Renderer::Impl {
         subject_(scene.subject),
         all_round_(scene.all_round),
         context_(open_context(options, solver, shared_)),
-        frame_layout_(make_set_layout(
-            context_, std::array{vk::DescriptorType::eUniformBuffer, vk::DescriptorType::eCombinedImageSampler})),
-        cloth_layouts_(context_),
-        layout_(make_layout(context_, std::array{*frame_layout_, *cloth_layouts_.images, *cloth_layouts_.material})),
         target_(context_, {options.size.width, options.size.height}),
-        shadow_(context_, kShadowSide),
-        pipelines_(make_pipelines(context_, *layout_, target_, shadow_)),
-        frame_(context_, sizeof(shader::FrameParams), vk::BufferUsageFlagBits::eUniformBuffer, vulkan::Memory::upload),
-        ground_(upload_solid(context_, ground_mesh())),
+        painter_(context_, scene, options.show, target_.render_pass(), shared_ ? solver : nullptr),
         commands_(context_) {
-    for (uint32_t i = 0; i < scene.cloths.size(); ++i) {
-      std::optional<VulkanClothImages> lent;
-      if (shared_) lent = vulkan_images(*solver, i);
-      cloths_.emplace_back(context_, cloth_layouts_, scene.cloths[i], options.show, lent, warnings_);
-    }
-    for (const Collider& collider : scene.colliders) {
-      const SolidMesh mesh = solid_mesh(collider.shape);
-      solids_.push_back(mesh.triangle.empty() ? std::nullopt : std::optional(upload_solid(context_, mesh)));
-    }
-    find_ground_height(scene);
-    make_frame_set();
     set_camera(options.camera);
   }
 
   void set_camera(const CameraChoice& choice) {
     const float aspect = static_cast<float>(options_.size.width) / static_cast<float>(options_.size.height);
-    camera_ = place_camera(choice, subject_, aspect, all_round_);
+    painter_.set_camera(place_camera(choice, subject_, aspect, all_round_));
   }
 
   void follow(const Vec3& way) {
     if (first_subject_.empty()) return;
     subject_ = {first_subject_.low + way, first_subject_.high + way};
+    painter_.set_subject(subject_);
     set_camera(options_.camera);
   }
 
   Picture render(std::span<const Collider> colliders, std::span<const ClothState> states) {
-    if (colliders.size() != solids_.size() || (!shared_ && states.size() != cloths_.size()))
-      throw Error(ErrorCode::invalid_argument, "a picture needs a pose of every collider and a state of every cloth");
+    const Layers layers{.strain_range = options_.strain_range};
     commands_.wait();
-    if (!shared_)
-      for (size_t i = 0; i < cloths_.size(); ++i) cloths_[i].upload(states[i]);
-    write_frame_params();
+    painter_.prepare(target_.extent(), colliders, states);
     const vk::raii::CommandBuffer& commands = commands_.begin();
-    for (const GpuCloth& cloth : cloths_) cloth.record_upload(commands);
-    record_shadow(commands, colliders);
-    record_picture(commands, colliders);
+    painter_.record_before(commands, layers);
+    target_.begin(commands);
+    painter_.record_picture(commands, layers);
+    target_.end(commands);
+    target_.record_readback(commands);
     commands_.end();
     commands_.submit();
     commands_.wait();
@@ -256,158 +102,17 @@ class Renderer::Impl {
   }
 
   [[nodiscard]] bool shared() const { return shared_; }
-  [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
+  [[nodiscard]] const std::vector<std::string>& warnings() const { return painter_.warnings(); }
   [[nodiscard]] const vulkan::Context& context() const { return *context_; }
 
  private:
-  void find_ground_height(const RenderScene& scene) {
-    has_plane_ =
-        std::ranges::any_of(scene.colliders, [](const Collider& c) { return std::holds_alternative<Plane>(c.shape); });
-    ground_height_ = scene.ground_height.value_or(subject_.empty() ? 0 : subject_.low.y - 0.03F * subject_.diagonal());
-  }
-
-  void make_frame_set() {
-    const std::array sizes{vk::DescriptorPoolSize{vk::DescriptorType::eUniformBuffer, 1},
-                           vk::DescriptorPoolSize{vk::DescriptorType::eCombinedImageSampler, 1}};
-    pool_ = {context_->device(),
-             vk::DescriptorPoolCreateInfo{.flags = vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet,
-                                          .maxSets = 1,
-                                          .poolSizeCount = static_cast<uint32_t>(sizes.size()),
-                                          .pPoolSizes = sizes.data()}};
-    const vk::DescriptorSetLayout layout = *frame_layout_;
-    frame_set_ =
-        std::move(vk::raii::DescriptorSets(context_->device(),
-                                           {.descriptorPool = *pool_, .descriptorSetCount = 1, .pSetLayouts = &layout})
-                      .front());
-    const vk::DescriptorBufferInfo buffer{.buffer = frame_.handle(), .range = sizeof(shader::FrameParams)};
-    const vk::DescriptorImageInfo shadow = shadow_.sampled();
-    context_->device().updateDescriptorSets(
-        std::array{vk::WriteDescriptorSet{.dstSet = *frame_set_,
-                                          .dstBinding = 0,
-                                          .descriptorCount = 1,
-                                          .descriptorType = vk::DescriptorType::eUniformBuffer,
-                                          .pBufferInfo = &buffer},
-                   vk::WriteDescriptorSet{.dstSet = *frame_set_,
-                                          .dstBinding = 1,
-                                          .descriptorCount = 1,
-                                          .descriptorType = vk::DescriptorType::eCombinedImageSampler,
-                                          .pImageInfo = &shadow}},
-        {});
-  }
-
-  /// Radius of what the picture is about [m].
-  [[nodiscard]] float radius() const { return std::max(subject_.diagonal() / 2, 1e-4F); }
-  [[nodiscard]] Vec3 center() const { return subject_.empty() ? Vec3{} : subject_.center(); }
-  /// Distance of grid lines: a power of ten.
-  [[nodiscard]] float grid_step() const { return std::pow(10.F, std::floor(std::log10(radius() * 0.4F))); }
-
-  void write_frame_params() {
-    const float aspect = static_cast<float>(options_.size.width) / static_cast<float>(options_.size.height);
-    const float distance = length(camera_.eye - center()), reach = 12 * radius();
-    const float near = std::max(0.02F * radius(), (distance - 3 * radius()) * 0.3F);
-    const Vec3 light = key_light(camera_);
-    const float half = 1.25F * radius(), depth = 6 * radius();
-    const shader::FrameParams params{
-        .view_projection = to_mat4(perspective(camera_.field_of_view_deg, aspect, near, distance + reach) *
-                                   look_at(camera_.eye, camera_.target)),
-        .light_projection =
-            to_mat4(orthographic(half, half, 0, 2 * depth) * look_at(center() + light * depth, center())),
-        .eye = to_vec4(camera_.eye, 1),
-        .to_light = to_vec4(light, 2 * half / kShadowSide),
-        .center = to_vec4(center(), radius()),
-        .viewport = {static_cast<float>(options_.size.width), static_cast<float>(options_.size.height), 0, 0}};
-    frame_.as<shader::FrameParams>()[0] = params;
-  }
-
-  void bind(const vk::raii::CommandBuffer& commands, const vk::raii::Pipeline& pipeline) const {
-    commands.bindPipeline(vk::PipelineBindPoint::eGraphics, *pipeline);
-    commands.bindDescriptorSets(vk::PipelineBindPoint::eGraphics, *layout_, 0, *frame_set_, {});
-  }
-
-  void draw_solid(const vk::raii::CommandBuffer& commands, const GpuSolid& solid, const shader::SolidDraw& draw) const {
-    commands.bindVertexBuffers(0, solid.vertices.handle(), vk::DeviceSize{0});
-    commands.bindIndexBuffer(solid.indices.handle(), 0, vk::IndexType::eUint32);
-    commands.pushConstants<shader::SolidDraw>(*layout_, kBothStages, 0, draw);
-    commands.drawIndexed(solid.index_count, 1, 0, 0, 0);
-  }
-
-  void draw_colliders(const vk::raii::CommandBuffer& commands, std::span<const Collider> colliders,
-                      bool shadow_pass) const {
-    for (size_t i = 0; i < colliders.size(); ++i)
-      if (solids_[i])
-        draw_solid(commands, *solids_[i],
-                   {.model = to_mat4(colliders[i].pose),
-                    .base_color = {0.50F, 0.47F, 0.44F, 1},
-                    .shadow_pass = shadow_pass ? 1U : 0U,
-                    .ground = 0,
-                    .grid_scale = 1,
-                    .grid_step = 1});
-  }
-
-  void draw_plane(const vk::raii::CommandBuffer& commands, const Vec3& point, const Vec3& normal) const {
-    const float half = 10 * radius(), step = grid_step();
-    draw_solid(commands, ground_,
-               {.model = to_mat4(plane_pose(point, normal, center(), half, 10 * step)),
-                .base_color = {0.46F, 0.47F, 0.49F, 1},
-                .shadow_pass = 0,
-                .ground = 1,
-                .grid_scale = half,
-                .grid_step = step});
-  }
-
-  void draw_grounds(const vk::raii::CommandBuffer& commands, std::span<const Collider> colliders) const {
-    for (const Collider& collider : colliders)
-      if (const auto* plane = std::get_if<Plane>(&collider.shape))
-        draw_plane(commands, apply(collider.pose, plane->point), rotate(collider.pose.rotate, plane->normal));
-    if (!has_plane_) draw_plane(commands, {0, ground_height_, 0}, {0, 1, 0});
-  }
-
-  void record_shadow(const vk::raii::CommandBuffer& commands, std::span<const Collider> colliders) const {
-    shadow_.begin(commands);
-    bind(commands, pipelines_.solid_shadow);
-    draw_colliders(commands, colliders, true);
-    bind(commands, pipelines_.cloth_shadow);
-    for (const GpuCloth& cloth : cloths_) cloth.record_draw(commands, *layout_, true, options_.strain_range);
-    shadow_.end(commands);
-  }
-
-  void record_picture(const vk::raii::CommandBuffer& commands, std::span<const Collider> colliders) const {
-    target_.begin(commands);
-    bind(commands, pipelines_.background);
-    commands.draw(3, 1, 0, 0);
-    bind(commands, pipelines_.solid);
-    draw_grounds(commands, colliders);
-    draw_colliders(commands, colliders, false);
-    bind(commands, pipelines_.cloth);
-    for (const GpuCloth& cloth : cloths_) cloth.record_draw(commands, *layout_, false, options_.strain_range);
-    bind(commands, pipelines_.ribbon);
-    const float thickness = std::max(2.F, static_cast<float>(options_.size.height) / 180);
-    for (const GpuCloth& cloth : cloths_)
-      if (cloth.has_ribbons()) cloth.record_ribbons(commands, *layout_, thickness);
-    target_.end(commands);
-  }
-
   RenderOptions options_;
   Bounds first_subject_, subject_;
   bool all_round_;
   bool shared_ = false;
   ContextPtr context_;
-  std::vector<std::string> warnings_;
-  vk::raii::DescriptorSetLayout frame_layout_;
-  ClothLayouts cloth_layouts_;
-  vk::raii::PipelineLayout layout_;
   PictureTarget target_;
-  ShadowTarget shadow_;
-  Pipelines pipelines_;
-  vulkan::Buffer frame_;
-  vk::raii::DescriptorPool pool_ = nullptr;
-  vk::raii::DescriptorSet frame_set_ = nullptr;
-  GpuSolid ground_;
-  std::vector<GpuCloth> cloths_;
-  std::vector<std::optional<GpuSolid>> solids_;
-  Camera camera_;
-  bool has_plane_ = false;
-  float ground_height_ = 0;
+  ScenePainter painter_;
   vulkan::Commands commands_;  // last, so that it waits before anything that it uses dies
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A scene being played: keyframes are evaluated at the end of every frame, the solver moves evenly in between.
 
+#include <algorithm>
 #include <map>
 #include <string>
 #include <utility>
@@ -75,7 +76,8 @@ TriangleSurface read_asset_surface(const std::filesystem::path& path) {
   return {asset.source.position, {asset.source.triangle.begin(), asset.source.triangle.end()}};
 }
 
-Simulation::Simulation(Scene scene, SolverSettings settings, const ReadSurface& read_surface)
+Simulation::Simulation(Scene scene, SolverSettings settings, const ReadSurface& read_surface,
+                       const MakeSolver& make_solver)
     : scene_(std::move(scene)) {
   read_bodies(scene_, read_surface);
   settings.frame_time = 1 / scene_.frame_rate;
@@ -100,7 +102,8 @@ Simulation::Simulation(Scene scene, SolverSettings settings, const ReadSurface& 
       pins_.push_back(std::move(set));
     }
   }
-  solver_ = std::make_unique<Solver>(cloths_, settings);
+  hands_.resize(cloths_.size());
+  solver_ = std::make_unique<Solver>(make_solver ? make_solver(cloths_, settings) : Solver(cloths_, settings));
   solver_->set_colliders(colliders_at(scene_, 0), true);
   if (scene_.wind) solver_->set_wind(*scene_.wind);
   for (uint32_t c = 0; c < scene_.cloths.size(); ++c) {
@@ -144,7 +147,28 @@ void Simulation::update_pins() {
       pins[set.cloth].push_back({set.pixels[k], apply(carried, moved), set.pin.frequency});
     }
   }
-  for (uint32_t c = 0; c < pins.size(); ++c) solver_->set_pins(c, pins[c]);
+  for (uint32_t c = 0; c < pins.size(); ++c) {
+    pins[c].insert(pins[c].end(), hands_[c].begin(), hands_[c].end());
+    solver_->set_pins(c, pins[c]);
+  }
+}
+
+std::vector<uint32_t> Simulation::held_pixels(uint32_t cloth) const {
+  std::vector<uint32_t> pixels;
+  for (const PinSet& set : pins_) {
+    if (set.cloth == cloth && set.pin.from <= time() && time() < set.pin.until)
+      pixels.insert(pixels.end(), set.pixels.begin(), set.pixels.end());
+  }
+  std::ranges::sort(pixels);
+  pixels.erase(std::unique(pixels.begin(), pixels.end()), pixels.end());
+  return pixels;
+}
+
+void Simulation::set_hand(uint32_t cloth, std::vector<Pin> pins) {
+  if (cloth >= hands_.size())
+    throw Error(ErrorCode::invalid_argument,
+                "there is no cloth " + std::to_string(cloth) + "; the scene has " + std::to_string(hands_.size()));
+  hands_[cloth] = std::move(pins);
 }
 
 /// The cuts between the beginning of the last frame and that of the next one.

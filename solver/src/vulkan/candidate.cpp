@@ -113,6 +113,7 @@ std::string refusal(const Candidate& candidate, const DeviceWish& wish) {
   if (wish.name.empty() && wish.real_gpu && candidate.software)
     return "It is a software device, which is used only when it is named.";
   if (wish.graphics && !candidate.graphics) return "Its compute queue cannot draw.";
+  if (wish.presents && !candidate.presents) return "It cannot show pictures in a window of this display.";
   return {};
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,6 +17,7 @@ struct Candidate {
   DeviceInfo info;
   bool software = false;
   bool graphics = false;      ///< the queue family can draw as well
+  bool presents = false;      ///< it can show pictures where DeviceWish::presents wants them
   uint32_t queue_family = 0;  ///< the first with compute and graphics, else the first with compute
 };
 
@@ -24,6 +26,9 @@ struct DeviceWish {
   std::string name = {};  ///< part of its name, in any case; empty: any
   bool real_gpu = false;  ///< no software device unless it is named
   bool graphics = false;  ///< its queue must be able to draw
+  /// Whether a queue family can show pictures on the caller's screen. Set: it must, and the device has swapchains.
+  std::function<bool(VkInstance, VkPhysicalDevice, uint32_t family)> presents = {};
+  std::vector<const char*> instance_extensions = {};  ///< that the caller needs
 };
 
 [[nodiscard]] Candidate examine(const vk::raii::PhysicalDevice& device);

@@ -3,7 +3,9 @@
 // vk::raii destroys what it holds in the reverse order of the members; what belongs to the application is released.
 #include "vulkan/context.h"
 
+#include <algorithm>
 #include <array>
+#include <cstring>
 
 #include "vulkan/instance.h"
 
@@ -16,13 +18,24 @@ vk::PhysicalDeviceFeatures wanted_features(const vk::raii::PhysicalDevice& devic
   return {.fillModeNonSolid = has.fillModeNonSolid, .samplerAnisotropy = has.samplerAnisotropy};
 }
 
-vk::raii::Device create_device(const Candidate& candidate) {
+vk::raii::Device create_device(const Candidate& candidate, bool swapchains) {
   const float priority = 1;
   const vk::DeviceQueueCreateInfo queue{
       .queueFamilyIndex = candidate.queue_family, .queueCount = 1, .pQueuePriorities = &priority};
   const vk::PhysicalDeviceFeatures features = wanted_features(candidate.device);
-  return {candidate.device,
-          vk::DeviceCreateInfo{.queueCreateInfoCount = 1, .pQueueCreateInfos = &queue, .pEnabledFeatures = &features}};
+  const char* const extension = VK_KHR_SWAPCHAIN_EXTENSION_NAME;
+  return {candidate.device, vk::DeviceCreateInfo{.queueCreateInfoCount = 1,
+                                                 .pQueueCreateInfos = &queue,
+                                                 .enabledExtensionCount = swapchains ? 1U : 0U,
+                                                 .ppEnabledExtensionNames = &extension,
+                                                 .pEnabledFeatures = &features}};
+}
+
+bool has_swapchains(const vk::raii::PhysicalDevice& device) {
+  const auto extensions = device.enumerateDeviceExtensionProperties();
+  return std::ranges::any_of(extensions, [](const vk::ExtensionProperties& extension) {
+    return std::strcmp(extension.extensionName.data(), VK_KHR_SWAPCHAIN_EXTENSION_NAME) == 0;
+  });
 }
 
 }  // namespace
@@ -30,11 +43,15 @@ vk::raii::Device create_device(const Candidate& candidate) {
 Context::Context(const DeviceWish& wish) : loader_(open_loader()) {
   guarded("open a device", [&] {
     const bool validate = validation_requested();
-    instance_ = create_instance(loader_, validate ? log_.get() : nullptr);
+    instance_ = create_instance(loader_, validate ? log_.get() : nullptr, wish.instance_extensions);
     if (validate) messenger_ = vk::raii::DebugUtilsMessengerEXT(instance_, messenger_info(*log_));
-    const std::vector<Candidate> candidates = list_candidates(instance_);
+    std::vector<Candidate> candidates = list_candidates(instance_);
+    if (wish.presents) {
+      for (Candidate& c : candidates)
+        c.presents = has_swapchains(c.device) && wish.presents(*instance_, *c.device, c.queue_family);
+    }
     const Candidate& chosen = choose(candidates, wish);
-    device_ = create_device(chosen);
+    device_ = create_device(chosen, static_cast<bool>(wish.presents));
     queue_ = device_.getQueue(chosen.queue_family, 0);
     adopt_candidate(chosen);
   });

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <vector>
 
 #include "geocloth/asset/error.h"
 
@@ -84,25 +85,27 @@ vk::DebugUtilsMessengerCreateInfoEXT messenger_info(ValidationLog& log) {
           .pUserData = &log};
 }
 
-vk::raii::Instance create_instance(const vk::raii::Context& loader, ValidationLog* log) {
+vk::raii::Instance create_instance(const vk::raii::Context& loader, ValidationLog* log,
+                                   std::span<const char* const> extensions) {
   if (loader.enumerateInstanceVersion() < kApiVersion)
     throw Error(ErrorCode::device, "the Vulkan loader is older than 1.1; update it or use the cpu backend");
   const vk::ApplicationInfo application{
       .pApplicationName = "geocloth", .pEngineName = "geocloth", .apiVersion = VK_API_VERSION_1_2};
+  std::vector<const char*> names(extensions.begin(), extensions.end());
   vk::InstanceCreateInfo info{.pApplicationInfo = &application};
+  info.setPEnabledExtensionNames(names);
   if (log == nullptr) return instantiate(loader, info);
 
   require_validation_layer(loader);
   const std::array<const char*, 1> layers{kValidationLayer};
-  const std::array<const char*, 2> extensions{VK_EXT_DEBUG_UTILS_EXTENSION_NAME,
-                                              VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME};
+  names.insert(names.end(), {VK_EXT_DEBUG_UTILS_EXTENSION_NAME, VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME});
   const auto enabled = vk::ValidationFeatureEnableEXT::eSynchronizationValidation;
   // The messenger in the chain hears what happens while the instance itself is made and destroyed.
   const vk::DebugUtilsMessengerCreateInfoEXT messenger = messenger_info(*log);
   const vk::ValidationFeaturesEXT features{
       .pNext = &messenger, .enabledValidationFeatureCount = 1, .pEnabledValidationFeatures = &enabled};
   info.pNext = &features;
-  info.setPEnabledLayerNames(layers).setPEnabledExtensionNames(extensions);
+  info.setPEnabledLayerNames(layers).setPEnabledExtensionNames(names);
   return instantiate(loader, info);
 }
 

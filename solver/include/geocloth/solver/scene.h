@@ -6,6 +6,7 @@
 #include <functional>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -73,6 +74,8 @@ struct SceneMesh {
 using ReadSurface = std::function<TriangleSurface(const std::filesystem::path&)>;
 /// The garment in an asset, as it was in its file. @throws as read_asset
 [[nodiscard]] TriangleSurface read_asset_surface(const std::filesystem::path& path);
+/// Makes the solver of a simulation, on a device of the application say (make_vulkan_solver).
+using MakeSolver = std::function<Solver(std::span<const ClothDesc>, const SolverSettings&)>;
 
 struct SceneCollider {
   Collider collider;              ///< of a mesh without its field; Simulation::colliders() have it
@@ -115,7 +118,9 @@ class Simulation {
  public:
   /// Reads the assets and meshes that the scene names. Settings' substeps, relaxation_steps, keep_momentum,
   /// frame_time and gravity come from the scene.
-  Simulation(Scene scene, SolverSettings settings, const ReadSurface& read_surface = read_asset_surface);
+  /// @param make_solver  not set: the solver's own constructor
+  Simulation(Scene scene, SolverSettings settings, const ReadSurface& read_surface = read_asset_surface,
+             const MakeSolver& make_solver = {});
 
   /// Advances one frame.
   void step();
@@ -127,6 +132,12 @@ class Simulation {
   [[nodiscard]] const std::vector<ClothDesc>& cloths() const { return cloths_; }
   [[nodiscard]] std::vector<Collider> colliders() const;  ///< at time()
   [[nodiscard]] Solver& solver() { return *solver_; }
+
+  /// Pixels that the pins of the scene hold at time(), ascending, all copies included.
+  [[nodiscard]] std::vector<uint32_t> held_pixels(uint32_t cloth) const;
+  /// Pins beside those of the scene, and in place of them where both hold a pixel: a hand that drags the cloth. From
+  /// the next step on, until the next call. @throws Error(invalid_argument) when there is no such cloth
+  void set_hand(uint32_t cloth, std::vector<Pin> pins);
 
  private:
   void cut(double start);
@@ -145,6 +156,7 @@ class Simulation {
   void take_hold(PinSet& set, double start);
 
   std::vector<PinSet> pins_;
+  std::vector<std::vector<Pin>> hands_;  ///< per cloth
   std::unique_ptr<Solver> solver_;
   uint32_t frame_ = 0;
 };
