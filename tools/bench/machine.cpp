@@ -17,6 +17,8 @@
 namespace geocloth {
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
 constexpr int kRuns = 5;
 constexpr double kRunSeconds = 0.01;
 constexpr uint64_t kBeyondCaches = 256U << 20U;  // [B] of all threads together
