@@ -25,7 +25,7 @@ namespace geocloth {
 namespace {
 
 constexpr double kStill = 0.01;           // [pixels] shorter steps are not made
-constexpr double kLongest = 0.5;          // [pixels] of a step
+constexpr double kLongestSlide = 0.5;     // [pixels] of a step
 constexpr double kLeastDirections = 0.1;  // [pixels^2] that the four pixels around one span
 constexpr int kSweeps = 6;
 /// Tried in this order: how much angles count, and lengths far off. The second is for springs that are even enough to
@@ -185,7 +185,7 @@ class SampleRelaxation {
     const Point2 step = slope.step();
     const double whole = std::hypot(step[0], step[1]);
     if (!(whole >= kStill)) return;
-    const double most = std::min(1.0, kLongest / whole);
+    const double most = std::min(1.0, kLongestSlide / whole);
     try_step(pixel, {step[0] * most, step[1] * most});
   }
 
