@@ -26,13 +26,14 @@ function(geocloth_add_library component)
           DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/geocloth COMPONENT ${component})
 endfunction()
 
-# geocloth_unite_folders(target): in a unity build (CMAKE_UNITY_BUILD) the sources of one folder are compiled as one
-# text, so no two of them define one name. What lists instruction sets by including itself stays by itself.
+# geocloth_unite_folders(target): with GEOCLOTH_UNITE_FOLDERS the sources of one folder are compiled as one text, so no
+# two of them define one name. What lists instruction sets by including itself stays by itself.
 function(geocloth_unite_folders target)
-  set_target_properties(${target} PROPERTIES UNITY_BUILD_MODE GROUP)
-  if(CMAKE_UNITY_BUILD)
-    target_compile_options(${target} PRIVATE -Wno-subobject-linkage)  # the text is a header to GCC there
+  if(NOT GEOCLOTH_UNITE_FOLDERS)
+    return()
   endif()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  target_compile_options(${target} PRIVATE -Wno-subobject-linkage)  # the text is a header to GCC there
   get_target_property(sources ${target} SOURCES)
   list(FILTER sources INCLUDE REGEX "\\.cpp$")
   foreach(source IN LISTS sources)
