@@ -21,9 +21,11 @@ VirtualDisplay::VirtualDisplay() {
     const int nowhere = open("/dev/null", O_WRONLY);
     dup2(nowhere, STDOUT_FILENO);
     dup2(nowhere, STDERR_FILENO);
-    // The server looks for a free display and writes its number.
+    // The server looks for a free display and writes its number. It would begin anew when its last client leaves, and
+    // turn away who comes meanwhile.
     const std::string end = std::to_string(pipe_ends[1]);
-    execlp("Xvfb", "Xvfb", "-displayfd", end.c_str(), "-screen", "0", "1280x1024x24", "-nolisten", "tcp", nullptr);
+    execlp("Xvfb", "Xvfb", "-displayfd", end.c_str(), "-screen", "0", "1280x1024x24", "-noreset", "-nolisten", "tcp",
+           nullptr);
     _exit(127);
   }
   close(pipe_ends[1]);
