@@ -216,6 +216,7 @@ TEST(ViewCommand, says_what_to_do_without_a_display) {
       test::run_program({"view", folder / "sheet.glb", "-o", folder / "shot.png", "--frames", "1"});
   EXPECT_EQ(result.status, 1);
   EXPECT_THAT(result.err, HasSubstr("no display"));
+  EXPECT_THAT(result.err, testing::Not(HasSubstr("sheet.glb"))) << "the scene is not to blame";
   EXPECT_THAT(result.err, HasSubstr("geocloth render"));
   EXPECT_THAT(folder.entries(), testing::ElementsAre("sheet.glb"));
 }
