@@ -30,12 +30,11 @@ namespace {
 
 constexpr uint32_t kMinSize = 8;
 constexpr uint32_t kMaxSize = 4096;
-constexpr uint32_t kMaxThreads = 256;
 constexpr uint32_t kMaxSubsteps = 256;
 constexpr BenchBudget kFullBudget{300, 2.0};
 constexpr BenchBudget kQuickBudget{60, 0.5};
 
-struct Options {
+struct BenchArguments {
   Backend backend = Backend::automatic;
   std::string device, scene;
   uint32_t threads = 0, size = 0, substeps = 0;  ///< 0: not given
@@ -61,7 +60,7 @@ std::vector<uint32_t> asked_or(uint32_t asked, const std::vector<uint32_t>& othe
 
 /// The cpu with one thread and with all, then a device. Nothing asked for: the cpu and a real GPU if there is one; only
 /// a name: what goes by it.
-std::vector<std::pair<Backend, uint32_t>> backends_of(const Options& options) {
+std::vector<std::pair<Backend, uint32_t>> backends_of(const BenchArguments& options) {
   std::vector<std::pair<Backend, uint32_t>> backends;
   const uint32_t cores = std::clamp(std::thread::hardware_concurrency(), 1U, kMaxThreads);
   if (options.backend == Backend::automatic && !options.device.empty()) {
@@ -82,7 +81,7 @@ std::vector<std::pair<Backend, uint32_t>> backends_of(const Options& options) {
   return backends;
 }
 
-std::vector<Case> cases_of(const Options& options) {
+std::vector<Case> cases_of(const BenchArguments& options) {
   std::vector<Case> cases;
   const auto backends = backends_of(options);
   for (const BenchSceneKind& kind : bench_scene_kinds()) {
@@ -102,7 +101,7 @@ void use_vectors(int64_t widest) {
 }
 
 /// Lines appear as they are measured; with --json nothing but the JSON.
-void measure(const Options& options) {
+void measure(const BenchArguments& options) {
   use_vectors(options.vectors);
   const MachineInfo machine = measure_machine();
   const std::vector<Case> cases = cases_of(options);
@@ -137,7 +136,7 @@ void measure(const Options& options) {
 }  // namespace
 
 CommandRun add_bench(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BenchArguments>();
   add_choice<Backend>(app, "--backend", options->backend,
                       {{"auto", Backend::automatic}, {"cpu", Backend::cpu}, {"vulkan", Backend::vulkan}},
                       "what to measure; auto: the cpu, and a real GPU if there is one");

@@ -28,7 +28,7 @@
 namespace geocloth {
 namespace {
 
-struct Options {
+struct ConvertArguments {
   std::filesystem::path mesh, asset, pictures, stages;
   std::vector<std::filesystem::path> reports;
   std::string parts;
@@ -43,7 +43,7 @@ struct Options {
 /// Said in place of a selection of parts.
 constexpr const char* kListParts = "list";
 
-ConvertOptions convert_options(const Options& options) {
+ConvertOptions convert_options(const ConvertArguments& options) {
   ConvertOptions result;
   result.parts = options.parts;
   if (options.unit_option->count() > 0) result.import.scale = options.unit;
@@ -72,7 +72,7 @@ void print_carried(std::vector<CarriedPart> carried) {
              carried.size() - kNamed, carried.size(), 100 * share);
 }
 
-void print_summary(const Options& options, const ConvertResult& result) {
+void print_summary(const ConvertArguments& options, const ConvertResult& result) {
   const ClothAsset& asset = result.asset;
   const ConvertReport& report = result.report;
   fmt::print("{}: {} x {} pixels, {} valid, spacing {:.4g} m, {} {}, {} split points\n", options.asset.string(),
@@ -94,7 +94,7 @@ bool is_page(const std::filesystem::path& report) {
 }
 
 /// Writes every report, as a page for people or as JSON by its ending.
-void write_reports(const Options& options, const ConvertResult& result, std::list<OutputFile>& files) {
+void write_reports(const ConvertArguments& options, const ConvertResult& result, std::list<OutputFile>& files) {
   const bool pages = std::any_of(options.reports.begin(), options.reports.end(), is_page);
   const std::string page =
       pages ? conversion_page(result, draw_page_pictures(std::make_shared<const ClothAsset>(result.asset)),
@@ -109,7 +109,7 @@ void write_reports(const Options& options, const ConvertResult& result, std::lis
 }
 
 /// One line per part: what --parts can choose from.
-void list_parts(const Options& options) {
+void list_parts(const ConvertArguments& options) {
   const ConvertOptions convert = convert_options(options);
   const TriangleMesh mesh = name_file_in_errors(
       options.mesh, [&] { return with_choosable_parts(import_mesh(options.mesh, convert.import), convert.repair); });
@@ -122,7 +122,7 @@ void list_parts(const Options& options) {
   }
 }
 
-void run(const Options& options) {
+void run(const ConvertArguments& options) {
   if (options.parts == kListParts) {
     list_parts(options);
     return;
@@ -156,7 +156,7 @@ void run(const Options& options) {
   print_summary(options, result);
 }
 
-std::vector<NamedFile> written_files(const Options& options) {
+std::vector<NamedFile> written_files(const ConvertArguments& options) {
   std::vector<NamedFile> files{{"--output", options.asset}};
   for (const std::filesystem::path& report : options.reports) files.push_back({"--report", report});
   if (!options.stages.empty()) {
@@ -177,7 +177,7 @@ CLI::Validator is_selection() {
 }  // namespace
 
 CommandRun add_convert(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ConvertArguments>();
   add_text(app, "mesh", "MESH", options->mesh, "OBJ, glTF, GLB, PLY, STL, FBX or DAE file", "required")->required();
   CLI::Option* output =
       add_text(app, "-o,--output", "ASSET.glb", options->asset, "the asset to write", "required, but with --parts list")

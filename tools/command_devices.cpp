@@ -13,7 +13,7 @@
 namespace geocloth {
 namespace {
 
-struct Options {
+struct DevicesArguments {
   bool json = false;
 };
 
@@ -49,7 +49,7 @@ void print_json(const std::vector<DeviceInfo>& devices) {
 }  // namespace
 
 CommandRun add_devices(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<DevicesArguments>();
   app.add_flag("--json", options->json, "print JSON for programs [default off]");
   return [options] {
     const std::vector<DeviceInfo> devices = enumerate_devices();

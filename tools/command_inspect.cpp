@@ -24,7 +24,7 @@
 namespace geocloth {
 namespace {
 
-struct Options {
+struct InspectArguments {
   std::filesystem::path asset, mesh, charts, pictures;
   bool json = false;
 };
@@ -69,7 +69,7 @@ Summary summarize(const ClothAsset& asset) {
   return summary;
 }
 
-void print_for_people(const Options& options, const ClothAsset& asset, const Summary& summary) {
+void print_for_people(const InspectArguments& options, const ClothAsset& asset, const Summary& summary) {
   const SourceMesh& source = asset.source;
   fmt::print("{}: \"{}\", layout {}\n", options.asset.string(), asset.name, to_string(asset.layout));
   fmt::print("  image     {} x {} pixels, {} valid, {} {}, spacing {:.4g} m, area {:.4g} m^2\n", asset.width,
@@ -125,7 +125,7 @@ nlohmann::ordered_json to_json(const ClothAsset& asset, const Summary& summary) 
           {"vertex_groups", groups}};
 }
 
-void run(const Options& options) {
+void run(const InspectArguments& options) {
   std::optional<OutputFile> mesh_file, charts_file;
   if (!options.mesh.empty()) mesh_file.emplace(options.mesh);
   if (!options.charts.empty()) charts_file.emplace(options.charts);
@@ -154,7 +154,7 @@ void run(const Options& options) {
 }  // namespace
 
 CommandRun add_inspect(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<InspectArguments>();
   add_text(app, "asset", "ASSET.glb", options->asset, "an asset that convert wrote", "required")->required();
   app.add_flag("--json", options->json, "print JSON for programs [default off]");
   add_text(app, "--mesh", "OUT.obj", options->mesh, "write the grid mesh with the copies of split points merged",

@@ -26,11 +26,11 @@
 namespace geocloth {
 namespace {
 
-constexpr uint32_t kMaxFrames = 1000000, kMaxSheet = 400;
+constexpr uint32_t kMaxSheet = 400;
 constexpr double kTurntableRate = 30;       ///< [1/s]
 constexpr uint32_t kTurntableFrames = 180;  ///< once round in six seconds
 
-struct Options {
+struct RenderArguments {
   std::filesystem::path input, asset, output;
   RenderOptions render;
   uint32_t frame = 0, sheet = 0;
@@ -44,7 +44,7 @@ std::string ending_of(const std::filesystem::path& path) {
   return CLI::detail::to_lower(path.extension().string());
 }
 
-double frame_rate(const Options& options, double of_cache) {
+double frame_rate(const RenderArguments& options, double of_cache) {
   return options.frame_rate_option->count() > 0 ? options.frame_rate : of_cache;
 }
 
@@ -56,7 +56,7 @@ std::vector<Vec3> in_render_order(const SourceMesh& source, const std::vector<Ve
   return positions;
 }
 
-Playback open_point_cache(const Options& options) {
+Playback open_point_cache(const RenderArguments& options) {
   if (options.asset.empty())
     throw Error(ErrorCode::invalid_argument,
                 options.input.string() + ": a point cache has no mesh; name the garment with --asset ASSET.glb");
@@ -72,7 +72,7 @@ Playback open_point_cache(const Options& options) {
 }
 
 /// An asset where the file is one, else an animated .glb.
-Playback open_gltf(const Options& options) {
+Playback open_gltf(const RenderArguments& options) {
   try {
     return play_asset(std::make_shared<const ClothAsset>(read_asset(options.input)));
   } catch (const Error& error) {
@@ -82,7 +82,7 @@ Playback open_gltf(const Options& options) {
   return play_vertices(cache.cloths, std::move(cache.frames), frame_rate(options, cache.frame_rate));
 }
 
-Playback open_playback(const Options& options) {
+Playback open_playback(const RenderArguments& options) {
   Playback playback = ending_of(options.input) == ".glb" ? open_gltf(options) : open_point_cache(options);
   if (playback.frame_count == 0)
     throw Error(ErrorCode::invalid_data, options.input.string() + ": the cache has no frame; simulate again");
@@ -103,7 +103,7 @@ CameraChoice turned(const CameraChoice& choice, double turns) {
   return camera;
 }
 
-std::vector<Shot> views_round(const Options& options, uint32_t count) {
+std::vector<Shot> views_round(const RenderArguments& options, uint32_t count) {
   std::vector<Shot> shots;
   for (uint32_t i = 0; i < count; ++i) {
     const double turns = static_cast<double>(i) / count;
@@ -112,7 +112,7 @@ std::vector<Shot> views_round(const Options& options, uint32_t count) {
   return shots;
 }
 
-std::vector<Shot> moments(const Options& options, size_t frame_count, uint32_t count) {
+std::vector<Shot> moments(const RenderArguments& options, size_t frame_count, uint32_t count) {
   std::vector<Shot> shots;
   for (uint32_t i = 0; i < count; ++i) {
     const size_t frame = count < 2 ? frame_count - 1 : (frame_count - 1) * i / (count - 1);
@@ -122,7 +122,7 @@ std::vector<Shot> moments(const Options& options, size_t frame_count, uint32_t c
   return shots;
 }
 
-std::vector<Shot> plan_shots(const Options& options, const Playback& playback) {
+std::vector<Shot> plan_shots(const RenderArguments& options, const Playback& playback) {
   const bool moves = playback.frame_count > 1;
   const bool film = ending_of(options.output) == ".mp4";
   if (film && !moves) return views_round(options, kTurntableFrames);
@@ -138,7 +138,7 @@ std::vector<Shot> plan_shots(const Options& options, const Playback& playback) {
 
 /// Draws shot after shot and gives each picture to `take`.
 template <class Take>
-void draw_shots(const Options& options, const Playback& playback, const std::vector<Shot>& shots, Take&& take) {
+void draw_shots(const RenderArguments& options, const Playback& playback, const std::vector<Shot>& shots, Take&& take) {
   Renderer renderer(playback.scene, options.render);
   for (const std::string& warning : renderer.warnings()) fmt::print(stderr, "geocloth render: {}\n", warning);
   ProgressDisplay progress("render", options.quiet);
@@ -156,7 +156,7 @@ void draw_shots(const Options& options, const Playback& playback, const std::vec
   }
 }
 
-void write_film(const Options& options, const Playback& playback, const std::vector<Shot>& shots) {
+void write_film(const RenderArguments& options, const Playback& playback, const std::vector<Shot>& shots) {
   const double rate = playback.frame_count > 1 ? playback.frame_rate : kTurntableRate;
   VideoWriter video(options.output, options.render.size.width, options.render.size.height, rate);
   draw_shots(options, playback, shots, [&](const Picture& picture, const Shot&) { video.add(picture); });
@@ -164,7 +164,7 @@ void write_film(const Options& options, const Playback& playback, const std::vec
   video.commit();
 }
 
-void write_picture(const Options& options, const Playback& playback, const std::vector<Shot>& shots) {
+void write_picture(const RenderArguments& options, const Playback& playback, const std::vector<Shot>& shots) {
   OutputFile file(options.output);
   std::vector<Picture> pictures;
   std::vector<std::string> labels;
@@ -178,7 +178,7 @@ void write_picture(const Options& options, const Playback& playback, const std::
   file.commit();
 }
 
-void run(const Options& options) {
+void run(const RenderArguments& options) {
   const bool film = ending_of(options.output) == ".mp4";
   Playback playback = name_file_in_errors(options.input, [&] { return open_playback(options); });
   if (playback.frame_count > 1 && options.render.show != Show::cloth)
@@ -198,7 +198,7 @@ void run(const Options& options) {
 }  // namespace
 
 CommandRun add_render(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<RenderArguments>();
   add_text(app, "input", "ASSET_OR_CACHE", options->input,
            "an asset (.glb), or a motion that simulate wrote (.glb, .pc2, .mdd)", "required")
       ->required()

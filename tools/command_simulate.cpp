@@ -31,9 +31,7 @@
 namespace geocloth {
 namespace {
 
-constexpr uint32_t kMaxFrames = 1000000;
-
-struct Options {
+struct SimulateArguments {
   std::filesystem::path input, report, last_state;
   std::vector<std::string> outputs;
   uint32_t frames = 0;
@@ -43,7 +41,7 @@ struct Options {
   bool check = false, quiet = false;
 };
 
-Scene load_scene(const Options& options) {
+Scene load_scene(const SimulateArguments& options) {
   Scene scene = read_scene_or_asset(options.input);
   if (options.frames_option->count() > 0) scene.frames = options.frames;
   return scene;
@@ -55,7 +53,7 @@ bool is_numbered(const std::filesystem::path& output) {
 }
 
 /// @param cloths  of the scene; several have files of their own where the format holds one
-std::vector<NamedFile> written_files(const Options& options, size_t cloths) {
+std::vector<NamedFile> written_files(const SimulateArguments& options, size_t cloths) {
   std::vector<NamedFile> files;
   for (const std::string& output : options.outputs) {
     for (const std::filesystem::path& path : output_names(output, cloths))
@@ -67,13 +65,13 @@ std::vector<NamedFile> written_files(const Options& options, size_t cloths) {
 }
 
 /// What the scene names is known once it is read.
-void check_files_of_scene(const Options& options, const Scene& scene) {
+void check_files_of_scene(const SimulateArguments& options, const Scene& scene) {
   const std::string clash =
       find_name_clash(files_read(options.input, scene), written_files(options, scene.cloths.size()));
   if (!clash.empty()) throw Error(ErrorCode::invalid_argument, clash);
 }
 
-SolverSettings solver_settings(const Options& options) {
+SolverSettings solver_settings(const SimulateArguments& options) {
   SolverSettings settings = options.solver;
   // A scene can be checked on a machine without the device that it is to run on.
   if (options.check) settings.backend = Backend::cpu;
@@ -115,7 +113,7 @@ GridMesh last_state_mesh(const Simulation& simulation, const std::vector<ClothSn
   return all;
 }
 
-void print_check(const Options& options, Simulation& simulation) {
+void print_check(const SimulateArguments& options, Simulation& simulation) {
   const Scene& scene = simulation.scene();
   const SolverStatistics statistics = simulation.solver().statistics();
   fmt::print("{}: good: {} {} with {} particles, {} colliders, {} frames at {} a second, {} substeps\n",
@@ -132,7 +130,7 @@ std::unique_ptr<FrameWriter> make_writer(const std::filesystem::path& path, Simu
 }
 
 /// What stops a scene on its way is an error of the scene, at a time.
-void step(const Options& options, Simulation& simulation) {
+void step(const SimulateArguments& options, Simulation& simulation) {
   try {
     simulation.step();
     simulation.solver().wait();
@@ -142,7 +140,7 @@ void step(const Options& options, Simulation& simulation) {
   }
 }
 
-void play(const Options& options, Simulation& simulation) {
+void play(const SimulateArguments& options, Simulation& simulation) {
   std::vector<std::unique_ptr<FrameWriter>> writers;
   for (const std::string& output : options.outputs)
     writers.push_back(make_writer(output, simulation, options.pictures));
@@ -185,7 +183,7 @@ void play(const Options& options, Simulation& simulation) {
   fmt::print("{}\n", recorder.summary(simulation));
 }
 
-void run(const Options& options) {
+void run(const SimulateArguments& options) {
   Simulation simulation = name_file_in_errors(options.input, [&] {
     Scene scene = load_scene(options);
     check_files_of_scene(options, scene);
@@ -201,7 +199,7 @@ void run(const Options& options) {
 }  // namespace
 
 CommandRun add_simulate(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SimulateArguments>();
   add_scene_input(app, options->input);
   CLI::Option* output =
       add_text(app, "-o,--output", "OUT", options->outputs,

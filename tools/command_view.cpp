@@ -20,15 +20,13 @@
 namespace geocloth {
 namespace {
 
-constexpr uint32_t kMaxFrames = 1000000;
-
 std::string controls() {
   std::string text = "Mouse and keys:\n";
   for (const auto& [hand, what] : view::kControls) text += fmt::format("  {:<30}{}\n", hand, what);
   return text;
 }
 
-struct Options {
+struct ViewArguments {
   std::filesystem::path input, screenshot;
   SolverSettings solver = default_solver_settings();
   RenderOptions picture;
@@ -37,19 +35,19 @@ struct Options {
   bool paused = false, play = false;
 };
 
-std::vector<NamedFile> written_files(const Options& options) {
+std::vector<NamedFile> written_files(const ViewArguments& options) {
   if (options.screenshot.empty()) return {};
   return {{"--screenshot", options.screenshot}};
 }
 
-Scene load_scene(const Options& options) {
+Scene load_scene(const ViewArguments& options) {
   Scene scene = read_scene_or_asset(options.input);
   const std::string clash = find_name_clash(files_read(options.input, scene), written_files(options));
   if (!clash.empty()) throw Error(ErrorCode::invalid_argument, clash);
   return scene;
 }
 
-void run(const Options& options) {
+void run(const ViewArguments& options) {
   Scene scene = name_file_in_errors(options.input, [&] { return load_scene(options); });
   std::optional<OutputFile> screenshot;
   if (!options.screenshot.empty()) screenshot.emplace(options.screenshot);
@@ -74,7 +72,7 @@ void run(const Options& options) {
 }  // namespace
 
 CommandRun add_view(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ViewArguments>();
   app.footer(controls());
   add_scene_input(app, options->input);
   add_solver_options(app, options->solver);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -11,6 +12,8 @@
 #include <fmt/format.h>
 
 namespace geocloth {
+
+constexpr uint32_t kMaxFrames = 1000000, kMaxThreads = 256;  ///< the most that --frames and --threads take
 
 /// Options with one way of writing their help: "--frames N   text [unit; from low to high; default d]".
 /// A value out of range is wrong usage (exit status 2) with a message that names the option.

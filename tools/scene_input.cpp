@@ -8,11 +8,6 @@
 #include "options.h"
 
 namespace geocloth {
-namespace {
-
-constexpr uint32_t kMaxThreads = 256;
-
-}  // namespace
 
 void add_scene_input(CLI::App& app, std::filesystem::path& input) {
   add_text(app, "scene", "SCENE", input,

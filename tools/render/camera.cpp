@@ -16,7 +16,7 @@
 namespace geocloth {
 namespace {
 
-constexpr float kMargin = 1.06F;  ///< room left around the subject
+constexpr float kRoomAround = 1.06F;  ///< room left around the subject
 
 float radians(float degrees) {
   return degrees * std::numbers::pi_v<float> / 180.F;
@@ -36,7 +36,7 @@ Bounds swept_round(const Bounds& box) {
 }
 
 float framing_distance(const Bounds& box, const ViewAxes& axes, float field_of_view_deg, float aspect) {
-  const float tall = std::tan(radians(field_of_view_deg) / 2) / kMargin, wide = tall * aspect;
+  const float tall = std::tan(radians(field_of_view_deg) / 2) / kRoomAround, wide = tall * aspect;
   float distance = 0;
   for (int corner = 0; corner < 8; ++corner) {
     const Vec3 c = Vec3{(corner & 1) != 0 ? box.high.x : box.low.x, (corner & 2) != 0 ? box.high.y : box.low.y,

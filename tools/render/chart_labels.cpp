@@ -10,7 +10,7 @@
 namespace geocloth {
 namespace {
 
-constexpr std::array<std::array<int, 2>, 8> kAround{
+constexpr std::array<std::array<int, 2>, 8> kNeighbours{
     {{-1, -1}, {0, -1}, {1, -1}, {-1, 0}, {1, 0}, {-1, 1}, {0, 1}, {1, 1}}};
 
 /// Pixels of an asset and their neighbours in the same chart.
@@ -32,7 +32,7 @@ class ChartPixels {
     const auto relax = [&](uint32_t pixel, std::size_t first, std::size_t last, uint32_t start) {
       uint32_t least = start;
       for (std::size_t k = first; k < last; ++k) {
-        const uint32_t other = neighbour(pixel, kAround[k]);
+        const uint32_t other = neighbour(pixel, kNeighbours[k]);
         least = std::min(least, other == kNoPixel ? 1 : depth[other] + 1);
       }
       depth[pixel] = least;
@@ -109,7 +109,7 @@ std::vector<ChartLabel> seam_letters(const ClothAsset& asset, const SeamLines& l
     std::vector<uint32_t> side{start};
     seen[start] = 1;
     for (std::size_t i = 0; i < side.size(); ++i) {
-      for (const auto& step : kAround) {
+      for (const auto& step : kNeighbours) {
         const uint32_t other = pixels.neighbour(side[i], step);
         if (other == kNoPixel || seen[other] != 0 || lines.pixel_seam[other] != seam) continue;
         seen[other] = 1;
@@ -121,7 +121,7 @@ std::vector<ChartLabel> seam_letters(const ClothAsset& asset, const SeamLines& l
     uint32_t pixel = middle_of(side, asset.width);
     for (uint32_t k = 0; k < shortest / 2; ++k) {
       uint32_t deeper = pixel;
-      for (const auto& step : kAround) {
+      for (const auto& step : kNeighbours) {
         const uint32_t other = pixels.neighbour(pixel, step);
         if (other != kNoPixel && depth[other] > depth[deeper]) deeper = other;
       }

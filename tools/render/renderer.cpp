@@ -42,12 +42,12 @@ void draw_strain_legend(Picture& picture, float range) {
   for (int i = 0; i < width; ++i)
     fill_rectangle(picture, margin + i, top, 1, height,
                    diverging_color((static_cast<float>(i) + 0.5F) / static_cast<float>(width)));
-  constexpr Color kInk{20, 22, 26, 255};
+  constexpr Color kLegendInk{20, 22, 26, 255};
   const int line = top - 11 * scale;
   const auto percent = std::to_string(std::lround(range * 100)) + "%";
-  draw_text(picture, margin, line, scale, "-" + percent, kInk);
-  draw_text(picture, margin + (width - text_width("strain", scale)) / 2, line, scale, "strain", kInk);
-  draw_text(picture, margin + width - text_width("+" + percent, scale), line, scale, "+" + percent, kInk);
+  draw_text(picture, margin, line, scale, "-" + percent, kLegendInk);
+  draw_text(picture, margin + (width - text_width("strain", scale)) / 2, line, scale, "strain", kLegendInk);
+  draw_text(picture, margin + width - text_width("+" + percent, scale), line, scale, "+" + percent, kLegendInk);
 }
 
 }  // namespace

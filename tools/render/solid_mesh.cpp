@@ -11,16 +11,16 @@
 namespace geocloth {
 namespace {
 
-constexpr uint32_t kAround = 64, kHalfAlong = 16;
+constexpr uint32_t kSides = 64, kHalfAlong = 16;
 
 /// Rings of points of equal count, closed round; triangles between neighbours, outward for rings that go along `axis`
 /// while the points of a ring go counter-clockwise about it.
 void join_rings(SolidMesh& mesh, uint32_t rings) {
   for (uint32_t ring = 0; ring + 1 < rings; ++ring)
-    for (uint32_t i = 0; i < kAround; ++i) {
-      const uint32_t a = ring * kAround + i, b = ring * kAround + (i + 1) % kAround;
-      mesh.triangle.push_back({a, b, b + kAround});
-      mesh.triangle.push_back({a, b + kAround, a + kAround});
+    for (uint32_t i = 0; i < kSides; ++i) {
+      const uint32_t a = ring * kSides + i, b = ring * kSides + (i + 1) % kSides;
+      mesh.triangle.push_back({a, b, b + kSides});
+      mesh.triangle.push_back({a, b + kSides, a + kSides});
     }
 }
 
@@ -36,8 +36,8 @@ Basis basis_along(const Vec3& z) {
 
 /// Adds a ring of normals at a latitude and the points center + radius * normal.
 void add_ring(SolidMesh& mesh, const Basis& basis, const Vec3& center, float radius, float latitude) {
-  for (uint32_t i = 0; i < kAround; ++i) {
-    const float longitude = 2 * std::numbers::pi_v<float> * static_cast<float>(i) / kAround;
+  for (uint32_t i = 0; i < kSides; ++i) {
+    const float longitude = 2 * std::numbers::pi_v<float> * static_cast<float>(i) / kSides;
     const Vec3 n = basis.x * (std::cos(latitude) * std::cos(longitude)) +
                    basis.y * (std::cos(latitude) * std::sin(longitude)) + basis.z * std::sin(latitude);
     mesh.normal.push_back(n);
