@@ -9,10 +9,8 @@
 #include <limits>
 
 #include "mesh/point_math.h"
+#include "vector_targets.h"
 
-// Vectors whose length is not known when compiling cannot be members of an array.
-#undef HWY_DISABLED_TARGETS
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "develop/dirichlet_terms.cpp"
 #include <hwy/foreach_target.h>

@@ -7,9 +7,8 @@
 #include <algorithm>
 #include <bit>
 
-// Vectors whose length is not known when compiling cannot be members of an array.
-#undef HWY_DISABLED_TARGETS
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#include "vector_targets.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "pack/board.cpp"
 #include <hwy/foreach_target.h>
