@@ -21,7 +21,7 @@
 namespace geocloth {
 namespace {
 
-constexpr Color kPaper{32, 33, 37, 255}, kInk{214, 216, 220, 255}, kNode{255, 255, 255, 255};
+constexpr Color kNode{255, 255, 255, 255};
 constexpr uint32_t kWantedSide = 1024;  ///< [pixels] small pictures are enlarged to about this
 constexpr int kTextScale = 2, kLineHeight = 24, kMargin = 12;
 

@@ -152,7 +152,6 @@ Picture shrunk_to_fit(const Picture& picture, uint32_t width, uint32_t height) {
 Picture contact_sheet(const std::vector<Picture>& pictures, const std::vector<std::string>& labels,
                       uint32_t cell_width) {
   constexpr int kGap = 8, kLabelScale = 2, kLabelHeight = 24;
-  constexpr Color kPaper{32, 33, 37, 255}, kInk{214, 216, 220, 255};
   std::vector<Picture> cells;
   uint32_t width = 1, height = 1;
   for (const Picture& picture : pictures) {

@@ -8,6 +8,8 @@
 
 namespace geocloth {
 
+constexpr Color kPaper{32, 33, 37, 255}, kInk{214, 216, 220, 255};  ///< of every picture with text around it
+
 /// Small drawings into a picture. Coordinates are in pixels, y down; what lies outside is clipped.
 void fill_rectangle(Picture& picture, int x, int y, int width, int height, Color color);
 void frame_rectangle(Picture& picture, int x, int y, int width, int height, Color color);
