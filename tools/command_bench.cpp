@@ -9,7 +9,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <thread>
 #include <tuple>
 #include <vector>
 
@@ -24,6 +23,7 @@
 #include "geocloth/solver/device.h"
 #include "options.h"
 #include "progress.h"
+#include "scene_input.h"
 
 namespace geocloth {
 namespace {
@@ -62,7 +62,7 @@ std::vector<uint32_t> asked_or(uint32_t asked, const std::vector<uint32_t>& othe
 /// a name: what goes by it.
 std::vector<std::pair<Backend, uint32_t>> backends_of(const BenchArguments& options) {
   std::vector<std::pair<Backend, uint32_t>> backends;
-  const uint32_t cores = std::clamp(std::thread::hardware_concurrency(), 1U, kMaxThreads);
+  const uint32_t cores = default_solver_settings().threads;
   if (options.backend == Backend::automatic && !options.device.empty()) {
     return {{Backend::automatic, asked_or(options.threads, {1U}).front()}};
   }
