@@ -87,23 +87,28 @@ std::vector<PassStep> substep_schedule(const ScheduleOptions& options) {
 }
 
 std::vector<PassStep> finish_schedule(const ScheduleOptions& options) {
-  constexpr uint32_t kRounds = 3;  // what one spring gives, the next one gets
+  // What one spring gives, the next one gets, and lines end at seams: where a garment with seams hangs, rounds of ties
+  // carry its weight over them and a second sweep of lines takes it on to the pins.
+  const bool hangs_by_seams = options.attachments && options.splits;
+  const uint32_t sweeps = hangs_by_seams ? 2 : 1, rounds = hangs_by_seams ? 5 : 3;
   std::vector<PassStep> steps;
   if (!options.ties) return steps;
-  steps.push_back({Pass::hold_way});
-  for (uint32_t direction = 0; direction < 2; ++direction) steps.push_back({Pass::lines, direction});
   const auto add_whole_ties = [&](bool last) {
     const uint32_t first = options.seam_bend_colors + options.seam_span_colors + options.seam_tie_colors;
     for (uint32_t color = 0; color < options.whole_tie_colors; ++color)
       steps.push_back({Pass::whole_ties, first + color, last ? 1U : 0U});
   };
-  for (uint32_t r = 0; r < kRounds; ++r) {
+  const auto add_round = [&](bool last) {
     add_whole_ties(false);
-    for (uint32_t g = 0; g < kGroupsPerFamily; ++g)
-      steps.push_back({Pass::ties, g, r + 1 == kRounds && g % 2 == 1 ? 1U : 0U});
+    for (uint32_t g = 0; g < kGroupsPerFamily; ++g) steps.push_back({Pass::ties, g, last && g % 2 == 1 ? 1U : 0U});
     for (uint32_t color = 0; color < options.seam_tie_colors; ++color)
       steps.push_back({Pass::seam_spans, options.seam_bend_colors + options.seam_span_colors + color});
     if (options.splits) steps.push_back({Pass::stitch});
+  };
+  steps.push_back({Pass::hold_way});
+  for (uint32_t sweep = 0; sweep < sweeps; ++sweep) {
+    for (uint32_t direction = 0; direction < 2; ++direction) steps.push_back({Pass::lines, direction});
+    for (uint32_t r = 0; r < rounds; ++r) add_round(sweep + 1 == sweeps && r + 1 == rounds);
   }
   add_whole_ties(true);
   steps.push_back({Pass::give_way});

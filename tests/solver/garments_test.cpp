@@ -42,9 +42,9 @@ struct Hung {
   double share_held = 0;  ///< of the pixels
 };
 
-Hung hang(const std::filesystem::path& file, Layout layout = Layout::panels) {
+Hung hang(const std::filesystem::path& file, Layout layout = Layout::panels, uint32_t resolution = 64) {
   ConvertOptions options;
-  options.flatten.resolution = 64;
+  options.flatten.resolution = resolution;
   options.flatten.layout = layout;
   ConvertResult converted = convert(file, options);
   ClothDesc cloth{.asset = std::make_shared<ClothAsset>(std::move(converted.asset))};
@@ -89,6 +89,16 @@ TEST_P(Own, HangsWithLittleStretch) {
 INSTANTIATE_TEST_SUITE_P(Garments, Own,
                          testing::Values("cape.obj", "dress.obj", "flag.obj", "skirt.obj", "sleeve.obj", "t_shirt.obj"),
                          [](const auto& tested) { return name_of(tested.param); });
+
+// Fine cloth passes less of a pull on in a substep, and at a seam it ended: shoulders were stretched by 9.8 %, and the
+// sweatshirt of the other file by 14.8 %, before a frame's end went through the lines a second time.
+TEST(Fine, HangsBySeamsWithLittleStretch) {
+  const Hung hung =
+      hang(std::filesystem::path(GEOCLOTH_SOURCE_DIR) / "meshes/garments/t_shirt.obj", Layout::panels, 128);
+  RecordProperty("max_percent", std::to_string(100 * (hung.stretch.max - 1)));
+  EXPECT_LE(hung.stretch.max, 1.075);
+  EXPECT_LE(hung.stretch.mean, 1.003);
+}
 
 class SharedSet : public testing::TestWithParam<const char*> {};
 TEST_P(SharedSet, HangsWithLittleStretch) {
