@@ -5,6 +5,9 @@
 
 #include "pass.h"
 
+#include <array>
+#include <span>
+
 #include "lib/bend_groups.h"
 #include "lib/cell_groups.h"
 #include "lib/span.h"
@@ -87,10 +90,12 @@ std::vector<PassStep> substep_schedule(const ScheduleOptions& options) {
 }
 
 std::vector<PassStep> finish_schedule(const ScheduleOptions& options) {
-  // What one spring gives, the next one gets, and lines end at seams: where a garment with seams hangs, rounds of ties
-  // carry its weight over them and a second sweep of lines takes it on to the pins.
-  const bool hangs_by_seams = options.attachments && options.splits;
-  const uint32_t sweeps = hangs_by_seams ? 2 : 1, rounds = hangs_by_seams ? 5 : 3;
+  // Rounds of ties after each sweep of lines. What one spring gives, the next one gets, and lines end at seams: where a
+  // garment with seams hangs, ties carry its weight over them and a second sweep of lines takes it on to the pins.
+  constexpr std::array<uint32_t, 1> kOnce = {3};
+  constexpr std::array<uint32_t, 2> kTwice = {2, 4};
+  const std::span<const uint32_t> rounds =
+      options.attachments && options.splits ? std::span<const uint32_t>(kTwice) : kOnce;
   std::vector<PassStep> steps;
   if (!options.ties) return steps;
   const auto add_whole_ties = [&](bool last) {
@@ -106,9 +111,9 @@ std::vector<PassStep> finish_schedule(const ScheduleOptions& options) {
     if (options.splits) steps.push_back({Pass::stitch});
   };
   steps.push_back({Pass::hold_way});
-  for (uint32_t sweep = 0; sweep < sweeps; ++sweep) {
+  for (size_t sweep = 0; sweep < rounds.size(); ++sweep) {
     for (uint32_t direction = 0; direction < 2; ++direction) steps.push_back({Pass::lines, direction});
-    for (uint32_t r = 0; r < rounds; ++r) add_round(sweep + 1 == sweeps && r + 1 == rounds);
+    for (uint32_t r = 0; r < rounds[sweep]; ++r) add_round(sweep + 1 == rounds.size() && r + 1 == rounds[sweep]);
   }
   add_whole_ties(true);
   steps.push_back({Pass::give_way});
