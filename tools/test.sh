@@ -47,12 +47,6 @@ build() { cmake --preset "$1" && cmake --build --preset "$@"; }
 
 own_sources() { git ls-files '*.cpp' '*.h'; }
 format_holds() { own_sources | xargs -r clang-format --dry-run --Werror; }
-# The compile commands of GCC name options that clang does not know. The generated headers are those of the release build.
-lint_holds() {
-  cmake --preset lint && sed -i 's|build/lint|build/release|g' build/lint/compile_commands.json || return 1
-  git ls-files 'solver/*.cpp' 'parametrize/*.cpp' 'tools/*.cpp' 'meshes/*.cpp' |
-    xargs -r -n 1 -P "$jobs" clang-tidy --quiet -p build/lint --extra-arg=-Wno-unknown-warning-option 2>/dev/null
-}
 
 check "build release" build release
 check "clang-format" format_holds
@@ -66,7 +60,7 @@ check "build sanitize" build sanitize \
 count_tests build/sanitize -L '^(asset|parametrize|fuzz|solver)$' -E '^(SharedMeshes|Invariance)|_NOT_BUILT$'
 # Not where a Vulkan driver is loaded: Mesa's leaks a little when it is unloaded.
 count_tests build/sanitize -R '^(Convert|Inspect|Simulate|Interrupt)[/.]' -E '^Simulate\.UnknownDevice'
-check "clang-tidy" lint_holds
+check "clang-tidy" tools/lint.sh
 
 echo "$passed passed, $failed failed"
 [ "$failed" = 0 ]
