@@ -13,7 +13,7 @@ namespace geocloth {
 namespace {
 
 constexpr std::align_val_t kCacheLine{64};
-constexpr size_t kMostKept = size_t{4} << 20U;  // numbers, of all threads together
+constexpr size_t kMuchKept = size_t{4} << 20U;  // numbers, of all threads together; more where more were in use at once
 constexpr size_t kMostRoom = 4;                 // what is kept is given to those who need this share of it at least
 constexpr size_t kSizesPerDoubling = 8;         // sizes that are made, from a power of two to the next
 
@@ -43,7 +43,13 @@ class Kept {
     const KeptNumbers result = *found;
     numbers_.erase(std::next(found).base());
     sum_ -= result.size;
+    hand_out(result.size);
     return result;
+  }
+
+  void made_new(size_t size) {
+    const std::scoped_lock lock(mutex_);
+    hand_out(size);
   }
 
   /// Those that were kept first give way.
@@ -51,7 +57,8 @@ class Kept {
     const std::scoped_lock lock(mutex_);
     numbers_.push_back(piece);
     sum_ += piece.size;
-    while (sum_ > kMostKept) {
+    in_use_ -= piece.size;
+    while (sum_ > std::max(kMuchKept, most_in_use_)) {
       sum_ -= numbers_.front().size;
       give_back(numbers_.front());
       numbers_.erase(numbers_.begin());
@@ -59,9 +66,15 @@ class Kept {
   }
 
  private:
+  void hand_out(size_t size) {
+    in_use_ += size;
+    most_in_use_ = std::max(most_in_use_, in_use_);
+  }
+
   std::mutex mutex_;
   std::vector<KeptNumbers> numbers_;
-  size_t sum_ = 0;
+  size_t sum_ = 0;  // of what is kept
+  size_t in_use_ = 0, most_in_use_ = 0;
 };
 
 Kept& kept() {
@@ -78,6 +91,7 @@ NumberStore::NumberStore(size_t count) {
     const size_t step = std::max(std::bit_floor(count) / kSizesPerDoubling, size_t{1});
     piece.size = (count + step - 1) / step * step;
     piece.first = static_cast<double*>(operator new[](piece.size * sizeof(double), kCacheLine));
+    kept().made_new(piece.size);
   }
   first_ = piece.first;
   size_ = piece.size;
