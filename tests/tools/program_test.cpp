@@ -5,6 +5,8 @@
 #include <csignal>
 #include <cstdlib>
 #include <limits>
+#include <ostream>
+#include <string_view>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -244,11 +246,24 @@ TEST(Inspect, RefusesWhatIsNoAsset) {
 
 // ------------------------------------------------------------------------------------------------- simulate
 
-std::string scene_text(const std::string& more_of_scene = "", const std::string& more_of_cloth = "", int substeps = 4) {
+/// Stands for the path of the asset, which is not made before a test runs: each of them is a process of its own.
+constexpr std::string_view kAssetHere = "@asset@";
+
+std::string with_asset(std::string scene) {
+  const size_t at = scene.find(kAssetHere);
+  return at == std::string::npos ? scene : scene.replace(at, kAssetHere.size(), sleeve_asset());
+}
+
+/// A scene with kAssetHere.
+std::string scene_pattern(const std::string& more_of_scene, const std::string& more_of_cloth, int substeps = 4) {
   return R"({"version": 1, "frames": 3, "substeps": )" + std::to_string(substeps) + R"(, "cloths": [{"asset": ")" +
-         sleeve_asset() + "\"" + more_of_cloth +
+         std::string(kAssetHere) + "\"" + more_of_cloth +
          R"(}], "colliders": [{"name": "ball", "shape": "sphere", "center": [0, 0.7, 0],)" + R"( "radius": 0.2}])" +
          more_of_scene + "}";
+}
+
+std::string scene_text(const std::string& more_of_scene = "", const std::string& more_of_cloth = "", int substeps = 4) {
+  return with_asset(scene_pattern(more_of_scene, more_of_cloth, substeps));
 }
 
 TEST(Simulate, AnAssetWithoutASceneHangsByItsHighestBoundary) {
@@ -375,12 +390,21 @@ TEST(Simulate, WhatStopsASceneOnItsWayNamesTheSceneAndTheFrame) {
   EXPECT_THAT(folder.entries(), ElementsAre("scene.json"));
 }
 
-class BadScene : public testing::TestWithParam<std::pair<std::string, std::string>> {};
+struct BadSceneText {
+  const char* name;
+  std::string text;   ///< with kAssetHere, if any
+  std::string about;  ///< what the message names
+};
+void PrintTo(const BadSceneText& scene, std::ostream* out) {
+  *out << scene.name;
+}
+
+class BadScene : public testing::TestWithParam<BadSceneText> {};
 
 TEST_P(BadScene, IsOneLineThatNamesTheElement) {
   const TemporaryFolder folder;
-  const auto& [text, about] = GetParam();
-  const std::string scene = folder.write("scene.json", text);
+  const auto& [name, text, about] = GetParam();
+  const std::string scene = folder.write("scene.json", with_asset(text));
   for (const bool check : {true, false}) {
     const ProgramResult result = check ? run_program({"simulate", scene, "--check"})
                                        : run_program({"simulate", scene, "-o", folder / "out.obj", "-q"});
@@ -393,18 +417,19 @@ TEST_P(BadScene, IsOneLineThatNamesTheElement) {
 INSTANTIATE_TEST_SUITE_P(
     Simulate, BadScene,
     testing::Values(
-        std::pair{std::string(), std::string("scene.json")}, std::pair{std::string("[]"), std::string()},
-        std::pair{std::string("{\"version\": 1"), std::string()},
-        std::pair{std::string("{\"version\": 2, \"cloths\": []}"), std::string("version")},
-        std::pair{scene_text(", \"gravty\": [0, 0, 0]"), std::string("gravity")},
-        std::pair{scene_text(", \"gravity\": \"down\""), std::string("gravity")},
-        std::pair{scene_text(", \"substeps\": 0"), std::string("substeps")},
-        std::pair{scene_text(", \"frame_rate\": -60"), std::string("frame_rate")},
-        std::pair{scene_text("", ", \"material\": \"adamantium\""), std::string("material")},
-        std::pair{scene_text("", ", \"pins\": [{\"where\": {\"boundary\": 7}}]"), std::string("boundary 7")},
-        std::pair{scene_text("", ", \"pins\": [{\"where\": {\"top\": 0.1}, \"follow\": \"bal\"}]"),
-                  std::string("ball")},
-        std::pair{std::string("{\"version\": 1, \"cloths\": [{\"asset\": \"none.glb\"}]}"), std::string("none.glb")}));
+        BadSceneText{"empty", "", "scene.json"}, BadSceneText{"array", "[]", ""},
+        BadSceneText{"cut", "{\"version\": 1", ""},
+        BadSceneText{"version", "{\"version\": 2, \"cloths\": []}", "version"},
+        BadSceneText{"unknown_key", scene_pattern(", \"gravty\": [0, 0, 0]", ""), "gravity"},
+        BadSceneText{"gravity", scene_pattern(", \"gravity\": \"down\"", ""), "gravity"},
+        BadSceneText{"substeps", scene_pattern(", \"substeps\": 0", ""), "substeps"},
+        BadSceneText{"frame_rate", scene_pattern(", \"frame_rate\": -60", ""), "frame_rate"},
+        BadSceneText{"material", scene_pattern("", ", \"material\": \"adamantium\""), "material"},
+        BadSceneText{"boundary", scene_pattern("", ", \"pins\": [{\"where\": {\"boundary\": 7}}]"), "boundary 7"},
+        BadSceneText{"collider", scene_pattern("", ", \"pins\": [{\"where\": {\"top\": 0.1}, \"follow\": \"bal\"}]"),
+                     "ball"},
+        BadSceneText{"asset", "{\"version\": 1, \"cloths\": [{\"asset\": \"none.glb\"}]}", "none.glb"}),
+    [](const auto& scene) { return scene.param.name; });
 
 TEST(Simulate, TruncatedAssetIsRefused) {
   const TemporaryFolder folder;
