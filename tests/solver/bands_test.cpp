@@ -6,7 +6,6 @@
 
 #include "cpu/bands.h"
 
-#include <array>
 #include <limits>
 #include <string>
 
@@ -14,6 +13,7 @@
 #include <hwy/targets.h>
 
 #include "backend_scene.h"
+#include "support/vector_targets.h"
 
 namespace geocloth {
 namespace {
@@ -303,19 +303,7 @@ TEST_P(Bands, DoNothingAtOnceThatMeetsInPassesByThemselves) {
   }
 }
 
-/// Of the instruction sets that the solver was built for.
-std::vector<int64_t> targets_here() {
-#ifdef GEOCLOTH_FEW_VECTOR_TARGETS  // said by the build
-  constexpr std::array kBuilt{int64_t{HWY_AVX2}, int64_t{HWY_NEON}};
-#else
-  constexpr std::array kBuilt{int64_t{HWY_SSE4}, int64_t{HWY_AVX2}, int64_t{HWY_AVX3}, int64_t{HWY_NEON}};
-#endif
-  std::vector<int64_t> list;
-  for (const int64_t target : kBuilt)
-    if ((hwy::SupportedTargets() & target) != 0) list.push_back(target);
-  return list;
-}
-INSTANTIATE_TEST_SUITE_P(Bands, Bands, testing::ValuesIn(targets_here()),
+INSTANTIATE_TEST_SUITE_P(Bands, Bands, testing::ValuesIn(test::vector_targets()),
                          [](const auto& target) { return std::string(hwy::TargetName(target.param)); });
 
 }  // namespace
