@@ -12,10 +12,10 @@ function(geocloth_add_shaders target)
     add_custom_command(
       OUTPUT ${out}/${symbol}.h
       COMMAND Vulkan::glslangValidator --quiet -V --target-env vulkan1.1 -I${PROJECT_SOURCE_DIR}/shaders
-              --depfile ${out}/${symbol}.d -o ${out}/${symbol}.spv ${path}
+              -o ${out}/${symbol}.spv ${path}
       COMMAND ${GEOCLOTH_SPIRV_VAL} --target-env vulkan1.1 ${out}/${symbol}.spv
       COMMAND Vulkan::glslangValidator --quiet -V --target-env vulkan1.1 -I${PROJECT_SOURCE_DIR}/shaders
-              --vn ${symbol} -o ${out}/${symbol}.h ${path}
+              --depfile ${out}/${symbol}.d --vn ${symbol} -o ${out}/${symbol}.h ${path}
       DEPENDS ${path} DEPFILE ${out}/${symbol}.d
       COMMENT "Shader ${name}" VERBATIM)
     target_sources(${target} PRIVATE ${out}/${symbol}.h)
