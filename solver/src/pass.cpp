@@ -5,9 +5,6 @@
 
 #include "pass.h"
 
-#include <array>
-#include <span>
-
 #include "lib/bend_groups.h"
 #include "lib/cell_groups.h"
 #include "lib/span.h"
@@ -92,10 +89,8 @@ std::vector<PassStep> substep_schedule(const ScheduleOptions& options) {
 std::vector<PassStep> finish_schedule(const ScheduleOptions& options) {
   // Rounds of ties after each sweep of lines. What one spring gives, the next one gets, and lines end at seams: where a
   // garment with seams hangs, ties carry its weight over them and a second sweep of lines takes it on to the pins.
-  constexpr std::array<uint32_t, 1> kOnce = {3};
-  constexpr std::array<uint32_t, 2> kTwice = {2, 4};
-  const std::span<const uint32_t> rounds =
-      options.attachments && options.splits ? std::span<const uint32_t>(kTwice) : kOnce;
+  const bool hangs_by_seams = options.attachments && options.splits;
+  const std::vector<uint32_t> rounds = hangs_by_seams ? std::vector<uint32_t>{2, 4} : std::vector<uint32_t>{3};
   std::vector<PassStep> steps;
   if (!options.ties) return steps;
   const auto add_whole_ties = [&](bool last) {
