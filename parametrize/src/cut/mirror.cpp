@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <Eigen/Eigenvalues>
+#include <tbb/parallel_for.h>
 
 #include "mesh/point_math.h"
 #include "mesh/triangle_tree.h"
@@ -68,14 +69,16 @@ class MirrorFinder {
 
   std::optional<MirrorPlane> find() {
     struct Judged {
-      double error;
+      double error = 0;
       MirrorPlane plane;
     };
-    std::vector<Judged> judged;
-    for (const Vector& normal : first_normals()) {
-      const MirrorPlane plane{to_point(normal), normal.dot(to_eigen(middle_)), 0, kTolerance * extent_};
-      judged.push_back({error_of(plane, kFirstSamples), plane});
-    }
+    const std::vector<Vector> normals = first_normals();
+    std::vector<Judged> judged(normals.size());
+    tbb::parallel_for(size_t{0}, normals.size(), [&](size_t i) {
+      const Vector& n = normals[i];
+      const MirrorPlane plane{to_point(n), n.dot(to_eigen(middle_)), 0, kTolerance * extent_};
+      judged[i] = {error_of(plane, kFirstSamples), plane};
+    });
     const auto better = [](const Judged& a, const Judged& b) { return a.error < b.error; };
     std::stable_sort(judged.begin(), judged.end(), better);
     std::vector<Judged> chosen;
@@ -84,11 +87,12 @@ class MirrorFinder {
       if (chosen.size() < kRefined && std::none_of(chosen.begin(), chosen.end(), same)) chosen.push_back(j);
     }
     judged = std::move(chosen);
-    for (Judged& j : judged) {
+    tbb::parallel_for(size_t{0}, judged.size(), [&](size_t i) {
+      Judged& j = judged[i];
       std::vector<TriangleTree::Place> place;
       for (int round = 0; round < kRounds; ++round) refine(j.plane, place);
       j.error = error_of(j.plane, 1);
-    }
+    });
     Judged best = *std::min_element(judged.begin(), judged.end(), better);
     // What is round has no left and right: chance would choose among its planes. Where front and back are alike too,
     // left and right are farther apart.

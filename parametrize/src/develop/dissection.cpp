@@ -8,10 +8,13 @@
 #include <algorithm>
 #include <array>
 
+#include <tbb/parallel_for.h>
+
 namespace geocloth {
 namespace {
 
 constexpr uint32_t kSmall = 16;  // unknowns that are not parted further
+constexpr uint32_t kMostInATask = 2'000;  // unknowns
 constexpr size_t kLong = 4;      // squared length of a separator, by what it parts, from which another way is tried
 
 /// Who is connected to whom, by number.
@@ -70,43 +73,19 @@ class Dissector {
       : place_(places_of_unknowns(unknown, place)),
         graph_(triangle, place_.size(), [&](uint32_t v) { return unknown[v]; }) {
     side_.assign(place_.size(), Side::elsewhere);
-    result_.order.resize(place_.size());
-    for (uint32_t u = 0; u < place_.size(); ++u) result_.order[u] = u;
+    order_.resize(place_.size());
+    for (uint32_t u = 0; u < place_.size(); ++u) order_[u] = u;
   }
 
   Dissection run() {
-    if (!result_.order.empty()) part(0, static_cast<uint32_t>(result_.order.size()));
-    return std::move(result_);
+    std::vector<Node> node;
+    if (!order_.empty()) node = part_in_tasks(0, static_cast<uint32_t>(order_.size()));
+    return {std::move(node), std::move(order_)};
   }
 
  private:
+  using Node = Dissection::Node;
   enum class Side : uint8_t { elsewhere, low, high };
-
-  static std::vector<Point2> places_of_unknowns(std::span<const int32_t> unknown, std::span<const Point2> place) {
-    std::vector<Point2> result;
-    for (size_t v = 0; v < unknown.size(); ++v) {
-      if (unknown[v] >= 0) result.push_back(place[v]);
-    }
-    return result;
-  }
-
-  /// Orders a range of unknowns and appends its nodes. @returns the node at their top
-  uint32_t part(uint32_t begin, uint32_t end) {
-    std::array<uint32_t, 2> child{kNone, kNone};
-    uint32_t own = begin;
-    if (end - begin > kSmall) {
-      const auto [low_end, high_end] = halve(begin, end);
-      if (low_end > begin) child[0] = part(begin, low_end);
-      if (high_end > low_end) child[1] = part(low_end, high_end);
-      own = high_end;
-    }
-    const auto number = static_cast<uint32_t>(result_.node.size());
-    for (const uint32_t c : child) {
-      if (c != kNone) result_.node[c].parent = number;
-    }
-    result_.node.push_back({own, end, kNone});
-    return number;
-  }
 
   /// A range in two halves and what parts them.
   struct Halves {
@@ -125,49 +104,118 @@ class Dissector {
     }
   };
 
-  /// Rearranges a range: what is on the low side, what is on the high side, what parts them.
-  std::array<uint32_t, 2> halve(uint32_t begin, uint32_t end) {
-    const std::span<uint32_t> range(result_.order.data() + begin, end - begin);
-    best_.separator = range.size() + 1;
-    placed_.resize(range.size());
-    for (const size_t axis : {size_t{0}, size_t{1}}) {
-      for (size_t i = 0; i < range.size(); ++i) placed_[i] = {place_[range[i]][axis], range[i]};
-      std::nth_element(placed_.begin(), placed_.begin() + static_cast<std::ptrdiff_t>(range.size() / 2), placed_.end());
-      for (size_t i = 0; i < range.size(); ++i) range[i] = placed_[i].unknown;
-      part_halves(range);
+  /// What is needed while a range is parted.
+  struct Scratch {
+    Halves best;
+    std::vector<Placed> placed;
+    std::vector<uint32_t> inner, between;  // of the half that gives up what touches the other
+  };
+
+  static std::vector<Point2> places_of_unknowns(std::span<const int32_t> unknown, std::span<const Point2> place) {
+    std::vector<Point2> result;
+    for (size_t v = 0; v < unknown.size(); ++v) {
+      if (unknown[v] >= 0) result.push_back(place[v]);
     }
-    if (best_.separator * best_.separator > kLong * range.size()) {
+    return result;
+  }
+
+  /// Orders a range of unknowns. Branches touch none of each other's unknowns: what is beside a range was taken out of
+  /// it by those above, and is elsewhere for all below them.
+  /// @returns its nodes, the last one at their top
+  std::vector<Node> part_in_tasks(uint32_t begin, uint32_t end) {
+    Scratch scratch;
+    std::vector<Node> node;
+    if (end - begin <= kMostInATask) {
+      part(begin, end, scratch, node);
+      return node;
+    }
+    const auto [low_end, high_end] = halve(begin, end, scratch);
+    const std::array<uint32_t, 3> bound{begin, low_end, high_end};
+    std::array<std::vector<Node>, 2> of_half;
+    tbb::parallel_for(size_t{0}, of_half.size(), [&](size_t h) {
+      if (bound.at(h + 1) > bound.at(h)) of_half.at(h) = part_in_tasks(bound.at(h), bound.at(h + 1));
+    });
+    std::array<uint32_t, 2> child{kNone, kNone};
+    for (size_t h = 0; h < of_half.size(); ++h) {
+      if (of_half.at(h).empty()) continue;
+      const auto before = static_cast<uint32_t>(node.size());
+      for (const Node& n : of_half.at(h)) {
+        node.push_back({n.begin, n.end, n.parent == kNone ? kNone : before + n.parent});
+      }
+      child.at(h) = static_cast<uint32_t>(node.size() - 1);
+    }
+    append(node, child, high_end, end);
+    return node;
+  }
+
+  /// The same without tasks: appends the range's nodes. @returns the one at their top
+  uint32_t part(uint32_t begin, uint32_t end, Scratch& scratch, std::vector<Node>& node) {
+    std::array<uint32_t, 2> child{kNone, kNone};
+    uint32_t own = begin;
+    if (end - begin > kSmall) {
+      const auto [low_end, high_end] = halve(begin, end, scratch);
+      if (low_end > begin) child[0] = part(begin, low_end, scratch, node);
+      if (high_end > low_end) child[1] = part(low_end, high_end, scratch, node);
+      own = high_end;
+    }
+    return append(node, child, own, end);
+  }
+
+  static uint32_t append(std::vector<Node>& node, const std::array<uint32_t, 2>& child, uint32_t begin, uint32_t end) {
+    const auto number = static_cast<uint32_t>(node.size());
+    for (const uint32_t c : child) {
+      if (c != kNone) node[c].parent = number;
+    }
+    node.push_back({begin, end, kNone});
+    return number;
+  }
+
+  /// Rearranges a range: what is on the low side, what is on the high side, what parts them.
+  std::array<uint32_t, 2> halve(uint32_t begin, uint32_t end, Scratch& scratch) {
+    const std::span<uint32_t> range(order_.data() + begin, end - begin);
+    Halves& best = scratch.best;
+    std::vector<Placed>& placed = scratch.placed;
+    best.separator = range.size() + 1;
+    placed.resize(range.size());
+    for (const size_t axis : {size_t{0}, size_t{1}}) {
+      for (size_t i = 0; i < range.size(); ++i) placed[i] = {place_[range[i]][axis], range[i]};
+      std::nth_element(placed.begin(), placed.begin() + static_cast<std::ptrdiff_t>(range.size() / 2), placed.end());
+      for (size_t i = 0; i < range.size(); ++i) range[i] = placed[i].unknown;
+      part_halves(range, scratch);
+    }
+    if (best.separator * best.separator > kLong * range.size()) {
       walk(range);
-      part_halves(range);
+      part_halves(range, scratch);
     }
     for (const uint32_t u : range) side_[u] = Side::elsewhere;
-    std::copy(best_.order.begin(), best_.order.end(), range.begin());
-    return {begin + static_cast<uint32_t>(best_.end[0]), begin + static_cast<uint32_t>(best_.end[1])};
+    std::copy(best.order.begin(), best.order.end(), range.begin());
+    return {begin + static_cast<uint32_t>(best.end[0]), begin + static_cast<uint32_t>(best.end[1])};
   }
 
   /// Keeps what parts the first half of a range from the rest where that is shorter than the best so far.
-  void part_halves(std::span<const uint32_t> range) {
+  void part_halves(std::span<const uint32_t> range, Scratch& scratch) {
+    auto& [best, placed, inner, between] = scratch;
     const std::span<const uint32_t> low = range.first(range.size() / 2), high = range.subspan(range.size() / 2);
     for (const uint32_t u : low) side_[u] = Side::low;
     for (const uint32_t u : high) side_[u] = Side::high;
     for (const Side from : {Side::low, Side::high}) {
       const Side to = from == Side::low ? Side::high : Side::low;
-      inner_.clear();
-      between_.clear();
+      inner.clear();
+      between.clear();
       for (const uint32_t u : from == Side::low ? low : high) {
         const std::span<const uint32_t> around = graph_.around(u);
         const bool touches = std::any_of(around.begin(), around.end(), [&](uint32_t w) { return side_[w] == to; });
-        (touches ? between_ : inner_).push_back(u);
-        if (between_.size() >= best_.separator) break;
+        (touches ? between : inner).push_back(u);
+        if (between.size() >= best.separator) break;
       }
-      if (between_.size() >= best_.separator) continue;
-      const std::span<const uint32_t> inner = inner_, first = from == Side::low ? inner : low,
-                                      second = from == Side::low ? high : inner;
-      best_.order.assign(first.begin(), first.end());
-      best_.order.insert(best_.order.end(), second.begin(), second.end());
-      best_.end = {first.size(), best_.order.size()};
-      best_.order.insert(best_.order.end(), between_.begin(), between_.end());
-      best_.separator = between_.size();
+      if (between.size() >= best.separator) continue;
+      const std::span<const uint32_t> rest = inner, first = from == Side::low ? rest : low,
+                                      second = from == Side::low ? high : rest;
+      best.order.assign(first.begin(), first.end());
+      best.order.insert(best.order.end(), second.begin(), second.end());
+      best.end = {first.size(), best.order.size()};
+      best.order.insert(best.order.end(), between.begin(), between.end());
+      best.separator = between.size();
     }
   }
 
@@ -197,11 +245,7 @@ class Dissector {
   std::vector<Point2> place_;  // per unknown
   Graph graph_;
   std::vector<Side> side_;  // per unknown, while its range is parted
-  // While a range is parted:
-  Halves best_;
-  std::vector<Placed> placed_;
-  std::vector<uint32_t> inner_, between_;  // of the half that gives up what touches the other
-  Dissection result_;
+  std::vector<uint32_t> order_;
 };
 
 /// Edges on the shortest ways from a vertex; 0 where none leads.

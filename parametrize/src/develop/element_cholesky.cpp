@@ -23,7 +23,7 @@
 namespace geocloth {
 namespace {
 
-constexpr size_t kWorthATask = 4'000;  // unknowns below a node
+constexpr size_t kWorthATask = 800;  // unknowns below a node
 
 /// Places first..end-1 in an array that all fronts share.
 struct Range {
@@ -254,19 +254,21 @@ struct ElementCholesky::Impl {
     return rest;
   }
 
+  /// A right side's numbers of a front, in its order.
+  void gather(const Front& f, const std::vector<double>& x, std::vector<double>& part) const {
+    part.assign(f.matrix.stride(), 0.0);
+    std::copy_n(x.data() + f.own.begin * width, f.matrix.own(), part.data());
+    double* into = part.data() + f.matrix.own();
+    for (uint32_t i = f.boundary.begin; i < f.boundary.end; ++i, into += width) {
+      for (size_t a = 0; a < width; ++a) into[a] = x[boundary[i] * width + a];
+    }
+  }
+
   /// One right side, by turns.
-  void solve(std::vector<double>& x) const {
-    std::vector<double> part;  // of a front
-    const auto gather = [&](const Front& f) {
-      part.assign(f.matrix.stride(), 0.0);
-      std::copy_n(x.data() + f.own.begin * width, f.matrix.own(), part.data());
-      double* into = part.data() + f.matrix.own();
-      for (uint32_t i = f.boundary.begin; i < f.boundary.end; ++i, into += width) {
-        for (size_t a = 0; a < width; ++a) into[a] = x[boundary[i] * width + a];
-      }
-    };
+  void solve_forwards(std::vector<double>& x) const {
+    std::vector<double> part;
     for (const Front& f : front) {
-      gather(f);
+      gather(f, x, part);
       f.matrix.solve_forwards(factor.data() + f.factor, part.data());
       std::copy_n(part.data(), f.matrix.own(), x.data() + f.own.begin * width);
       const double* from = part.data() + f.matrix.own();
@@ -274,11 +276,31 @@ struct ElementCholesky::Impl {
         for (size_t a = 0; a < width; ++a) x[boundary[i] * width + a] = from[a];
       }
     }
-    for (auto f = front.rbegin(); f != front.rend(); ++f) {
-      gather(*f);
-      f->matrix.solve_backwards(factor.data() + f->factor, part.data());
-      std::copy_n(part.data(), f->matrix.own(), x.data() + f->own.begin * width);
-    }
+  }
+
+  void solve_node_backwards(const Front& f, std::vector<double>& x, std::vector<double>& part) const {
+    gather(f, x, part);
+    f.matrix.solve_backwards(factor.data() + f.factor, part.data());
+    std::copy_n(part.data(), f.matrix.own(), x.data() + f.own.begin * width);
+  }
+
+  /// A node and all below it, whose ancestors are solved.
+  void solve_branch_backwards(const Front& f, std::vector<double>& x, std::vector<double>& part) const {
+    solve_node_backwards(f, x, part);
+    for (uint32_t c = 0; c < f.children; ++c) solve_branch_backwards(front[f.child.at(c)], x, part);
+  }
+
+  /// The same where branches are worth tasks.
+  void solve_backwards_in_tasks(const Front& f, std::vector<double>& x) const {
+    std::vector<double> part;
+    if (f.below <= kWorthATask) return solve_branch_backwards(f, x, part);
+    solve_node_backwards(f, x, part);
+    tbb::parallel_for(uint32_t{0}, f.children, [&](uint32_t c) { solve_backwards_in_tasks(front[f.child.at(c)], x); });
+  }
+
+  void solve(std::vector<double>& x) const {
+    solve_forwards(x);
+    for (const uint32_t r : root) solve_backwards_in_tasks(front[r], x);
   }
 };
 

@@ -5,12 +5,16 @@
 
 #include <utility>
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include "mesh/point_math.h"
 
 namespace geocloth {
 namespace {
 
 constexpr int kMostSteps = 80;
+constexpr size_t kGrain = 2'000;  // points that are worth a task
 constexpr std::array<size_t, 3> kDiagonal{0, 3, 5};  // of a symmetric matrix
 
 double inner(const std::vector<Point3>& a, const std::vector<Point3>& b) {
@@ -32,13 +36,20 @@ std::array<Point3, 3> slopes(const MoveWish& wish) {
 }  // namespace
 
 FitSystem::FitSystem(size_t points, std::vector<FitTriangle> triangles)
-    : triangle_(std::move(triangles)), block_(points, Symmetric{}) {
+    : triangle_(std::move(triangles)), first_(points + 1, 0), block_(points, Symmetric{}) {
   for (const FitTriangle& t : triangle_) {
     for (const uint32_t i : t.point) {
+      ++first_[i + 1];
       const double weight = t.area / 6;
       add_square(block_[i], t.normal, (1 - t.slack) * weight);
       for (const size_t k : kDiagonal) block_[i][k] += t.slack * weight;
     }
+  }
+  for (size_t i = 0; i < points; ++i) first_[i + 1] += first_[i];
+  around_.resize(first_.back());
+  std::vector<uint32_t> end = first_;
+  for (uint32_t t = 0; t < triangle_.size(); ++t) {
+    for (const uint32_t i : triangle_[t].point) around_[end[i]++] = t;
   }
 }
 
@@ -77,14 +88,19 @@ Point3 FitSystem::solved(const Symmetric& m, const Point3& r) {
 }
 
 std::vector<Point3> FitSystem::product(const std::vector<Point3>& x, std::span<const MoveWish> wishes) const {
-  std::vector<Point3> y(x.size(), Point3{});
-  for (const FitTriangle& t : triangle_) {
-    const Point3 sum = x[t.point[0]] + x[t.point[1]] + x[t.point[2]];
-    for (const uint32_t i : t.point) {
-      const Point3 v = (x[i] + sum) * (t.area / 12);
-      y[i] = y[i] + v * t.slack + t.normal * ((1 - t.slack) * dot(t.normal, v));
+  std::vector<Point3> y(x.size());
+  tbb::parallel_for(tbb::blocked_range<size_t>(0, x.size(), kGrain), [&](const tbb::blocked_range<size_t>& points) {
+    for (size_t i = points.begin(); i < points.end(); ++i) {
+      Point3 pull{};
+      for (uint32_t k = first_[i]; k < first_[i + 1]; ++k) {
+        const FitTriangle& t = triangle_[around_[k]];
+        const Point3 sum = x[t.point[0]] + x[t.point[1]] + x[t.point[2]];
+        const Point3 v = (x[i] + sum) * (t.area / 12);
+        pull = pull + v * t.slack + t.normal * ((1 - t.slack) * dot(t.normal, v));
+      }
+      y[i] = pull;
     }
-  }
+  });
   for (const MoveWish& wish : wishes) {
     const std::array<Point3, 3> slope = slopes(wish);
     double sum = 0;

@@ -41,6 +41,7 @@ class FitSystem {
   [[nodiscard]] std::vector<Point3> preconditioned(const std::vector<Point3>& r) const;
 
   std::vector<FitTriangle> triangle_;
+  std::vector<uint32_t> first_, around_;  // per point: where its triangles begin; those
   std::vector<Symmetric> block_;  // of the matrix's diagonal; zero for points of no triangle, which stay
 };
 

@@ -12,6 +12,8 @@
 #include <optional>
 #include <random>
 
+#include <tbb/parallel_invoke.h>
+
 #include "develop/map_stretch.h"
 #include "geocloth/asset/grid_mesh.h"
 #include "image/chart_outline.h"
@@ -240,7 +242,8 @@ void measure_accuracy(const CleanSurface& clean, const ClothAsset& asset, Qualit
   Surface grid;
   for (const Vec3& p : asset.rest_position) grid.position.push_back(to_double(p));
   grid.triangle = pixel_triangles(asset);
-  const Deviation there = deviation(original, grid), back = deviation(grid, original);
+  Deviation there, back;
+  tbb::parallel_invoke([&] { there = deviation(original, grid); }, [&] { back = deviation(grid, original); });
   const double diagonal = bounding_diagonal(clean.position);
   q.rms_error = ratio(std::max(there.rms, back.rms), diagonal);
   q.max_error = ratio(std::max(there.max, back.max), diagonal);
