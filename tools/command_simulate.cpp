@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "command.h"
+#include "contact_check.h"
 #include "export/cache_writer.h"
 #include "file_error.h"
 #include "file_names.h"
@@ -158,8 +159,12 @@ void play(const SimulateArguments& options, Simulation& simulation) {
   std::optional<ProgressDisplay> progress(std::in_place, "simulate", options.quiet);
   std::vector<ClothSnapshot> state;
   SimulationRecorder recorder;
+  ContactCheck contact(simulation);
   for (uint32_t frame = 0;; ++frame) {
-    if (read_every_frame || frame == frames) read_frames(simulation, state);
+    if (read_every_frame || frame == frames) {
+      read_frames(simulation, state);
+      if (frame == frames || (frame > 0 && report_file != nullptr)) contact.add_frame(simulation, state);
+    }
     for (const auto& writer : writers) writer->add_frame(simulation, state);
     progress->show("frame", frames == 0 ? 1.0 : static_cast<double>(frame) / frames);
     if (frame == frames) break;
@@ -170,7 +175,7 @@ void play(const SimulateArguments& options, Simulation& simulation) {
     if (report_file != nullptr) recorder.add_energy(simulation);
   }
 
-  if (report_file != nullptr) report_file->write(recorder.report(simulation, state));
+  if (report_file != nullptr) report_file->write(recorder.report(simulation, state, contact));
   if (last_state_file != nullptr) last_state_file->write(to_obj(last_state_mesh(simulation, state), false));
   for (const auto& file : files) file->close();
   for (const auto& writer : writers) writer->finish();
@@ -181,6 +186,9 @@ void play(const SimulateArguments& options, Simulation& simulation) {
     for (const std::filesystem::path& path : output_names(output, state.size())) fmt::print("{}\n", path.string());
   }
   fmt::print("{}\n", recorder.summary(simulation));
+  for (const std::string& warning : contact.warnings(simulation)) {
+    fmt::print(stderr, "geocloth simulate: {}: warning: {}\n", options.input.string(), warning);
+  }
 }
 
 void run(const SimulateArguments& options) {

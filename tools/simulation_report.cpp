@@ -92,7 +92,8 @@ void SimulationRecorder::add_energy(Simulation& simulation) {
   energy_.push_back(sum);
 }
 
-std::string SimulationRecorder::report(Simulation& simulation, std::span<const ClothSnapshot> cloths) const {
+std::string SimulationRecorder::report(Simulation& simulation, std::span<const ClothSnapshot> cloths,
+                                       const ContactCheck& contact) const {
   const SolverStatistics statistics = simulation.solver().statistics();
   const Scene& scene = simulation.scene();
   const double frames = std::max<double>(1, static_cast<double>(frame_seconds_.size()));
@@ -129,9 +130,11 @@ std::string SimulationRecorder::report(Simulation& simulation, std::span<const C
                                       {"stretch", {{"max", stretch.max}, {"p99", stretch.p99}, {"mean", stretch.mean}}},
                                       {"copy_gap", statistics.copy_gap},
                                       {"penetration", statistics.penetration},
+                                      {"drawn_penetration", contact.depth_between_vertices()},
                                       {"energy", energy},
                                       {"non_finite", non_finite},
-                                      {"state_hash", state_hash(simulation, cloths)}};
+                                      {"state_hash", state_hash(simulation, cloths)},
+                                      {"warnings", contact.warnings(simulation)}};
   return report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "contact_check.h"
 #include "export/frame_writer.h"
 #include "geocloth/solver/scene.h"
 
@@ -26,8 +27,10 @@ class SimulationRecorder {
   void add_energy(Simulation& simulation);
 
   /// The report as JSON text with the keys that users rely on.
-  /// @param cloths  the state after the last frame
-  [[nodiscard]] std::string report(Simulation& simulation, std::span<const ClothSnapshot> cloths) const;
+  /// @param cloths   the state after the last frame
+  /// @param contact  of all frames
+  [[nodiscard]] std::string report(Simulation& simulation, std::span<const ClothSnapshot> cloths,
+                                   const ContactCheck& contact) const;
   /// One line for people.
   [[nodiscard]] std::string summary(Simulation& simulation) const;
 

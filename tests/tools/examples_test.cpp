@@ -11,6 +11,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "contact_check.h"
 #include "geocloth/parametrize/import.h"
 #include "geocloth/solver/scene.h"
 #include "support/run_program.h"
@@ -106,15 +107,18 @@ TEST_P(Example, KeepsOutOfCollidersInEveryFrame) {
   settings.backend = Backend::cpu;
   settings.check_copies = true;
   Simulation simulation(scene, settings, read_body);
-  std::vector<Vec3> position, normal, drawn;
+  ContactCheck contact(simulation);
+  std::vector<ClothSnapshot> cloths(simulation.cloths().size());
   double grid_depth = -1e9, drawn_depth = -1e9;
   for (uint32_t f = 0; f < std::min(scene.frames, kMostFrames); ++f) {
     simulation.step();
     for (uint32_t c = 0; c < simulation.cloths().size(); ++c) {
       const ClothDesc& cloth = simulation.cloths()[c];
+      auto& [asset, position, normal, drawn] = cloths[c];
+      asset = cloth.asset;
       simulation.solver().read_positions(c, position);
       simulation.solver().read_normals(c, normal);
-      evaluate_binding(*cloth.asset, position, normal, drawn, cloth.transform.scale);
+      evaluate_binding(*asset, position, normal, drawn, cloth.transform.scale);
       std::vector<Vec3> points;
       for (uint32_t p = 0; p < position.size(); ++p)
         if (cloth.asset->valid(p)) points.push_back(position[p]);
@@ -125,7 +129,9 @@ TEST_P(Example, KeepsOutOfCollidersInEveryFrame) {
       ASSERT_LE(grid_depth, 1e-4) << "frame " << f;
       ASSERT_LE(drawn_depth, static_cast<double>(cloth.material.thickness)) << "frame " << f;
     }
+    contact.add_frame(simulation, cloths);
   }
+  EXPECT_THAT(contact.warnings(simulation), testing::IsEmpty());
   RecordProperty("grid_depth_m", std::to_string(grid_depth));
   RecordProperty("drawn_depth_m", std::to_string(drawn_depth));
   const SolverStatistics statistics = simulation.solver().statistics();

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What `simulate` says where cloth and colliders do not go together: a garment that begins inside its wearer flies off,
+// and a wearer that shows through the garment is what everybody sees first.
+#include <regex>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "support/run_program.h"
+#include "support/temporary_folder.h"
+
+namespace geocloth::test {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+/// A level square of 0.6 m about the origin, in few triangles: 0.15 m, the grid's springs are a tenth of that.
+std::string coarse_square() {
+  constexpr int kSide = 5;
+  std::string obj;
+  for (int j = 0; j < kSide; ++j)
+    for (int i = 0; i < kSide; ++i) obj += fmt::format("v {} 0 {}\n", 0.15 * i - 0.3, 0.15 * j - 0.3);
+  for (int j = 0; j + 1 < kSide; ++j)
+    for (int i = 0; i + 1 < kSide; ++i) {
+      const int v = j * kSide + i + 1;
+      obj += fmt::format("f {} {} {} {}\n", v, v + kSide, v + kSide + 1, v + 1);
+    }
+  return obj;
+}
+
+class ContactWarnings : public testing::Test {
+ protected:
+  ContactWarnings() {
+    const std::string mesh = folder_.write("square.obj", coarse_square());
+    const ProgramResult made =
+        run_program({"convert", mesh, "-o", folder_ / "square.glb", "--resolution", "40", "--quiet"});
+    EXPECT_EQ(made.status, 0) << made.err;
+  }
+
+  struct Run {
+    std::vector<std::string> warnings;
+    double drawn_penetration = 0, penetration = 0;
+    std::string err;
+  };
+
+  Run simulate(const std::string& cloth, const std::string& colliders) {
+    const std::string scene = folder_.write(
+        "scene.json",
+        fmt::format(R"({{"version":1,"frames":30,"cloths":[{{"asset":"square.glb",{}}}],"colliders":[{}]}})", cloth,
+                    colliders));
+    const ProgramResult result =
+        run_program({"simulate", scene, "--backend", "cpu", "--report", folder_ / "r.json", "--quiet"});
+    EXPECT_EQ(result.status, 0) << result.err;
+    const nlohmann::json report = nlohmann::json::parse(read_text(folder_ / "r.json"));
+    return {report["warnings"], report["drawn_penetration"], report["penetration"], result.err};
+  }
+
+  TemporaryFolder folder_;
+};
+
+constexpr const char* kBall = R"({"name":"ball","shape":"sphere","center":[0.02,-0.21,0.03],"radius":0.2})";
+
+TEST_F(ContactWarnings, TellThatAColliderShowsThroughAndTheThicknessThatCoversIt) {
+  const Run thin = simulate(R"("material":{"thickness":0.002})", kBall);
+  EXPECT_GT(thin.drawn_penetration, 0.004);  // 0.15 m over a ball of 0.2 m sag by 14 mm
+  EXPECT_LE(thin.penetration, 1e-4);         // the points do not
+  ASSERT_THAT(thin.warnings, ElementsAre(AllOf(HasSubstr("cloths[0] (square.glb)"), HasSubstr("collider \"ball\""),
+                                               HasSubstr("shows through"))));
+  EXPECT_THAT(thin.err, HasSubstr(thin.warnings[0]));
+  std::smatch advised;
+  ASSERT_TRUE(std::regex_search(thin.warnings[0], advised, std::regex("\"thickness\": ([0-9.]+)"))) << thin.err;
+  const Run thick = simulate(fmt::format(R"("material":{{"thickness":{}}})", advised[1].str()), kBall);
+  EXPECT_THAT(thick.warnings, IsEmpty());
+}
+
+TEST_F(ContactWarnings, TellThatAGarmentBeginsInsideACollider) {
+  const std::string cloth = R"("material":"cotton")";
+  const Run buried = simulate(cloth, R"({"shape":"box","center":[0,0,0],"half_extents":[0.2,0.1,0.2]})");
+  ASSERT_THAT(buried.warnings, ElementsAre(AllOf(HasSubstr("begin inside colliders[0]"), HasSubstr("0.1 m deep"))));
+  // A quarter of a spacing is no more than the thickness puts right.
+  const Run touching = simulate(cloth, R"({"shape":"box","center":[0,-0.098,0],"half_extents":[0.5,0.1,0.5]})");
+  EXPECT_THAT(touching.warnings, IsEmpty());
+}
+
+TEST_F(ContactWarnings, LeaveOutWhatPinsHoldAndFlatGround) {
+  const Run pinned = simulate(R"("material":"cotton","pins":[{"where":{"box":[[-1,-1,-1],[1,1,1]]}}])",
+                              R"({"shape":"box","center":[0,0,0],"half_extents":[0.2,0.1,0.2]})");
+  EXPECT_THAT(pinned.warnings, IsEmpty());
+  const Run ground = simulate(R"("material":"cotton")", R"({"shape":"plane","point":[0,-0.05,0],"normal":[0,1,0]})");
+  EXPECT_THAT(ground.warnings, IsEmpty());
+  EXPECT_EQ(ground.drawn_penetration, 0);
+}
+
+}  // namespace
+}  // namespace geocloth::test
