@@ -15,7 +15,7 @@
 namespace geocloth::shader {
 #endif
 
-const float kOpenCell = 0.5f;  // sides of a triangle that a collider may sink into, in its half widths
+const float kOpenCell = 0.5f;  // sides of a triangle that a collider may sink into, in its half thicknesses
 const uint kDeepestSteps = 8u;
 const float kArrived = 1e-3f;      // of a weight: a step that changes less is the last
 const float kGapRounding = 4e-6f;  // [m], and of a distance: what single precision takes from a gap
@@ -209,7 +209,7 @@ inline MovedTriangle collide_triangle(ColliderSet set, ClothParams params, uint 
     Corners now = corners_of(moved);
     Corners start = first_corners_of(moved);
     float side = longest_side(now);
-    if (side < kOpenCell * shape.core) continue;  // its pixels are enough
+    if (side < kOpenCell * half_thickness(shape)) continue;  // its pixels are enough
     ColliderPose after = collider_pose(set, substep + 1u, i);
     float way = way_of_corners(start, now);
     vec3 middle = vec3(after.row0.w, after.row1.w, after.row2.w);

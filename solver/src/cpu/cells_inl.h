@@ -39,7 +39,7 @@ HWY_INLINE Mask<D> near_cells(D d, const Meeting& meeting, ClothState& state, si
   const auto slack = hn::Add(hn::Add(hn::Add(way, way), longest), top);
   Mask<D> any = hn::Gt(hn::Zero(d), hn::Zero(d));
   for (size_t c = 0; c < meeting.guards.count; ++c) {
-    const auto open = hn::Ge(longest, hn::Set(d, shader::kOpenCell * meeting.frame.shapes[c].core));
+    const auto open = hn::Ge(longest, hn::Set(d, shader::kOpenCell * shader::half_thickness(meeting.frame.shapes[c])));
     any = hn::Or(any, hn::And(open, Guards::near(d, meeting.guards.guards[c], first, slack)));
   }
   return any;
