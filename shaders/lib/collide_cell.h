@@ -185,19 +185,38 @@ inline MovedTriangle push_point(ColliderSet set, ClothParams params, ColliderSha
   return r;
 }
 
+inline vec3 middle_of(Corners t) {
+  const float third = 1.0f / 3.0f;
+  return at_weights(t, vec3(third, third, third));
+}
+
 // No point of a triangle is nearer to the collider than this [m]. The distance to a convex solid lies above all of its
 // tangent planes, so that where cloth rests on a solid the bound is less below its corners than the solid is bent.
-// @param t  in the collider's frame
-inline float least_gap(ColliderSet set, ColliderShape shape, Corners t, float side) {
-  const float third = 1.0f / 3.0f;
-  vec3 middle = at_weights(t, vec3(third, third, third));
-  Nearest near = nearest_of_shape(set, shape, middle);
+// @param t     in the collider's frame
+// @param near  of its middle
+inline float least_gap(ColliderShape shape, Corners t, Nearest near, float side) {
+  vec3 middle = middle_of(t);
   float a = dot3(t.a - middle, near.normal);
   float b = dot3(t.b - middle, near.normal);
   float c = dot3(t.c - middle, near.normal);
   precise float drop = shape.kind == kShapeMesh ? -side : min(a, min(b, c));
   precise float gap = near.distance + drop;
   return gap - kGapRounding * (1.0f + abs(near.distance));
+}
+
+const float kFlat = 0.05f;      // sides that a surface may be bent by below a triangle that its pixels are enough for
+const float kShortWay = 0.25f;  // sides that it may have gone: a rod that it has passed is still near
+
+// Whether a body's surface is flat below a triangle, so that no point of it is deeper than a corner.
+// @param t     in the collider's frame
+// @param near  of its middle
+inline bool is_flat_below(ColliderSet set, ColliderShape shape, Corners t, Nearest near, float side) {
+  vec3 middle = middle_of(t);
+  precise float a = nearest_of_shape(set, shape, t.a).distance - dot3(t.a - middle, near.normal);
+  precise float b = nearest_of_shape(set, shape, t.b).distance - dot3(t.b - middle, near.normal);
+  precise float c = nearest_of_shape(set, shape, t.c).distance - dot3(t.c - middle, near.normal);
+  precise float bent = max(max(abs(a - near.distance), abs(b - near.distance)), abs(c - near.distance));
+  return bent < kFlat * side;
 }
 
 // @param w  inverse masses of the corners
@@ -215,12 +234,17 @@ inline MovedTriangle collide_triangle(ColliderSet set, ClothParams params, uint 
     vec3 middle = vec3(after.row0.w, after.row1.w, after.row2.w);
     if (out_of_reach(shape, length3(now.a - middle) - shape.b.w - side, way)) continue;
     Corners last = corners_to_local(after, now);
-    float gap = least_gap(set, shape, last, side);
+    Nearest near = nearest_of_shape(set, shape, middle_of(last));
+    float gap = least_gap(shape, last, near, side);
     if (out_of_reach(shape, gap, way)) continue;
     ColliderPose before = collider_pose(set, substep, i);
     Corners first = corners_to_local(before, start);
     // What is carried along by the collider has hardly moved as seen from there.
-    if (gap > way_of_corners(first, last)) continue;
+    float seen_way = way_of_corners(first, last);
+    if (gap > seen_way) continue;
+    if (shape.kind == kShapeMesh && seen_way < kShortWay * side && is_flat_below(set, shape, last, near, side)) {
+      continue;
+    }
     moved = push_point(set, params, shape, before, after, moved, first, w, deepest_weights(set, shape, first));
     last = corners_to_local(after, corners_of(moved));
     moved = push_point(set, params, shape, before, after, moved, first, w, deepest_weights(set, shape, last));
