@@ -52,6 +52,16 @@ inline FramedStep take_along(ClothParams params, float substep, vec3 position, v
   return r;
 }
 
+// Whether a point did not go along with the carrier in the last substep: cloth on a running body hardly moves as seen
+// from the body. The parent's share is part of its way.
+inline bool is_left_behind(ClothParams params, vec3 position, vec3 way) {
+  if (params.carried_at < 0.0f) return false;
+  precise vec3 taken_to = position - way;
+  vec3 start = params.moving != 0u ? field_back(params.taken, params.carried_at, taken_to) : taken_to;
+  precise vec3 seen = (way + (taken_to - start)) - field_at(params.carrier, 0.0f, start);
+  return length3(seen) > params.left_behind;
+}
+
 #ifdef __cplusplus
 }  // namespace geocloth::shader
 #endif

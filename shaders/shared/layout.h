@@ -76,7 +76,8 @@ const uint kShapeMesh = 6u;
 const uint kMeasureCopyGap = 0u;      // [m] largest distance between copies
 const uint kMeasurePenetration = 1u;  // [m] largest depth below a collider's surface, points that are not pinned
 const uint kMeasureWay = 2u;          // [m] longest way in the last substep of a frame, for two frames by turns
-const uint kMeasureCount = 4u;
+const uint kMeasureLeft = 4u;         // points that a carrier leaves behind, for two frames by turns
+const uint kMeasureCount = 6u;
 
 // Displacement of every point of a moving rigid frame in substep s: (R - 1) p + shift + drift s.
 struct FrameField {
@@ -118,10 +119,11 @@ struct ClothParams {
   float self_reach;     // [m] up to which neighbours are listed
   float leave_near;     // [m] what is nearer to a thin collider stays as it is at a frame's end; see lib/finish.h
   float grip;           // [m] the depth of a contact beyond which friction grows no more; see lib/collide.h
-  float unused1;
-  float unused2;
+  float carried_at;     // the last substep of a frame with a carrier; below 0: without one
+  float left_behind;    // [m] way in it as seen from the carrier of a point that is not taken along
   FrameField whole;
   FrameField taken;
+  FrameField carrier;  // what may take the cloth along: a collider's motion in the last substep
 };
 
 // A gust: velocity gust * sin(dot(wave, position) + phase).
@@ -219,7 +221,7 @@ struct PassConstants {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(ClothParams) == 272 && offsetof(ClothParams, whole) == 144 &&
+static_assert(sizeof(ClothParams) == 336 && offsetof(ClothParams, whole) == 144 &&
               offsetof(ClothParams, gravity_step) == 16 && offsetof(ClothParams, dt) == 48);
 static_assert(sizeof(Wave) == 32 && sizeof(Substep) == 16 + 32 * kWindWaves);
 static_assert(sizeof(PinTarget) == 48 && sizeof(Attachment) == 8 && sizeof(SeamSpring) == 44 &&

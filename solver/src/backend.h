@@ -76,6 +76,7 @@ struct ClothFrame {
 
   uint32_t cell_rounds = 0;   ///< see ScheduleOptions
   bool asleep = false;        ///< nothing is done: everything stays as it is
+  bool measure_ride = false;  ///< for left_behind()
   bool pulled_apart = false;  ///< two of its pins are farther from each other than the cloth may stretch
   bool slack_pins = false;    ///< attachments to its pins are slack: they lie one above the other, as a flag's on its
                               ///< pole, or the cloth sags between them
@@ -129,6 +130,8 @@ class SolverBackend {
   /// [m] the longest way of a point of a cloth in the last substep of the frame before the last one, which had measured
   /// into this word. Waits for that frame, as the next run_frame() does anyway.
   virtual float longest_way(uint32_t cloth, uint32_t word) = 0;
+  /// Points of a cloth that are not pinned and went far beside ClothParams::carrier in that frame.
+  virtual uint32_t left_behind(uint32_t cloth, uint32_t word) = 0;
 
   /// Fills backend, device, path, threads, passes, copy_gap and penetration; waits.
   virtual void fill_statistics(SolverStatistics& statistics) = 0;

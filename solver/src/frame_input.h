@@ -39,10 +39,6 @@ void collider_poses(std::span<const Collider> from, std::span<const Collider> to
 /// [m] Half of what a collider is thick: where it is thinnest, of a body where it is thickest.
 [[nodiscard]] float thickness_of(const shader::ColliderShape& shape);
 
-/// Sets ColliderShape::way from the poses of the frame: no point within `margin` [m] of the shape goes further with it.
-void measure_ways(std::span<shader::ColliderShape> shapes, std::span<const shader::ColliderPose> poses,
-                  uint32_t substeps, double margin);
-
 /// Whether a collider is thin enough to slip through between pixels. A body is as thick as its thickest part: triangle
 /// contact with a body costs ten times what its pixels cost.
 /// @param spacing  [m] of the pixels

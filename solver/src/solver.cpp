@@ -275,6 +275,7 @@ void Solver::Impl::carry_over(uint32_t cloth) {
     previous[p] = {before.x, before.y, before.z, previous[p].w};
   }
   backend_->write_state(cloth, position, previous);
+  c.rides = {};
   c.parent_from = c.parent_to;
   c.teleport = false;
 }
@@ -355,6 +356,7 @@ void Solver::Impl::write_state(uint32_t cloth, std::span<const Vec3> positions, 
     previous[p] = {before.x, before.y, before.z, 0};
   }
   cloths_[cloth].disturbed = true;
+  cloths_[cloth].rides = {};
   backend_->write_state(cloth, position, previous);
 }
 

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "colliders/ways.h"
 #include "rest/self_points.h"
 #include "rest/upload.h"
 #include "solver_impl.h"
@@ -194,6 +195,44 @@ std::optional<ClothBox> Solver::Impl::box_of_pins(const Cloth& cloth) const {
   return box;
 }
 
+/// How far a fast collider goes in a substep as seen from a cloth that rides on it or on another: as seen from what
+/// carried the cloth two frames ago, and what the cloth may have gone beside that. A garment on a runner hardly meets a
+/// fast body. None where it does not ride.
+std::optional<float> Solver::Impl::way_seen_from(uint32_t cloth, uint32_t collider) {
+  constexpr float kMostLeft = 0.01F;  // of the points: those in clefts tremble
+  constexpr float kMostLost = 0.4F;   // of them while it rides: with fewer substeps it finds another rest
+  const uint32_t word = 1 - frame_.motion_word;
+  const Ride& ride = cloths_[cloth].rides[word];
+  if (!ride.carrier) return std::nullopt;
+  const float most = cloths_[cloth].rides_on ? kMostLost : kMostLeft;
+  if (static_cast<float>(backend_->left_behind(cloth, word)) > most * static_cast<float>(cloths_[cloth].particles)) {
+    return std::nullopt;
+  }
+  const ColliderPath path{frame_.poses, frame_.shapes.size(), settings_.substeps};
+  const shader::ColliderShape& shape = frame_.shapes[collider];
+  const double times = settings_.frame_time / settings_.substeps / ride.dt;
+  return std::min(shape.way, way_beside(shape, path, collider, scaled(ride.motion, times)));
+}
+
+/// Has cloths measured in this frame as way_seen_from() wants to know it two frames later.
+void Solver::Impl::measure_rides(uint32_t factor) {
+  constexpr float kLeft = 0.1F;  // spacings in a substep without haste
+  const ColliderPath path{frame_.poses, frame_.shapes.size(), substeps_};
+  for (size_t c = 0; c < cloths_.size(); ++c) {
+    Cloth& cloth = cloths_[c];
+    ClothFrame& frame = frame_.cloths[c];
+    if (frame.asleep) cloth.ride.carrier.reset();
+    frame.measure_ride = cloth.ride.carrier.has_value();
+    frame.params.carried_at = frame.measure_ride ? static_cast<float>(substeps_ - 1) : -1;
+    if (frame.measure_ride) {
+      cloth.ride.motion = frame.params.carrier = last_motion(path, *cloth.ride.carrier);
+      cloth.ride.dt = clock().dt;
+      frame.params.left_behind = kLeft * cloth.asset->spacing * cloth.scale / static_cast<float>(factor);
+    }
+    cloth.rides[frame_.motion_word] = cloth.ride;
+  }
+}
+
 /// More than one where a collider that may meet a cloth is too fast for it. What is told by pins and not by where the
 /// cloth is, which only the device knows.
 uint32_t Solver::Impl::substeps_factor() {
@@ -204,21 +243,35 @@ uint32_t Solver::Impl::substeps_factor() {
   collider_poses(colliders_from_, colliders_to_, settings_.substeps, origin_, frame_.poses);
   measure_ways(frame_.shapes, frame_.poses, settings_.substeps, 0);
   uint32_t factor = 1;
-  for (Cloth& cloth : cloths_) {
+  for (uint32_t c = 0; c < cloths_.size(); ++c) {
+    Cloth& cloth = cloths_[c];
     const float spacing = cloth.asset->spacing * cloth.scale;
     const float margin = cloth.reach * stretch_limit(cloth) + cloth.material.thickness + spacing;
     cloth.meets_fast = false;
+    cloth.ride = {};
     std::optional<std::optional<ClothBox>> box;  // looked for once
+    float slow = 0;                              // [m] the longest way of colliders that are not fast
     for (uint32_t i = 0; i < frame_.shapes.size(); ++i) {
       const shader::ColliderShape& shape = frame_.shapes[i];
       if (shape.kind == shader::kShapePlane) continue;
       const Haste haste = haste_of(shape, spacing, most);
-      if (shape.way <= haste.way) continue;
+      if (shape.way <= haste.way) {
+        slow = std::max(slow, shape.way);
+        continue;
+      }
       if (!box) box = box_of_pins(cloth);
       if (*box && !may_reach(frame_.shapes, frame_.poses, i, **box, margin)) continue;
+      if (!cloth.ride.carrier || radius_of(shape) > radius_of(frame_.shapes[*cloth.ride.carrier]))
+        cloth.ride.carrier = i;
+      const std::optional<float> seen = way_seen_from(c, i);
+      if (seen) cloth.ride.way = std::max(cloth.ride.way.value_or(0), *seen);
+      const float way = seen.value_or(shape.way);
+      if (way <= haste.way) continue;
       cloth.meets_fast = true;
-      while (factor < haste.most && shape.way > haste.way * static_cast<float>(factor)) ++factor;
+      while (factor < haste.most && way > haste.way * static_cast<float>(factor)) ++factor;
     }
+    cloth.rides_on = cloth.ride.way.has_value();
+    if (cloth.ride.way) cloth.ride.way = std::max(*cloth.ride.way, slow);
   }
   return std::max(1U, std::min(factor, kLargest / settings_.substeps));
 }
@@ -292,7 +345,8 @@ void Solver::Impl::step() {
     const bool hasty = factor > 1 && cloth.meets_fast;
     cloth.collide_cells = cloth.collide_cells || hasty || may_slip_through(frame_.shapes, spacing);
     const bool seams = cloth.asset->splits.rows() > 0;
-    frame_.cloths[c].cell_rounds = cloth.collide_cells ? cell_rounds(way, spacing, seams, hasty) : 0;
+    const float seen = std::min(way, cloth.ride.way.value_or(way) / static_cast<float>(factor));
+    frame_.cloths[c].cell_rounds = cloth.collide_cells ? cell_rounds(seen, spacing, seams, hasty) : 0;
     fill_cloth_frame(cloth, frame_.cloths[c]);
     const bool leaves = cloth.collide_cells && !hasty;
     frame_.cloths[c].params.leave_near = leaves ? shader::kLeaveNear * spacing : 0;
@@ -300,6 +354,7 @@ void Solver::Impl::step() {
   }
   find_movers();
   fall_asleep();
+  measure_rides(factor);
   backend_->run_frame(frame_);
   colliders_from_ = colliders_to_;
   for (Cloth& cloth : cloths_) {

@@ -53,6 +53,13 @@ class Solver::Impl {
     [[nodiscard]] bool held() const { return !(frequency > 0); }
     [[nodiscard]] bool is_as(const PinState& b) const { return target == b.target && frequency == b.frequency; }
   };
+  /// What a fast collider does to a cloth that it may carry, in a frame's last substep.
+  struct Ride {
+    std::optional<uint32_t> carrier;  ///< the collider; none where none is fast
+    shader::FrameField motion = {};
+    double dt = 0;             ///< [s] of the substep
+    std::optional<float> way;  ///< [m] that the fastest collider goes in a substep as seen from the cloth, if it rides
+  };
   struct Cloth {
     std::shared_ptr<const ClothAsset> asset;
     Material material;
@@ -75,6 +82,9 @@ class Solver::Impl {
     bool collide_cells = false;  ///< a collider was met that may slip through between pixels
     bool teleport = false;       ///< the parent jumps before the next frame
     bool meets_fast = false;     ///< in the next frame, if a collider is fast that may meet it
+    Ride ride;                   ///< in the next frame
+    bool rides_on = false;       ///< it rode in the last frame
+    std::array<Ride, 2> rides;   ///< in the last two, by the word that was measured into
     bool hangs = false;          ///< every point has an attachment or is pinned
     float reach = 0;             ///< [m] of the longest attachment; without pins of the whole cloth
     uint64_t particles = 0, springs_per_sweep = 0;
@@ -98,6 +108,8 @@ class Solver::Impl {
   [[nodiscard]] FrameClock clock() const;
   [[nodiscard]] std::optional<ClothBox> box_of_pins(const Cloth& cloth) const;
   [[nodiscard]] uint32_t substeps_factor();
+  [[nodiscard]] std::optional<float> way_seen_from(uint32_t cloth, uint32_t collider);
+  void measure_rides(uint32_t factor);
   void find_movers();
   [[nodiscard]] bool is_reached(uint32_t cloth);
   void fall_asleep();

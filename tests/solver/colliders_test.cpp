@@ -11,6 +11,7 @@
 
 #include <gtest/gtest.h>
 
+#include "colliders/ways.h"
 #include "frame_input.h"
 #include "geocloth/asset/error.h"
 #include "solver_fixture.h"

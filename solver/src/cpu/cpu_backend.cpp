@@ -117,6 +117,7 @@ class CpuBackend final : public SolverBackend {
   }
 
   float longest_way(uint32_t cloth, uint32_t word) override { return cloths_[cloth].measures.longest_way[word]; }
+  uint32_t left_behind(uint32_t cloth, uint32_t word) override { return cloths_[cloth].measures.left_behind[word]; }
 
   void fill_statistics(SolverStatistics& statistics) override {
     statistics.backend = "cpu";

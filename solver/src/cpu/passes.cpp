@@ -17,6 +17,7 @@
 #include "lib/collide_cell.h"
 #include "lib/fine.h"
 #include "lib/finish.h"
+#include "lib/frame.h"
 #include "lib/limit.h"
 #include "lib/normal.h"
 #include "lib/predict.h"
@@ -256,6 +257,17 @@ float longest_way(const PassContext& context, const ClothState& state) {
   });
 }
 
+uint32_t points_left_behind(const PassContext& context, const ClothState& state) {
+  if (context.cloth.params.carried_at < 0) return 0;
+  uint32_t count = 0;
+  for (uint32_t i = 0; i < state.pixel_count(); ++i) {
+    if (state.inverse_mass[i] == 0) continue;
+    const shader::PointState point = state.point(i);
+    if (shader::is_left_behind(context.cloth.params, point.position, shader::way_of(point))) ++count;
+  }
+  return count;
+}
+
 }  // namespace
 
 void normal_pixels(ClothState& state, uint32_t first, uint32_t last) {
@@ -383,6 +395,7 @@ void run_pass(const PassStep& step, const PassContext& context, ClothState& stat
       return;
     case Pass::measure_motion:
       measures.longest_way[step.group] = longest_way(context, state);
+      measures.left_behind[step.group] = points_left_behind(context, state);
       return;
     case Pass::check_colliders:
       measures.penetration = std::max(measures.penetration, penetration(context, state));

@@ -17,7 +17,8 @@ inline constexpr uint32_t kRowGrain = 512;     ///< split rows, pins, seam bends
 /// Largest values met by the check passes [m].
 struct Measures {
   float copy_gap = 0, penetration = 0;
-  std::array<float, 2> longest_way{};  ///< in the last substep of even and odd frames
+  std::array<float, 2> longest_way{};     ///< in the last substep of even and odd frames
+  std::array<uint32_t, 2> left_behind{};  ///< points that a carrier left behind, the same
 };
 
 /// Where in the frame a pass runs.

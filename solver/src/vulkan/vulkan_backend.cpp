@@ -121,7 +121,8 @@ void VulkanBackend::run_frame(const FrameInput& frame) {
     next_slot_ = (next_slot_ + 1) % kSlots;
     finish(slot);
     for (const ClothResources& cloth : cloths_) {
-      cloth.measures.as<uint32_t>()[shader::kMeasureWay + frame.motion_word] = 0;  // the frame before is over
+      const std::span<uint32_t> measures = cloth.measures.as<uint32_t>();  // the frame before is over
+      measures[shader::kMeasureWay + frame.motion_word] = measures[shader::kMeasureLeft + frame.motion_word] = 0;
     }
     const bool sets_changed = slot.frame.write(frame, cloths_);
     Recipe recipe = recipe_of(frame);
@@ -262,6 +263,13 @@ float VulkanBackend::longest_way(uint32_t cloth, uint32_t word) {
   return guarded("measure how far a cloth moves", [&] {
     finish(*slots_[next_slot_]);
     return std::bit_cast<float>(cloths_[cloth].measures.as<uint32_t>()[shader::kMeasureWay + word]);
+  });
+}
+
+uint32_t VulkanBackend::left_behind(uint32_t cloth, uint32_t word) {
+  return guarded("measure what carries a cloth", [&] {
+    finish(*slots_[next_slot_]);
+    return cloths_[cloth].measures.as<uint32_t>()[shader::kMeasureLeft + word];
   });
 }
 

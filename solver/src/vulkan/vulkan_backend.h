@@ -30,6 +30,7 @@ class VulkanBackend final : public SolverBackend {
                    std::span<const shader::vec4> previous) override;
   void replace_topology(uint32_t cloth, ClothData data) override;
   float longest_way(uint32_t cloth, uint32_t word) override;
+  uint32_t left_behind(uint32_t cloth, uint32_t word) override;
   void fill_statistics(SolverStatistics& statistics) override;
 
   [[nodiscard]] const Context& context() const { return *context_; }

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A frame has more substeps where a collider is fast for the cloth that it may meet; not where it takes the cloth
+// along: a garment on a runner costs as much as on one who stands.
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "solver_fixture.h"
+#include "solver_impl.h"
+#include "support/running_slab.h"
+
+namespace geocloth {
+namespace {
+
+/// The cpu's, and how many substeps it was told to do.
+class Counter final : public SolverBackend {
+ public:
+  Counter(std::unique_ptr<SolverBackend> backend, size_t& substeps)
+      : backend_(std::move(backend)), substeps_(substeps) {}
+  void run_frame(const FrameInput& frame) override {
+    substeps_ = frame.substeps.size();
+    backend_->run_frame(frame);
+  }
+  void wait() override { backend_->wait(); }
+  void read_positions(uint32_t c, std::vector<shader::vec4>& out) override { backend_->read_positions(c, out); }
+  void read_previous(uint32_t c, std::vector<shader::vec4>& out) override { backend_->read_previous(c, out); }
+  void read_carry(uint32_t c, std::vector<shader::vec4>& out) override { backend_->read_carry(c, out); }
+  void read_normals(uint32_t c, std::vector<shader::vec4>& out) override { backend_->read_normals(c, out); }
+  void write_state(uint32_t c, std::span<const shader::vec4> x, std::span<const shader::vec4> before) override {
+    backend_->write_state(c, x, before);
+  }
+  void replace_topology(uint32_t c, ClothData data) override { backend_->replace_topology(c, std::move(data)); }
+  float longest_way(uint32_t c, uint32_t word) override { return backend_->longest_way(c, word); }
+  uint32_t left_behind(uint32_t c, uint32_t word) override { return backend_->left_behind(c, word); }
+  void fill_statistics(SolverStatistics& statistics) override { backend_->fill_statistics(statistics); }
+
+ private:
+  std::unique_ptr<SolverBackend> backend_;
+  size_t& substeps_;
+};
+
+class Haste : public testing::Test {
+ protected:
+  Haste()
+      : solver_(std::vector{test::describe(test::make_sheet(test::sheet_on_slab()), test::cloth_on_slab())},
+                test::eight_substeps(), [&](SimulationData data) {
+                  return std::make_unique<Counter>(make_cpu_backend(std::move(data), 1), substeps_);
+                }) {
+    solver_.set_colliders(std::vector{test::slab(0)}, true);
+    for (int f = 0; f < 30; ++f) go(0);
+  }
+
+  /// A frame at this speed [m/s] and turn [degrees/s]. @returns its substeps
+  size_t go(float speed, float turn = 0, float frame_time = test::kFrame) {
+    way_ += speed * frame_time;
+    turned_ += turn * frame_time;
+    std::vector<Collider> all{test::slab(way_, turned_)};
+    all[0].pose.translate.y -= below_;
+    all.insert(all.end(), others_.begin(), others_.end());
+    solver_.set_time_step(double{frame_time}, 8);
+    solver_.set_colliders(all, false);
+    solver_.step();
+    return substeps_;
+  }
+  /// The most of the last few frames at one speed.
+  size_t settle(float speed, float turn = 0, float frame_time = test::kFrame) {
+    size_t most = 0;
+    for (int f = 0; f < 90; ++f) {
+      const size_t now = go(speed, turn, frame_time);
+      if (f >= 80) most = std::max(most, now);
+    }
+    return most;
+  }
+
+  size_t substeps_ = 0;
+  Solver::Impl solver_;
+  std::vector<Collider> others_;
+  float way_ = 0, turned_ = 0, below_ = 0;
+};
+
+TEST_F(Haste, EndsOnceTheClothRidesOnWhatIsFast) {
+  EXPECT_EQ(go(0), 8U);
+  EXPECT_GT(go(4), 8U);  // it was at rest
+  EXPECT_EQ(settle(4), 8U);
+}
+
+TEST_F(Haste, EndsOnSomethingThatTurns) {
+  EXPECT_GT(go(2, 240), 8U);
+  EXPECT_EQ(settle(2, 240), 8U);
+}
+
+TEST_F(Haste, EndsThoughFramesTakeLongerAndShorter) {
+  size_t last = 0;
+  for (int f = 0; f < 120; ++f) last = go(4, 0, f % 2 == 0 ? 0.014F : 0.02F);
+  EXPECT_EQ(last, 8U);
+}
+
+TEST_F(Haste, ComesBackAtOnceWhenTheCarrierTurnsRound) {
+  ASSERT_EQ(settle(4), 8U);
+  EXPECT_GT(go(-4), 8U);
+}
+
+TEST_F(Haste, IsForOthersThatAreFastAsSeenFromTheCloth) {
+  ASSERT_EQ(settle(4), 8U);
+  Collider ball{"ball", Sphere{{}, 0.1F}, 0.3F, {}};
+  ball.pose.translate = {way_ + 3, 0.1F, 0};
+  others_ = {ball};
+  go(4);  // it comes from nowhere, without a speed
+  others_[0].pose.translate.x += 4 * test::kFrame;
+  EXPECT_EQ(go(4), 8U);  // it flies beside it
+  others_[0].pose.translate.x -= 4 * test::kFrame;
+  EXPECT_GT(go(4), 8U);  // it flies towards it
+}
+
+TEST_F(Haste, StaysWhereWhatIsFastPassesTheCloth) {
+  others_ = {test::slab(0)};  // the sheet lies on this one, the other runs below it
+  below_ = 0.3F;
+  go(0);  // placed, without a speed
+  size_t least = 1000;
+  for (int f = 0; f < 30; ++f) least = std::min(least, go(4));
+  EXPECT_GT(least, 8U);
+}
+
+}  // namespace
+}  // namespace geocloth
