@@ -238,6 +238,7 @@ void Solver::Impl::measure_rides(uint32_t factor) {
 uint32_t Solver::Impl::substeps_factor() {
   constexpr uint32_t kMost = 32, kLargest = 256;
   constexpr double kShortest = 1.0 / 16000;  // [s] for a few frames; see kShortStep
+  constexpr float kNearly = 0.5F;            // of a fast way: from here on it is known whether the cloth rides
   const auto most =
       static_cast<uint32_t>(std::clamp(settings_.frame_time / (kShortest * settings_.substeps), 1.0, double{kMost}));
   collider_poses(colliders_from_, colliders_to_, settings_.substeps, origin_, frame_.poses);
@@ -250,28 +251,30 @@ uint32_t Solver::Impl::substeps_factor() {
     cloth.meets_fast = false;
     cloth.ride = {};
     std::optional<std::optional<ClothBox>> box;  // looked for once
-    float slow = 0;                              // [m] the longest way of colliders that are not fast
+    bool rides = false;
+    float longest = 0;  // [m] way of a collider as seen from the cloth
     for (uint32_t i = 0; i < frame_.shapes.size(); ++i) {
       const shader::ColliderShape& shape = frame_.shapes[i];
       if (shape.kind == shader::kShapePlane) continue;
       const Haste haste = haste_of(shape, spacing, most);
-      if (shape.way <= haste.way) {
-        slow = std::max(slow, shape.way);
+      const bool nearly_fast = shape.way > kNearly * haste.way;
+      if (nearly_fast && !box) box = box_of_pins(cloth);
+      if (!nearly_fast || (*box && !may_reach(frame_.shapes, frame_.poses, i, **box, margin))) {
+        longest = std::max(longest, shape.way);
         continue;
       }
-      if (!box) box = box_of_pins(cloth);
-      if (*box && !may_reach(frame_.shapes, frame_.poses, i, **box, margin)) continue;
-      if (!cloth.ride.carrier || radius_of(shape) > radius_of(frame_.shapes[*cloth.ride.carrier]))
-        cloth.ride.carrier = i;
+      std::optional<uint32_t>& carrier = cloth.ride.carrier;
+      if (!carrier || radius_of(shape) > radius_of(frame_.shapes[*carrier])) carrier = i;
       const std::optional<float> seen = way_seen_from(c, i);
-      if (seen) cloth.ride.way = std::max(cloth.ride.way.value_or(0), *seen);
       const float way = seen.value_or(shape.way);
+      rides = rides || seen;
+      longest = std::max(longest, way);
       if (way <= haste.way) continue;
       cloth.meets_fast = true;
       while (factor < haste.most && way > haste.way * static_cast<float>(factor)) ++factor;
     }
-    cloth.rides_on = cloth.ride.way.has_value();
-    if (cloth.ride.way) cloth.ride.way = std::max(*cloth.ride.way, slow);
+    cloth.rides_on = rides;
+    if (rides) cloth.ride.way = longest;
   }
   return std::max(1U, std::min(factor, kLargest / settings_.substeps));
 }

@@ -159,7 +159,7 @@ float way_beside(const shader::ColliderShape& shape, const ColliderPath& path, s
   const Outline outline = outline_of(shape);
   const Rigid taken = rigid_of(motion);
   float way = 0;
-  for (uint32_t s = 0; s < path.substeps; ++s) {
+  for (const uint32_t s : {0U, path.substeps - 1}) {  // it moves evenly in between
     const Rigid along = after(taken, rigid_of(path.pose(s, collider)));
     const shader::ColliderPose there{row_of(along, 0), row_of(along, 1), row_of(along, 2)};
     way = std::max(way, way_between(there, path.pose(s + 1, collider), outline));
