@@ -51,11 +51,14 @@ inline vec3 to_world(ColliderPose pose, vec3 p) {
   return r;
 }
 
+inline bool is_edged(ColliderShape shape) {
+  return shape.kind == kShapeBox || shape.kind == kShapeConvex || shape.kind == kShapeMesh;
+}
+
 // [m] The depth of a contact that friction grows with. A point that its springs draw deep into a solid in one substep
 // is caught behind an edge, and friction as large as that pull would hold it there however far they are stretched.
 inline float largest_grip(ClothParams params, ColliderShape shape) {
-  bool edged = shape.kind == kShapeBox || shape.kind == kShapeConvex;
-  return edged ? params.grip : 1e30f;
+  return is_edged(shape) ? params.grip : 1e30f;
 }
 
 inline Contact no_contact() {
@@ -91,6 +94,15 @@ inline Contact sweep(ColliderSet set, ColliderShape shape, vec3 p0, vec3 p1, flo
   return no_contact();
 }
 
+const float kOpposed = -0.1f;  // cosine between normals of sides that a point must not change by going through
+
+// Whether a point stays on the side that it entered from. Springs that cross an edge draw the points beside it right
+// through the solid behind it, to where the next side is nearer: that is how cloth slips over the edge. Held back it
+// would be caught there. Through to the other side is another matter.
+inline bool stays_outside(ColliderShape shape, vec3 entered, vec3 nearest) {
+  return !is_edged(shape) || dot3(entered, nearest) < kOpposed;
+}
+
 inline Contact find_contact(ColliderSet set, ColliderShape shape, vec3 p0, vec3 p1, Nearest near, float thickness,
                             bool swept) {
   precise float gap = near.distance - thickness;
@@ -98,7 +110,7 @@ inline Contact find_contact(ColliderSet set, ColliderShape shape, vec3 p0, vec3 
   if (gap > way) return no_contact();
   if (swept && way > 0.5f * shape.core) {
     Contact entry = sweep(set, shape, p0, p1, way, thickness);
-    if (entry.touches) return entry;
+    if (entry.touches && stays_outside(shape, entry.normal, near.normal)) return entry;
   }
   Contact r;
   r.touches = gap < 0.0f;

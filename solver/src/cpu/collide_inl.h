@@ -200,8 +200,12 @@ HWY_INLINE Contacts<D> find_contacts(D d, const Meeting& meeting, const shader::
   if (!swept) return r;
   const auto far = hn::And(met, hn::Gt(way, hn::Set(d, 0.5F * shape.core)));
   if (hn::AllFalse(d, far)) return r;
-  const Contacts<D> entry =
+  Contacts<D> entry =
       sweep_points(d, meeting.numbers, shape, far, first, local, way, hn::Set(d, meeting.params.thickness));
+  if (shader::is_edged(shape)) {
+    const auto opposed = hn::Lt(dot(d, entry.normal, near.normal), hn::Set(d, shader::kOpposed));
+    entry.touches = hn::And(entry.touches, opposed);
+  }
   r.touches = hn::Or(r.touches, entry.touches);
   replace(entry.touches, entry.normal, r.normal);
   r.depth = hn::IfThenElse(entry.touches, entry.depth, r.depth);
