@@ -2,7 +2,10 @@
 // Fast and thin things and cloth must not pass through each other.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "solver_fixture.h"
@@ -317,6 +320,44 @@ TEST_P(Fast, AHangingSheetThatAPlatePassesIsNotCaughtByItsEdges) {
     }
     EXPECT_LT(measure_stretch(sheet, 1, test::positions_of(solver)).max, 2) << turn.x;
   }
+}
+
+/// A cube of triangles about the origin.
+MeshSolid cube_of_triangles(float half) {
+  TriangleSurface surface;
+  for (uint32_t i = 0; i < 8; ++i) {
+    const auto side = [&](uint32_t bit) { return (i >> bit & 1U) != 0 ? half : -half; };
+    surface.position.push_back({side(0), side(1), side(2)});
+  }
+  constexpr std::array<std::array<uint32_t, 4>, 6> kFaces{
+      {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
+  for (const auto& [a, b, c, d] : kFaces) {
+    surface.triangle.push_back({a, b, c});
+    surface.triangle.push_back({a, c, d});
+  }
+  return {std::make_shared<const DistanceField>(make_distance_field(std::move(surface)))};
+}
+
+// A point beside an edge that springs drew through the solid was kept on the side that it entered from: 9 times as long
+// as at rest, and a fifth longer in the 99th percentile.
+TEST_P(Fast, ABodyThatPassesAHangingSheetDoesNotCatchItByItsEdges) {
+  const SheetOptions options{.nx = 41, .ny = 41};
+  const ClothAsset sheet = make_sheet(options);
+  Material material;
+  material.areal_density = 0.2F;
+  SolverSettings settings = checked();
+  settings.substeps = 8;
+  Solver solver = make(test::describe(sheet, material), settings);
+  solver.set_pins(0, test::pins_at_rest(sheet, "top"));
+  Collider cube{"cube", cube_of_triangles(0.1F), 0.3F, {}};
+  for (int f = 0; f <= 30; ++f) {
+    cube.pose.translate = {0.03F, 0, -0.15F + static_cast<float>(f) / 60};
+    solver.set_colliders(std::vector{cube});
+    if (f > 0) solver.step();
+  }
+  const StretchStatistics stretch = measure_stretch(sheet, 1, test::positions_of(solver));
+  EXPECT_LT(stretch.max, 3);
+  EXPECT_LT(stretch.p99, 1.1);
 }
 
 INSTANTIATE_TEST_SUITE_P(On, Fast, test::first_machine(), test::kMachineName);
