@@ -16,6 +16,7 @@ class ContactCheck {
  public:
   /// Looks at where the cloths are before the first frame; reads them back.
   explicit ContactCheck(Simulation& simulation);
+  /// Looks at some of the frames where there are many triangles, and at the last one.
   /// @param cloths  the state after a frame
   void add_frame(const Simulation& simulation, std::span<const ClothSnapshot> cloths);
 
