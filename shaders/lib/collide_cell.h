@@ -15,11 +15,19 @@
 namespace geocloth::shader {
 #endif
 
-const float kOpenCell = 0.5f;  // sides of a triangle that a collider may sink into, in its half thicknesses
+const float kOpenCell = 0.5f;   // sides of a triangle that a collider may sink into, in its half thicknesses
+const float kStretched = 2.0f;  // and in spacings, where the collider is thick and slow
 const uint kDeepestSteps = 8u;
 const float kArrived = 1e-3f;      // of a weight: a step that changes less is the last
 const float kGapRounding = 4e-6f;  // [m], and of a distance: what single precision takes from a gap
 const float kLiftSpeed = 1.0f;  // [m/s] at which, besides the collider's own, a triangle that begins inside comes out
+
+// Sides [m] from which on a triangle meets a collider itself. Smaller ones are kept out well enough by their pixels.
+inline float open_side(ClothParams params, ColliderShape shape) {
+  float thick = half_thickness(shape);
+  bool calm = shape.way <= params.slow_way && thick >= params.spacing;
+  return max(kOpenCell * thick, calm ? kStretched * params.spacing : 0.0f);
+}
 
 struct Corners {
   vec3 a;
@@ -223,12 +231,12 @@ inline bool is_flat_below(ColliderSet set, ColliderShape shape, Corners t, Neare
 inline MovedTriangle collide_triangle(ColliderSet set, ClothParams params, uint substep, MovedTriangle t, vec3 w) {
   MovedTriangle moved = t;
   if (max(w.x, max(w.y, w.z)) <= 0.0f) return moved;  // all held: nothing gives way
+  float side = longest_side(corners_of(moved));
   for (uint i = 0u; i < params.collider_count; ++i) {
     ColliderShape shape = collider_shape(set, i);
+    if (side < open_side(params, shape)) continue;
     Corners now = corners_of(moved);
     Corners start = first_corners_of(moved);
-    float side = longest_side(now);
-    if (side < kOpenCell * half_thickness(shape)) continue;  // its pixels are enough
     ColliderPose after = collider_pose(set, substep + 1u, i);
     float way = way_of_corners(start, now);
     vec3 middle = vec3(after.row0.w, after.row1.w, after.row2.w);
@@ -248,6 +256,7 @@ inline MovedTriangle collide_triangle(ColliderSet set, ClothParams params, uint 
     moved = push_point(set, params, shape, before, after, moved, first, w, deepest_weights(set, shape, first));
     last = corners_to_local(after, corners_of(moved));
     moved = push_point(set, params, shape, before, after, moved, first, w, deepest_weights(set, shape, last));
+    side = longest_side(corners_of(moved));
   }
   return moved;
 }

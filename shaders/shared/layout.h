@@ -121,6 +121,10 @@ struct ClothParams {
   float grip;           // [m] the depth of a contact beyond which friction grows no more; see lib/collide.h
   float carried_at;     // the last substep of a frame with a carrier; below 0: without one
   float left_behind;    // [m] way in it as seen from the carrier of a point that is not taken along
+  float spacing;        // [m] of the pixels
+  float slow_way;       // [m] that a collider may go in a substep before it is fast
+  float unused1;
+  float unused2;
   FrameField whole;
   FrameField taken;
   FrameField carrier;  // what may take the cloth along: a collider's motion in the last substep
@@ -221,7 +225,7 @@ struct PassConstants {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(ClothParams) == 336 && offsetof(ClothParams, whole) == 144 &&
+static_assert(sizeof(ClothParams) == 352 && offsetof(ClothParams, whole) == 160 &&
               offsetof(ClothParams, gravity_step) == 16 && offsetof(ClothParams, dt) == 48);
 static_assert(sizeof(Wave) == 32 && sizeof(Substep) == 16 + 32 * kWindWaves);
 static_assert(sizeof(PinTarget) == 48 && sizeof(Attachment) == 8 && sizeof(SeamSpring) == 44 &&

@@ -29,6 +29,9 @@ float longest_way(std::span<const shader::ColliderShape> shapes) {
   return way;
 }
 
+constexpr float kFastWay = 0.2F;  // spacings in a substep
+constexpr float kAnyWay = 1e30F;  // [m]
+
 /// How many substeps in place of one a collider is to have.
 struct Haste {
   float way;      ///< [m] that it may go in a substep so that the cloth in its way can follow
@@ -39,9 +42,9 @@ struct Haste {
 /// steps, the shorter the smaller it is.
 /// @param most  for a small one
 Haste haste_of(const shader::ColliderShape& shape, float spacing, uint32_t most) {
-  constexpr float kFar = 0.2F, kSmall = 8, kWide = 2, kThinnest = 0.5F;  // in spacings
+  constexpr float kSmall = 8, kWide = 2, kThinnest = 0.5F;  // in spacings
   constexpr uint32_t kUsual = 4;
-  const float far = kFar * spacing;
+  const float far = kFastWay * spacing;
   if (radius_of(shape) > double{kSmall * spacing}) return {far, kUsual};
   return {far * std::clamp(thickness_of(shape) / (kWide * spacing), kThinnest / kWide, 1.F), std::max(most, kUsual)};
 }
@@ -351,6 +354,9 @@ void Solver::Impl::step() {
     const float seen = std::min(way, cloth.ride.way.value_or(way) / static_cast<float>(factor));
     frame_.cloths[c].cell_rounds = cloth.collide_cells ? cell_rounds(seen, spacing, seams, hasty) : 0;
     fill_cloth_frame(cloth, frame_.cloths[c]);
+    frame_.cloths[c].params.spacing = spacing;
+    frame_.cloths[c].params.slow_way =
+        cloth.ride.way && !hasty ? kAnyWay : kFastWay * spacing / static_cast<float>(factor);
     const bool leaves = cloth.collide_cells && !hasty;
     frame_.cloths[c].params.leave_near = leaves ? shader::kLeaveNear * spacing : 0;
     frame_.cloths[c].params.grip = grip_of(frame_.cloths[c], spacing);

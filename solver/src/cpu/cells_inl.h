@@ -18,7 +18,7 @@ namespace geocloth::cpu::HWY_NAMESPACE {
 #if HWY_TARGET != HWY_SCALAR
 
 /// Cells of a row from pixel i on with a triangle that a collider may have met. Sums of coordinates take the place of
-/// lengths, which are no longer; no side of a triangle is longer than half the way around the cell.
+/// ways, which are no longer.
 template <class D>
 HWY_INLINE Mask<D> near_cells(D d, const Meeting& meeting, ClothState& state, size_t i) {
   const size_t below = i + state.data.width;
@@ -32,14 +32,19 @@ HWY_INLINE Mask<D> near_cells(D d, const Meeting& meeting, ClothState& state, si
   see_way(right, i + 1);
   see_way(low, below);
   see_way(last, below + 1);
-  const auto top = at_most(d, sub(right, first)), bottom = at_most(d, sub(last, low));
-  const auto sides = hn::Add(at_most(d, sub(low, first)), at_most(d, sub(last, right)));
-  const auto longest = hn::Mul(hn::Add(hn::Add(top, bottom), sides), hn::Set(d, 0.5001F));
+  const auto squared = [&](const Points<D>& a, const Points<D>& b) GEOCLOTH_LANES {
+    const Points<D> side = sub(b, a);
+    return dot(d, side, side);
+  };
+  const auto top = squared(first, right), sides = hn::Max(squared(first, low), squared(right, last));
+  const auto diagonals = hn::Max(squared(first, last), squared(right, low));
+  const auto any_side = hn::Max(hn::Max(top, squared(low, last)), hn::Max(sides, diagonals));
+  const auto longest = hn::Mul(hn::Sqrt(any_side), hn::Set(d, 1.0001F));
   // Triangles are seen from their first corner, which is one of the upper two.
-  const auto slack = hn::Add(hn::Add(hn::Add(way, way), longest), top);
+  const auto slack = hn::Add(hn::Add(way, way), hn::Add(longest, longest));
   Mask<D> any = hn::Gt(hn::Zero(d), hn::Zero(d));
   for (size_t c = 0; c < meeting.guards.count; ++c) {
-    const auto open = hn::Ge(longest, hn::Set(d, shader::kOpenCell * shader::half_thickness(meeting.frame.shapes[c])));
+    const auto open = hn::Ge(longest, hn::Set(d, shader::open_side(meeting.params, meeting.frame.shapes[c])));
     any = hn::Or(any, hn::And(open, Guards::near(d, meeting.guards.guards[c], first, slack)));
   }
   return any;
