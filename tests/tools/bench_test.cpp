@@ -67,6 +67,14 @@ TEST(Bench, GarmentsAndCrowdsCountAllTheirCloth) {
   EXPECT_EQ(crowd["particles"], crowd["cloths"].get<int>() * 64);
 }
 
+// A body that walks once took twenty times as long as one who stands.
+TEST(Bench, AWalkIsPlayed) {
+  const json walk = bench({"--scene", "walk", "--size", "24", "--substeps", "4", "--threads", "1"})["results"][0];
+  EXPECT_NEAR(walk["particles"].get<double>(), 24 * 24, 0.2 * 24 * 24);
+  EXPECT_GT(walk["passes_ms"]["collide"], 0);
+  EXPECT_LT(walk["stretch"]["p99"], 1.5);  // the dress goes with the body
+}
+
 TEST(Bench, CompareSaysHowMuchFasterTheSecondReportIs) {
   const TemporaryFolder folder;
   const json one = bench({"--scene", "zeller", "--size", "16", "--threads", "1"});

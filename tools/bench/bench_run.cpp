@@ -19,7 +19,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr uint32_t kWarmUpFrames = 2;
-constexpr uint32_t kPassFrames = 3;
+constexpr uint32_t kPassFrames = 3, kPassFramesOfMotion = 90;
 /// Position and previous position, 16 bytes each, read and the former two written: 60 with the rest data of four
 /// springs and two bends in half precision.
 constexpr double kBytesPerParticle = 60;
@@ -29,12 +29,26 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-Solver make_solver(const BenchScene& scene, const SolverSettings& settings) {
-  Solver solver(scene.cloths, settings);
-  solver.set_colliders(scene.colliders);
-  for (uint32_t c = 0; c < scene.cloths.size(); ++c) solver.set_pins(c, scene.pins[c]);
-  return solver;
-}
+/// A scene being played.
+class Play {
+ public:
+  Play(const BenchScene& scene, const SolverSettings& settings) : scene_(scene), solver_(scene.cloths, settings) {
+    solver_.set_colliders(scene.colliders);
+    for (uint32_t c = 0; c < scene.cloths.size(); ++c) solver_.set_pins(c, scene.pins[c]);
+  }
+  void step() {
+    ++frames_;
+    if (scene_.colliders_at != nullptr) solver_.set_colliders(scene_.colliders_at(frames_ * scene_.frame_time));
+    solver_.step();
+  }
+  [[nodiscard]] uint32_t frames() const { return frames_; }
+  [[nodiscard]] Solver& solver() { return solver_; }
+
+ private:
+  const BenchScene& scene_;
+  Solver solver_;
+  uint32_t frames_ = 0;
+};
 
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -42,15 +56,15 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-std::vector<double> time_frames(Solver& solver, const BenchBudget& budget, uint32_t& frames) {
+std::vector<double> time_frames(Play& play, const BenchBudget& budget) {
   const auto start = Clock::now();
   std::vector<double> seconds;
-  for (frames = 0; frames < budget.frames; ++frames) {
+  while (play.frames() < budget.frames) {
     if (!seconds.empty() && seconds_since(start) > budget.seconds) break;
     const auto frame_start = Clock::now();
-    solver.step();
-    solver.wait();
-    if (frames >= kWarmUpFrames || seconds_since(start) > budget.seconds) {
+    play.step();
+    play.solver().wait();
+    if (play.frames() > kWarmUpFrames || seconds_since(start) > budget.seconds) {
       seconds.push_back(seconds_since(frame_start));
     }
   }
@@ -59,23 +73,23 @@ std::vector<double> time_frames(Solver& solver, const BenchBudget& budget, uint3
 
 std::vector<std::pair<std::string, double>> time_passes(const BenchScene& scene, SolverSettings settings) {
   settings.timings = true;
-  Solver solver = make_solver(scene, settings);
-  for (uint32_t f = 0; f < kPassFrames; ++f) solver.step();
+  Play play(scene, settings);
+  const uint32_t frames = scene.colliders_at != nullptr ? kPassFramesOfMotion : kPassFrames;
+  while (play.frames() < frames) play.step();
   std::vector<std::pair<std::string, double>> passes;
-  for (const PassTiming& pass : solver.statistics().passes) {
-    passes.emplace_back(pass.pass, 1e3 * pass.seconds / kPassFrames);
+  for (const PassTiming& pass : play.solver().statistics().passes) {
+    passes.emplace_back(pass.pass, 1e3 * pass.seconds / frames);
   }
   return passes;
 }
 
-/// @param frames  that the solver has simulated
-StretchStatistics stretch_of(const BenchScene& scene, Solver& solver, uint32_t frames) {
+StretchStatistics stretch_of(const BenchScene& scene, Play& play) {
   const auto last = static_cast<uint32_t>(std::lround(kStretchSeconds / scene.frame_time));
-  for (; frames < last; ++frames) solver.step();
+  while (play.frames() < last) play.step();
   StretchStatistics all;
   std::vector<Vec3> positions;
   for (uint32_t c = 0; c < scene.cloths.size(); ++c) {
-    solver.read_positions(c, positions);
+    play.solver().read_positions(c, positions);
     const StretchStatistics one = measure_stretch(*scene.cloths[c].asset, 1, positions);
     all.max = std::max(all.max, one.max);
     all.p99 = std::max(all.p99, one.p99);
@@ -110,10 +124,11 @@ double shortest_frame(const BenchResult& result) {
 
 BenchResult run_bench(const std::string& name, const BenchScene& scene, const SolverSettings& settings,
                       const BenchBudget& budget, const std::optional<StretchStatistics>& stretch) {
-  Solver solver = make_solver(scene, settings);
+  Play play(scene, settings);
   BenchResult result;
-  const std::vector<double> seconds = time_frames(solver, budget, result.frames);
-  const SolverStatistics statistics = solver.statistics();
+  const std::vector<double> seconds = time_frames(play, budget);
+  result.frames = play.frames();
+  const SolverStatistics statistics = play.solver().statistics();
   const double frame = median(seconds);
   result.scene = name;
   result.backend = statistics.backend;
@@ -131,7 +146,7 @@ BenchResult run_bench(const std::string& name, const BenchScene& scene, const So
   result.springs_per_second = static_cast<double>(statistics.springs) * settings.substeps / frame;
   result.roofline_share = shortest_frame(result) / frame;
   result.memory_bytes = statistics.memory_bytes;
-  result.stretch = stretch ? *stretch : stretch_of(scene, solver, result.frames);
+  result.stretch = stretch ? *stretch : stretch_of(scene, play);
   result.passes_ms = time_passes(scene, settings);
   return result;
 }

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The scenes that are measured. Sheets are those of the NvCloth measurements that geocloth compares itself with: N x N
-// points 0.01 m apart, held by their top row, all families of springs projected fully, attachments, no damping. Crowd
-// and garment are made of the default material.
+// points 0.01 m apart, held by their top row, all families of springs projected fully, attachments, no damping. Crowd,
+// garment and walk are made of the default material.
 #include "bench/bench_scene.h"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
+#include <numbers>
 #include <utility>
 
 #include "geocloth/asset/error.h"
@@ -85,7 +87,7 @@ BenchScene make_zeller(uint32_t size) {
   material.verlet_damping = 0.99F;
   material.bend_warp = material.bend_weft = 0;
   const ClothDesc cloth{make_sheet(size, false), material, {}};
-  return {{cloth}, {hold_group(cloth, "top")}, {}, 1e-3};
+  return {{cloth}, {hold_group(cloth, "top")}, {}, nullptr, 1e-3};
 }
 
 /// Many small cloths in one solver.
@@ -102,15 +104,17 @@ BenchScene make_crowd(uint32_t size) {
   return scene;
 }
 
-TriangleMesh t_shirt_mesh() {
+/// One of the project's garments as panels of about size x size pixels.
+SheetPtr make_panels(const std::string& name, uint32_t size) {
   const std::vector<meshes::ObjMesh> garments = meshes::make_garments();
-  const auto shirt = std::find_if(garments.begin(), garments.end(), [](const auto& g) { return g.name == "t_shirt"; });
-  if (shirt == garments.end()) throw Error(ErrorCode::verification, "bench: there is no garment t_shirt any more");
+  const auto garment = std::find_if(garments.begin(), garments.end(), [&](const auto& g) { return g.name == name; });
+  if (garment == garments.end())
+    throw Error(ErrorCode::verification, "bench: there is no garment " + name + " any more");
   TriangleMesh mesh;
-  mesh.name = shirt->name;
-  mesh.position = shirt->position;
-  for (uint32_t f = 0; f < shirt->face.size(); ++f) {
-    const meshes::Face& face = shirt->face[f];
+  mesh.name = garment->name;
+  mesh.position = garment->position;
+  for (uint32_t f = 0; f < garment->face.size(); ++f) {
+    const meshes::Face& face = garment->face[f];
     for (std::size_t k = 2; k < face.size(); ++k) {
       mesh.triangle.push_back({face[0], face[k - 1], face[k]});
       mesh.polygon.push_back(f);
@@ -118,7 +122,9 @@ TriangleMesh t_shirt_mesh() {
   }
   mesh.part = {{"cloth", 0, 0, static_cast<uint32_t>(mesh.triangle.size())}};
   mesh.material = {SourceMaterial{}};
-  return mesh;
+  ConvertOptions options;
+  options.flatten.resolution = size;
+  return std::make_shared<const ClothAsset>(convert(mesh, options).asset);
 }
 
 /// What the garment's cloth costs in one square: its material, pins and a ball that pokes through the plane.
@@ -131,9 +137,7 @@ BenchScene make_drape(uint32_t size) {
 
 /// A T-shirt of two panels, held by its collar, with a ball inside: charts with free outlines and seams.
 BenchScene make_garment(uint32_t size) {
-  ConvertOptions options;
-  options.flatten.resolution = size;
-  const ClothDesc cloth{std::make_shared<const ClothAsset>(convert(t_shirt_mesh(), options).asset), attached(), {}};
+  const ClothDesc cloth{make_panels("t_shirt", size), attached(), {}};
   Vec3 low = cloth.asset->source.position.front(), high = low;
   for (const Vec3& p : cloth.asset->source.position) {
     low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
@@ -143,6 +147,36 @@ BenchScene make_garment(uint32_t size) {
   return {{cloth},
           {hold(cloth, select_pixels(*cloth.asset, cloth.transform, WhereBoundary{}))},
           {{"ball", ball, 0.3F, {}}}};
+}
+
+/// Capsules of a body that walks along +z at 1.4 m/s from 0.3 s on, with a step of its legs in half a second.
+std::vector<Collider> walker_at(double time) {
+  constexpr float kSpeed = 1.4F, kSwing = 35;  // [m/s], [degrees]
+  const auto walked = static_cast<float>(std::max(0.0, time - 0.3));
+  std::vector<Collider> body;
+  const auto add = [&](const char* name, const Capsule& capsule, float swing) {
+    Collider& c = body.emplace_back(Collider{name, capsule, 0.3F, {}});
+    c.pose.rotate = quat_from_euler_deg({kSwing * swing, 0, 0});  // about the upper end
+    c.pose.translate = capsule.a - rotate(c.pose.rotate, capsule.a) + Vec3{0, 0, kSpeed * walked};
+  };
+  const float phase = std::sin(2 * std::numbers::pi_v<float> * walked);
+  add("torso", {{0, 0.95F, 0}, {0, 1.28F, 0}, 0.12F, 0.1F}, 0);
+  add("shoulders", {{-0.15F, 1.36F, 0}, {0.15F, 1.36F, 0}, 0.05F, 0.05F}, 0);
+  add("neck", {{0, 1.36F, 0}, {0, 1.55F, 0}, 0.05F, 0.05F}, 0);
+  for (const float side : {-1.F, 1.F}) {
+    add("arm", {{0.16F * side, 1.36F, 0}, {0.4F * side, 1.16F, 0}, 0.045F, 0.03F}, 0);
+    add("leg", {{0.08F * side, 0.9F, 0}, {0.1F * side, 0.05F, 0}, 0.075F, 0.045F}, side * phase);
+  }
+  return body;
+}
+
+/// A dress on somebody who walks.
+BenchScene make_walk(uint32_t size) {
+  Material material;
+  material.thickness = 0.0135F;
+  ClothDesc cloth{make_panels("dress", size), material, {}};
+  cloth.transform.translate = {0, 0.04F, 0};
+  return {{cloth}, {{}}, walker_at(0), walker_at};
 }
 
 }  // namespace
@@ -179,6 +213,7 @@ const std::vector<BenchSceneKind>& bench_scene_kinds() {
        {8},
        make_drape},
       {"garment", "a T-shirt of two panels", {64, 128, 256}, {64}, {4, 8, 16}, {8}, make_garment},
+      {"walk", "a dress on capsules that walk", {64, 128}, {64}, {8, 16}, {8}, make_walk},
   };
   return kinds;
 }

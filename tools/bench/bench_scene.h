@@ -15,7 +15,9 @@ namespace geocloth {
 struct BenchScene {
   std::vector<ClothDesc> cloths;
   std::vector<std::vector<Pin>> pins;  ///< of each cloth
-  std::vector<Collider> colliders;
+  std::vector<Collider> colliders;     ///< at the start
+  /// Where they are at a time [s]; not set: where they were.
+  std::vector<Collider> (*colliders_at)(double time) = nullptr;
   double frame_time = 1.0 / 60;  ///< [s]
 };
 
