@@ -13,9 +13,9 @@
 namespace geocloth {
 namespace {
 
-constexpr uint32_t kSmall = 16;  // unknowns that are not parted further
+constexpr uint32_t kSmall = 16;           // unknowns that are not parted further
 constexpr uint32_t kMostInATask = 2'000;  // unknowns
-constexpr size_t kLong = 4;      // squared length of a separator, by what it parts, from which another way is tried
+constexpr size_t kLong = 4;  // squared length of a separator, by what it parts, from which another way is tried
 
 /// Who is connected to whom, by number.
 struct Graph {

@@ -14,7 +14,7 @@ namespace geocloth {
 namespace {
 
 constexpr int kMostSteps = 80;
-constexpr size_t kGrain = 2'000;  // points that are worth a task
+constexpr size_t kGrain = 2'000;                     // points that are worth a task
 constexpr std::array<size_t, 3> kDiagonal{0, 3, 5};  // of a symmetric matrix
 
 double inner(const std::vector<Point3>& a, const std::vector<Point3>& b) {

@@ -42,7 +42,7 @@ class FitSystem {
 
   std::vector<FitTriangle> triangle_;
   std::vector<uint32_t> first_, around_;  // per point: where its triangles begin; those
-  std::vector<Symmetric> block_;  // of the matrix's diagonal; zero for points of no triangle, which stay
+  std::vector<Symmetric> block_;          // of the matrix's diagonal; zero for points of no triangle, which stay
 };
 
 }  // namespace geocloth
