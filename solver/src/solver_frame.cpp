@@ -30,7 +30,6 @@ float longest_way(std::span<const shader::ColliderShape> shapes) {
 }
 
 constexpr float kFastWay = 0.2F;  // spacings in a substep
-constexpr float kAnyWay = 1e30F;  // [m]
 
 /// How many substeps in place of one a collider is to have.
 struct Haste {
@@ -198,9 +197,9 @@ std::optional<ClothBox> Solver::Impl::box_of_pins(const Cloth& cloth) const {
   return box;
 }
 
-/// How far a fast collider goes in a substep as seen from a cloth that rides on it or on another: as seen from what
-/// carried the cloth two frames ago, and what the cloth may have gone beside that. A garment on a runner hardly meets a
-/// fast body. None where it does not ride.
+/// How far a fast collider goes in a substep as seen from a cloth that rides on it or on another: beside the motion
+/// that took the cloth along two frames ago, which is what is known. A garment on a runner hardly meets a fast body.
+/// None where it does not ride.
 std::optional<float> Solver::Impl::way_seen_from(uint32_t cloth, uint32_t collider) {
   constexpr float kMostLeft = 0.01F;  // of the points: those in clefts tremble
   constexpr float kMostLost = 0.4F;   // of them while it rides: with fewer substeps it finds another rest

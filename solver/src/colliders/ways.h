@@ -8,6 +8,8 @@
 
 namespace geocloth {
 
+inline constexpr float kAnyWay = 1e30F;  ///< [m] no bound
+
 /// Poses of the colliders of a frame: (substeps + 1) * count, those before the first substep and after each.
 struct ColliderPath {
   std::span<const shader::ColliderPose> poses;
