@@ -59,6 +59,7 @@ std::string name_of_collider(const Simulation& simulation, size_t collider) {
 
 ContactCheck::ContactCheck(Simulation& simulation) : between_(simulation.cloths().size()) {
   const std::vector<Collider> colliders = simulation.colliders();
+  if (colliders.empty()) return;
   for (size_t i = 0; i < simulation.cloths().size(); ++i) {
     const ClothDesc& cloth = simulation.cloths()[i];
     const auto index = static_cast<uint32_t>(i);

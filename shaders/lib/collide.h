@@ -51,6 +51,11 @@ inline vec3 to_world(ColliderPose pose, vec3 p) {
   return r;
 }
 
+// Whether a collider is thin enough to slip through between pixels.
+inline bool is_thin(ClothParams params, ColliderShape shape) {
+  return half_thickness(shape) < params.spacing;
+}
+
 inline bool is_edged(ColliderShape shape) {
   return shape.kind == kShapeBox || shape.kind == kShapeConvex || shape.kind == kShapeMesh;
 }

@@ -24,9 +24,8 @@ const float kLiftSpeed = 1.0f;  // [m/s] at which, besides the collider's own, a
 
 // Sides [m] from which on a triangle meets a collider itself. Smaller ones are kept out well enough by their pixels.
 inline float open_side(ClothParams params, ColliderShape shape) {
-  float thick = half_thickness(shape);
-  bool calm = shape.way <= params.slow_way && thick >= params.spacing;
-  return max(kOpenCell * thick, calm ? kStretched * params.spacing : 0.0f);
+  bool calm = shape.way <= params.slow_way && !is_thin(params, shape);
+  return max(kOpenCell * half_thickness(shape), calm ? kStretched * params.spacing : 0.0f);
 }
 
 struct Corners {

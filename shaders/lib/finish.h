@@ -50,10 +50,6 @@ inline vec3 kept_out(ColliderSet set, ClothParams params, uint substep, vec3 sta
 
 // Where triangles meet thin colliders, only a substep keeps them apart. A triangle that is so near has all its corners
 // within kLeaveNear spacings of the collider, and these stay where they are.
-inline bool is_thin(ClothParams params, ColliderShape shape) {
-  return half_thickness(shape) < params.leave_near * (1.0f / kLeaveNear);
-}
-
 inline bool is_left(ColliderSet set, ClothParams params, uint substep, vec3 start, vec3 moved) {
   if (params.leave_near <= 0.0f) return false;
   precise float reach = params.thickness + params.leave_near;

@@ -58,7 +58,7 @@ inline bool is_left_behind(ClothParams params, vec3 position, vec3 way) {
   if (params.carried_at < 0.0f) return false;
   precise vec3 taken_to = position - way;
   vec3 start = params.moving != 0u ? field_back(params.taken, params.carried_at, taken_to) : taken_to;
-  precise vec3 seen = (way + (taken_to - start)) - field_at(params.carrier, 0.0f, start);
+  precise vec3 seen = (way + (taken_to - start)) - field_at(params.carrier, params.carried_at, start);
   return length3(seen) > params.left_behind;
 }
 

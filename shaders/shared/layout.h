@@ -127,7 +127,7 @@ struct ClothParams {
   float unused2;
   FrameField whole;
   FrameField taken;
-  FrameField carrier;  // what may take the cloth along: a collider's motion in the last substep
+  FrameField carrier;  // the motion of a collider that may take the cloth along
 };
 
 // A gust: velocity gust * sin(dot(wave, position) + phase).

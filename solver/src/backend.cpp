@@ -29,7 +29,7 @@ ScheduleOptions schedule_options(const SimulationData& data, uint32_t cloth, con
           .cell_rounds = cell_rounds,
           .check = data.check,
           .asleep = f.asleep,
-          .motion = frame.measure_motion || f.measure_ride,
+          .motion = frame.measure_motion || f.params.carried_at >= 0,
           .motion_word = frame.motion_word,
           .seam_bend_colors = c.seam_bend_colors,
           .seam_span_colors = c.seam_span_colors,

@@ -76,7 +76,6 @@ struct ClothFrame {
 
   uint32_t cell_rounds = 0;   ///< see ScheduleOptions
   bool asleep = false;        ///< nothing is done: everything stays as it is
-  bool measure_ride = false;  ///< for left_behind()
   bool pulled_apart = false;  ///< two of its pins are farther from each other than the cloth may stretch
   bool slack_pins = false;    ///< attachments to its pins are slack: they lie one above the other, as a flag's on its
                               ///< pole, or the cloth sags between them

@@ -298,18 +298,24 @@ void substep_inputs(const FrameClock& clock, const std::optional<Wind>& wind, co
   }
 }
 
+shader::FrameField motion_field(const Transform& from, const Transform& to, float share, const Vec3& origin) {
+  const Vec3 shift = share * (to.translate - from.translate);
+  const Vec3 turn = share * rotation_vector(conjugate(from.rotate) * to.rotate);
+  return frame_field(rotate(from.rotate, turn), shift, shift, from.translate - origin);
+}
+
 void set_frame_motion(shader::ClothParams& params, const Transform& from, const Transform& to,
                       const Vec3& inertia_scale, uint32_t substeps, const Vec3& origin) {
   if (from.translate == to.translate && from.rotate == to.rotate) return;
   const Quat back = conjugate(from.rotate);
-  const Vec3 shift = (1.F / static_cast<float>(substeps)) * (to.translate - from.translate);
-  const Vec3 turn =
-      (1.F / static_cast<float>(substeps)) * rotation_vector(back * to.rotate);  // about the parent's axes
+  const float step = 1.F / static_cast<float>(substeps);
+  const Vec3 shift = step * (to.translate - from.translate);
+  const Vec3 turn = step * rotation_vector(back * to.rotate);  // about the parent's axes
   const Vec3 taken{1 - inertia_scale.x, 1 - inertia_scale.y, 1 - inertia_scale.z};
   const auto share = [&](const Vec3& v) { return Vec3{taken.x * v.x, taken.y * v.y, taken.z * v.z}; };
   const Vec3 center = from.translate - origin;
   params.moving = 1;
-  params.whole = frame_field(rotate(from.rotate, turn), shift, shift, center);
+  params.whole = motion_field(from, to, step, origin);
   params.taken =
       frame_field(rotate(from.rotate, share(turn)), rotate(from.rotate, share(rotate(back, shift))), shift, center);
 }
@@ -340,6 +346,7 @@ shader::ClothParams cloth_params(const Material& m, const FrameClock& clock, con
   const auto step = [&](float g) { return static_cast<float>(g * dt * dt); };
   const auto share = [](float stiffness) { return stiffness >= 0 ? stiffness : 1.F; };
   shader::ClothParams p{};
+  p.carried_at = -1;
   p.gravity_step = {step(gravity.x), step(gravity.y), step(gravity.z), 0};
   p.dt = static_cast<float>(dt);
   p.inverse_dt = static_cast<float>(1 / dt);

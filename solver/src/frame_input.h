@@ -54,6 +54,10 @@ void substep_inputs(const FrameClock& clock, const std::optional<Wind>& wind, co
 [[nodiscard]] shader::PinTarget pin_target(uint32_t pixel, const Vec3& from, const Vec3& to, float frequency,
                                            double dt);
 
+/// The motion from one pose to another in steps that are this share of it: displacement field of lib/frame.h, by steps.
+[[nodiscard]] shader::FrameField motion_field(const Transform& from, const Transform& to, float share,
+                                              const Vec3& origin);
+
 /// Motion of a cloth's parent over a frame, as both fields of lib/frame.h; nothing moves between equal poses.
 /// @param inertia_scale  per axis of the parent: 1 the cloth feels all of the motion, 0 it is taken along
 void set_frame_motion(shader::ClothParams& params, const Transform& from, const Transform& to,

@@ -197,39 +197,42 @@ std::optional<ClothBox> Solver::Impl::box_of_pins(const Cloth& cloth) const {
   return box;
 }
 
-/// How far a fast collider goes in a substep as seen from a cloth that rides on it or on another: beside the motion
-/// that took the cloth along two frames ago, which is what is known. A garment on a runner hardly meets a fast body.
-/// None where it does not ride.
-std::optional<float> Solver::Impl::way_seen_from(uint32_t cloth, uint32_t collider) {
+/// What took a cloth along two frames ago, which is what is known; null where nothing did.
+const Solver::Impl::Ride* Solver::Impl::ride_of(uint32_t cloth) {
   constexpr float kMostLeft = 0.01F;  // of the points: those in clefts tremble
   constexpr float kMostLost = 0.4F;   // of them while it rides: with fewer substeps it finds another rest
   const uint32_t word = 1 - frame_.motion_word;
-  const Ride& ride = cloths_[cloth].rides[word];
-  if (!ride.carrier) return std::nullopt;
-  const float most = cloths_[cloth].rides_on ? kMostLost : kMostLeft;
-  if (static_cast<float>(backend_->left_behind(cloth, word)) > most * static_cast<float>(cloths_[cloth].particles)) {
-    return std::nullopt;
-  }
-  const ColliderPath path{frame_.poses, frame_.shapes.size(), settings_.substeps};
-  const shader::ColliderShape& shape = frame_.shapes[collider];
-  const double times = settings_.frame_time / settings_.substeps / ride.dt;
-  return std::min(shape.way, way_beside(shape, path, collider, scaled(ride.motion, times)));
+  const Cloth& c = cloths_[cloth];
+  if (!c.rides[word].carrier) return nullptr;
+  const float most = (c.rides_on ? kMostLost : kMostLeft) * static_cast<float>(c.particles);
+  return static_cast<float>(backend_->left_behind(cloth, word)) > most ? nullptr : &c.rides[word];
 }
 
-/// Has cloths measured in this frame as way_seen_from() wants to know it two frames later.
+/// [m] How far a fast collider goes in a substep as seen from a cloth that rides on it or on another. A garment on a
+/// runner hardly meets a fast body.
+/// @param ride  of the cloth, if it rides
+float Solver::Impl::way_seen_from(const Ride* ride, uint32_t collider) const {
+  const float way = frame_.shapes[collider].way;
+  if (ride == nullptr) return way;
+  const double steps = ride->time / (settings_.frame_time / settings_.substeps);
+  const shader::FrameField motion = motion_field(ride->from, ride->to, static_cast<float>(1 / steps), origin_);
+  return std::min(way, way_beside(frame_.shapes, frame_.poses, collider, motion, static_cast<float>(steps - 1)));
+}
+
+/// Has cloths measured in this frame as ride_of() wants to know it two frames later.
 void Solver::Impl::measure_rides(uint32_t factor) {
   constexpr float kLeft = 0.1F;  // spacings in a substep without haste
-  const ColliderPath path{frame_.poses, frame_.shapes.size(), substeps_};
   for (size_t c = 0; c < cloths_.size(); ++c) {
     Cloth& cloth = cloths_[c];
-    ClothFrame& frame = frame_.cloths[c];
-    if (frame.asleep) cloth.ride.carrier.reset();
-    frame.measure_ride = cloth.ride.carrier.has_value();
-    frame.params.carried_at = frame.measure_ride ? static_cast<float>(substeps_ - 1) : -1;
-    if (frame.measure_ride) {
-      cloth.ride.motion = frame.params.carrier = last_motion(path, *cloth.ride.carrier);
-      cloth.ride.dt = clock().dt;
-      frame.params.left_behind = kLeft * cloth.asset->spacing * cloth.scale / static_cast<float>(factor);
+    shader::ClothParams& params = frame_.cloths[c].params;
+    if (frame_.cloths[c].asleep) cloth.ride.carrier.reset();
+    if (cloth.ride.carrier) {
+      cloth.ride.from = collider_frame(colliders_from_[*cloth.ride.carrier]);
+      cloth.ride.to = collider_frame(colliders_to_[*cloth.ride.carrier]);
+      cloth.ride.time = settings_.frame_time;
+      params.carrier = motion_field(cloth.ride.from, cloth.ride.to, 1.F / static_cast<float>(substeps_), origin_);
+      params.carried_at = static_cast<float>(substeps_ - 1);
+      params.left_behind = kLeft * params.spacing / static_cast<float>(factor);
     }
     cloth.rides[frame_.motion_word] = cloth.ride;
   }
@@ -252,9 +255,9 @@ uint32_t Solver::Impl::substeps_factor() {
     const float margin = cloth.reach * stretch_limit(cloth) + cloth.material.thickness + spacing;
     cloth.meets_fast = false;
     cloth.ride = {};
+    const Ride* const ride = ride_of(c);
     std::optional<std::optional<ClothBox>> box;  // looked for once
-    bool rides = false;
-    float longest = 0;  // [m] way of a collider as seen from the cloth
+    float longest = 0;                           // [m] way of a collider as seen from the cloth
     for (uint32_t i = 0; i < frame_.shapes.size(); ++i) {
       const shader::ColliderShape& shape = frame_.shapes[i];
       if (shape.kind == shader::kShapePlane) continue;
@@ -267,16 +270,14 @@ uint32_t Solver::Impl::substeps_factor() {
       }
       std::optional<uint32_t>& carrier = cloth.ride.carrier;
       if (!carrier || radius_of(shape) > radius_of(frame_.shapes[*carrier])) carrier = i;
-      const std::optional<float> seen = way_seen_from(c, i);
-      const float way = seen.value_or(shape.way);
-      rides = rides || seen;
+      const float way = way_seen_from(ride, i);
       longest = std::max(longest, way);
       if (way <= haste.way) continue;
       cloth.meets_fast = true;
       while (factor < haste.most && way > haste.way * static_cast<float>(factor)) ++factor;
     }
-    cloth.rides_on = rides;
-    if (rides) cloth.ride.way = longest;
+    cloth.rides_on = ride != nullptr && cloth.ride.carrier;
+    if (cloth.rides_on) cloth.ride.way = longest;
   }
   return std::max(1U, std::min(factor, kLargest / settings_.substeps));
 }

@@ -53,11 +53,11 @@ class Solver::Impl {
     [[nodiscard]] bool held() const { return !(frequency > 0); }
     [[nodiscard]] bool is_as(const PinState& b) const { return target == b.target && frequency == b.frequency; }
   };
-  /// What a fast collider does to a cloth that it may carry, in a frame's last substep.
+  /// How a fast collider that may carry a cloth moves in a frame.
   struct Ride {
     std::optional<uint32_t> carrier;  ///< the collider; none where none is fast
-    shader::FrameField motion = {};
-    double dt = 0;             ///< [s] of the substep
+    Transform from, to;               ///< [m, world] its poses
+    double time = 0;                  ///< [s] of the frame
     std::optional<float> way;  ///< [m] that the fastest collider goes in a substep as seen from the cloth, if it rides
   };
   struct Cloth {
@@ -108,7 +108,8 @@ class Solver::Impl {
   [[nodiscard]] FrameClock clock() const;
   [[nodiscard]] std::optional<ClothBox> box_of_pins(const Cloth& cloth) const;
   [[nodiscard]] uint32_t substeps_factor();
-  [[nodiscard]] std::optional<float> way_seen_from(uint32_t cloth, uint32_t collider);
+  [[nodiscard]] const Ride* ride_of(uint32_t cloth);
+  [[nodiscard]] float way_seen_from(const Ride* ride, uint32_t collider) const;
   void measure_rides(uint32_t factor);
   void find_movers();
   [[nodiscard]] bool is_reached(uint32_t cloth);

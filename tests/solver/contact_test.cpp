@@ -2,10 +2,8 @@
 // Fast and thin things and cloth must not pass through each other.
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <memory>
-#include <utility>
 #include <vector>
 
 #include "solver_fixture.h"
@@ -324,18 +322,11 @@ TEST_P(Fast, AHangingSheetThatAPlatePassesIsNotCaughtByItsEdges) {
 
 /// A cube of triangles about the origin.
 MeshSolid cube_of_triangles(float half) {
-  TriangleSurface surface;
-  for (uint32_t i = 0; i < 8; ++i) {
-    const auto side = [&](uint32_t bit) { return (i >> bit & 1U) != 0 ? half : -half; };
-    surface.position.push_back({side(0), side(1), side(2)});
-  }
-  constexpr std::array<std::array<uint32_t, 4>, 6> kFaces{
-      {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
-  for (const auto& [a, b, c, d] : kFaces) {
-    surface.triangle.push_back({a, b, c});
-    surface.triangle.push_back({a, c, d});
-  }
-  return {std::make_shared<const DistanceField>(make_distance_field(std::move(surface)))};
+  std::vector<Vec3> corners;
+  for (const float x : {-half, half})
+    for (const float y : {-half, half})
+      for (const float z : {-half, half}) corners.push_back({x, y, z});
+  return {std::make_shared<const DistanceField>(make_distance_field(convex_hull(corners).surface))};
 }
 
 // A point beside an edge that springs drew through the solid was kept on the side that it entered from: 9 times as long

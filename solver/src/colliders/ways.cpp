@@ -10,6 +10,7 @@
 
 #include "colliders/reach.h"
 #include "frame_input.h"
+#include "lib/frame.h"
 
 namespace geocloth {
 namespace {
@@ -75,55 +76,15 @@ float way_between(const shader::ColliderPose& a, const shader::ColliderPose& b, 
   return turn2 < 0.25 && way < static_cast<double>(kAnyWay) ? static_cast<float>(way) : kAnyWay;
 }
 
-/// A rigid motion, or a pose, in double precision.
-struct Rigid {
-  std::array<std::array<double, 3>, 3> turn{};
-  std::array<double, 3> shift{};
-};
-
-Rigid rigid_of(const shader::ColliderPose& pose) {
-  const auto row = [](const shader::vec4& r) { return std::array<double, 3>{r.x, r.y, r.z}; };
-  return {{row(pose.row0), row(pose.row1), row(pose.row2)}, {pose.row0.w, pose.row1.w, pose.row2.w}};
-}
-
-Rigid rigid_of(const shader::FrameField& motion) {
-  Rigid r = rigid_of(shader::ColliderPose{motion.row0, motion.row1, motion.row2});
-  for (size_t i = 0; i < 3; ++i) r.turn[i][i] += 1;
-  return r;
-}
-
-/// First b, then a.
-Rigid after(const Rigid& a, const Rigid& b) {
-  Rigid r;
-  for (size_t i = 0; i < 3; ++i) {
-    r.shift[i] = a.shift[i];
-    for (size_t k = 0; k < 3; ++k) {
-      r.shift[i] += a.turn[i][k] * b.shift[k];
-      for (size_t j = 0; j < 3; ++j) r.turn[i][j] += a.turn[i][k] * b.turn[k][j];
-    }
-  }
-  return r;
-}
-
-Rigid inverse(const Rigid& a) {
-  Rigid r;
-  for (size_t i = 0; i < 3; ++i) {
-    for (size_t j = 0; j < 3; ++j) {
-      r.turn[i][j] = a.turn[j][i];
-      r.shift[i] -= a.turn[j][i] * a.shift[j];
-    }
-  }
-  return r;
-}
-
-shader::vec4 row_of(const Rigid& a, size_t i) {
-  return {static_cast<float>(a.turn[i][0]), static_cast<float>(a.turn[i][1]), static_cast<float>(a.turn[i][2]),
-          static_cast<float>(a.shift[i])};
-}
-
-shader::FrameField field_of(Rigid a) {
-  for (size_t i = 0; i < 3; ++i) a.turn[i][i] -= 1;
-  return {row_of(a, 0), row_of(a, 1), row_of(a, 2), {0, 0, 0, 0}};
+/// Where a motion takes a pose in a step.
+shader::ColliderPose taken_along(const shader::ColliderPose& pose, const shader::FrameField& motion, float step) {
+  const auto turned = [&](shader::vec3 axis) { return axis + shader::field_turn(motion, axis); };
+  const shader::vec3 x = turned({pose.row0.x, pose.row1.x, pose.row2.x});
+  const shader::vec3 y = turned({pose.row0.y, pose.row1.y, pose.row2.y});
+  const shader::vec3 z = turned({pose.row0.z, pose.row1.z, pose.row2.z});
+  const shader::vec3 from{pose.row0.w, pose.row1.w, pose.row2.w};
+  const shader::vec3 to = from + shader::field_at(motion, step, from);
+  return {{x.x, y.x, z.x, to.x}, {x.y, y.y, z.y, to.y}, {x.z, y.z, z.z, to.z}};
 }
 
 }  // namespace
@@ -141,26 +102,13 @@ void measure_ways(std::span<shader::ColliderShape> shapes, std::span<const shade
   }
 }
 
-shader::FrameField last_motion(const ColliderPath& path, size_t collider) {
-  const Rigid before = rigid_of(path.pose(path.substeps - 1, collider));
-  return field_of(after(rigid_of(path.pose(path.substeps, collider)), inverse(before)));
-}
-
-shader::FrameField scaled(const shader::FrameField& motion, double times) {
-  const auto t = static_cast<float>(times);
-  const auto row = [t](const shader::vec4& r) { return shader::vec4{t * r.x, t * r.y, t * r.z, t * r.w}; };
-  return {row(motion.row0), row(motion.row1), row(motion.row2), row(motion.drift)};
-}
-
-float way_beside(const shader::ColliderShape& shape, const ColliderPath& path, size_t collider,
-                 const shader::FrameField& motion) {
-  const Outline outline = outline_of(shape);
-  const Rigid taken = rigid_of(motion);
+float way_beside(std::span<const shader::ColliderShape> shapes, std::span<const shader::ColliderPose> poses,
+                 uint32_t collider, const shader::FrameField& motion, float step) {
+  const Outline outline = outline_of(shapes[collider]);
+  const size_t last = poses.size() - 2 * shapes.size();
   float way = 0;
-  for (const uint32_t s : {0U, path.substeps - 1}) {  // it moves evenly in between
-    const Rigid along = after(taken, rigid_of(path.pose(s, collider)));
-    const shader::ColliderPose there{row_of(along, 0), row_of(along, 1), row_of(along, 2)};
-    way = std::max(way, way_between(there, path.pose(s + 1, collider), outline));
+  for (const size_t k : {size_t{collider}, last + collider}) {  // it moves evenly in between
+    way = std::max(way, way_between(taken_along(poses[k], motion, step), poses[k + shapes.size()], outline));
   }
   return way;
 }
