@@ -62,8 +62,10 @@ inline bool is_edged(ColliderShape shape) {
 
 // [m] The depth of a contact that friction grows with. A point that its springs draw deep into a solid in one substep
 // is caught behind an edge, and friction as large as that pull would hold it there however far they are stretched.
+// On a body garments slip and stretch by a bound, and cloth leaves its edges without one.
 inline float largest_grip(ClothParams params, ColliderShape shape) {
-  return is_edged(shape) ? params.grip : 1e30f;
+  bool bounded = shape.kind == kShapeBox || shape.kind == kShapeConvex;
+  return bounded ? params.grip : 1e30f;
 }
 
 inline Contact no_contact() {
