@@ -7,6 +7,12 @@
 #include "../lib/cell_groups.h"
 #include "../lib/collide_cell.h"
 #include "../lib/normal.h"
+#include "../lib/yield.h"
+
+vec4 moved_corner(vec4 corner, vec3 to) {
+  float yield = lessened_yield(yield_of(corner.w), to - corner.xyz, params.spacing);
+  return vec4(to, with_yield(corner.w, yield));
+}
 
 void collide_triangle_at(uvec2 pa, uvec2 pb, uvec2 pc) {
   vec4 a = load_position(pa);
@@ -19,10 +25,11 @@ void collide_triangle_at(uvec2 pa, uvec2 pb, uvec2 pc) {
   t.start_a = load_previous(pa).xyz;
   t.start_b = load_previous(pb).xyz;
   t.start_c = load_previous(pc).xyz;
-  MovedTriangle moved = collide_triangle(ColliderSet(0u), params, constants.substep, t, vec3(a.w, b.w, c.w));
-  store_position(pa, vec4(moved.a, a.w));
-  store_position(pb, vec4(moved.b, b.w));
-  store_position(pc, vec4(moved.c, c.w));
+  vec3 w = vec3(inverse_mass_of(a.w), inverse_mass_of(b.w), inverse_mass_of(c.w));
+  MovedTriangle moved = collide_triangle(ColliderSet(0u), params, constants.substep, t, w);
+  store_position(pa, moved_corner(a, moved.a));
+  store_position(pb, moved_corner(b, moved.b));
+  store_position(pc, moved_corner(c, moved.c));
   store_previous(pa, vec4(moved.start_a, a.w));
   store_previous(pb, vec4(moved.start_b, b.w));
   store_previous(pc, vec4(moved.start_c, c.w));

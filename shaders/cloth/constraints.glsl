@@ -5,6 +5,19 @@
 #include "../lib/span.h"
 #include "../lib/spring.h"
 #include "../lib/spring_groups.h"
+#include "../lib/yield.h"
+
+// See lib/yield.h; without colliders nothing is held.
+float yield_at(vec4 point) {
+  return params.collider_count != 0u ? yield_of(point.w) : 1.0f;
+}
+
+// Moves the ends of a spring, loaded by load_point().
+void move_ends(uvec2 pa, vec4 a, uvec2 pb, vec4 b, vec3 step) {
+  Weights moves = yielding(inverse_mass_of(a.w), yield_at(a), inverse_mass_of(b.w), yield_at(b));
+  store_point(pa, shifted(a.xyz, step, moves.a), a.w);
+  store_point(pb, shifted(b.xyz, -step, moves.b), b.w);
+}
 
 // @return the new multiplier
 float project_spring(uvec2 pa, uvec2 pb, float rest, float compliance, float share, float multiplier) {
@@ -12,14 +25,15 @@ float project_spring(uvec2 pa, uvec2 pb, float rest, float compliance, float sha
   vec4 b = load_point(pb);
   precise float scaled = compliance * params.inverse_dt2;
   vec3 d = way_between(pa, a, pb, b);
+  float wa = inverse_mass_of(a.w);
+  float wb = inverse_mass_of(b.w);
   SpringMove move;
   if (fine_mode() == kFineMomentum) {
-    move = spring_move_along(d, first_way_between(pa, pb), a.w, b.w, rest, scaled, share, multiplier);
+    move = spring_move_along(d, first_way_between(pa, pb), wa, wb, rest, scaled, share, multiplier);
   } else {
-    move = spring_move(d, a.w, b.w, rest, scaled, share, multiplier);
+    move = spring_move(d, wa, wb, rest, scaled, share, multiplier);
   }
-  store_point(pa, shifted(a.xyz, move.step, a.w), a.w);
-  store_point(pb, shifted(b.xyz, -move.step, b.w), b.w);
+  move_ends(pa, a, pb, b, move.step);
   return move.multiplier;
 }
 
@@ -29,12 +43,16 @@ float project_bend(uvec2 pa, uvec2 pm, uvec2 pb, float chord, float rest, float 
   vec4 m = load_point(pm);
   vec4 b = load_point(pb);
   precise float scaled = compliance * params.inverse_dt2;
-  BendMove move = bend_move(way_between(pm, m, pa, a), a.w, m.w, way_between(pm, m, pb, b), b.w, chord, rest, scaled,
+  float wa = inverse_mass_of(a.w);
+  float wm = inverse_mass_of(m.w);
+  float wb = inverse_mass_of(b.w);
+  BendMove move = bend_move(way_between(pm, m, pa, a), wa, wm, way_between(pm, m, pb, b), wb, chord, rest, scaled,
                             multiplier);
-  precise float weight_a = a.w * (1.0f - chord);
-  precise float weight_b = b.w * chord;
+  precise float weight_a = wa * (1.0f - chord) * yield_at(a);
+  precise float weight_m = wm * yield_at(m);
+  precise float weight_b = wb * chord * yield_at(b);
   store_point(pa, shifted(a.xyz, -move.step, weight_a), a.w);
-  store_point(pm, shifted(m.xyz, move.step, m.w), m.w);
+  store_point(pm, shifted(m.xyz, move.step, weight_m), m.w);
   store_point(pb, shifted(b.xyz, -move.step, weight_b), b.w);
   return move.multiplier;
 }
@@ -71,10 +89,9 @@ void pull_span(uvec2 pa, uvec2 pb, float rest, float share) {
   vec4 a = load_point(pa);
   vec4 b = load_point(pb);
   precise float longest = rest * params.stretch_limit;
-  SpanMove move = span_move(way_between(pa, a, pb, b), a.w, b.w, longest, share);
-  if (!move.pulls) return;
-  store_point(pa, shifted(a.xyz, move.step, a.w), a.w);
-  store_point(pb, shifted(b.xyz, -move.step, b.w), b.w);
+  SpanMove move =
+      span_move(way_between(pa, a, pb, b), inverse_mass_of(a.w), inverse_mass_of(b.w), longest, share);
+  if (move.pulls) move_ends(pa, a, pb, b, move.step);
 }
 
 // The span of the group constants.group that starts at pixel pa; it is there where all its springs are.
@@ -139,13 +156,17 @@ void seam_curvature_at(uint i) {
   vec4 b = load_point(pb);
   vec4 c = load_point(pc);
   precise float scaled = bend.compliance * params.inverse_dt2;
-  BendMove move = turned_bend_move(way_between(pm, m, pa, a), a.w, m.w, way_between(pm, m, pb, b), b.w,
-                                   way_between(pm, m, pc, c), c.w, bend.middle_share, bend.chord, bend.turn, bend.rest,
+  float wa = inverse_mass_of(a.w);
+  float wm = inverse_mass_of(m.w);
+  float wb = inverse_mass_of(b.w);
+  float wc = inverse_mass_of(c.w);
+  BendMove move = turned_bend_move(way_between(pm, m, pa, a), wa, wm, way_between(pm, m, pb, b), wb,
+                                   way_between(pm, m, pc, c), wc, bend.middle_share, bend.chord, bend.turn, bend.rest,
                                    scaled, multiplier_so_far(slot));
-  precise float weight_a = a.w * (1.0f - bend.chord);
-  precise float weight_m = m.w * (1.0f - bend.turn);
-  precise float weight_b = b.w * bend.chord;
-  precise float weight_c = c.w * bend.turn;
+  precise float weight_a = wa * (1.0f - bend.chord) * yield_at(a);
+  precise float weight_m = wm * (1.0f - bend.turn) * yield_at(m);
+  precise float weight_b = wb * bend.chord * yield_at(b);
+  precise float weight_c = wc * bend.turn * yield_at(c);
   store_point(pa, shifted(a.xyz, -move.step, weight_a), a.w);
   store_point(pm, shifted(m.xyz, move.step, weight_m), m.w);
   store_point(pb, shifted(b.xyz, -move.step, weight_b), b.w);

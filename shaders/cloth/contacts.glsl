@@ -2,13 +2,17 @@
 // Colliders and pixels, and how a frame ends.
 #include "colliders.glsl"
 #include "../lib/finish.h"
+#include "../lib/yield.h"
 #include "point.glsl"
 
 // Largest speed, then all colliders with friction.
 void collide_at(uvec2 p) {
   float w = load_position(p).w;
   if (w == 0.0f) return;
-  store_state(p, collide(ColliderSet(0u), params, constants.substep, load_state(p)), w);
+  PointState point = slowed(params, load_state(p));
+  PointState after = collide(ColliderSet(0u), params, constants.substep, point);
+  float yield = next_yield(yield_of(w), after.position - point.position, params.spacing);
+  store_state(p, after, with_yield(w, yield));
 }
 
 void hold_way_at(uvec2 p) {

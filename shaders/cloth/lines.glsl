@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Line relaxation: one invocation for each row or column.
 #include "../lib/lines.h"
+#include "../lib/yield.h"
 
 // Pixel k of line n of the group constants.group.
 uvec2 pixel_of_line(uint n, uint k) {
@@ -15,7 +16,7 @@ float longest_in_line(uvec2 p) {
 }
 
 float weight_in_line(uvec2 p, vec4 point) {
-  return line_weight(point.w, imageLoad(cell_image, texel(p)).x);
+  return line_weight(inverse_mass_of(point.w), imageLoad(cell_image, texel(p)).x);
 }
 
 // Coupling and multiplier of every spring.

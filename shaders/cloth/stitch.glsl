@@ -2,6 +2,11 @@
 // Copies of points.
 #include "../lib/stitch.h"
 #include "../lib/vector.h"
+#include "../lib/yield.h"
+
+vec4 weighed(vec4 point) {
+  return vec4(point.xyz, inverse_mass_of(point.w));
+}
 
 // The mass-weighted mean of the copies of a row. A gather: one invocation for each row, in the row's order, so that there is no atomic and every run gives the same
 // bits.
@@ -12,7 +17,7 @@ void stitch_at(uint row) {
   if (first.w == 0.0f) return;  // pinned: all copies are set together
   StitchSum sum = stitch_begin();
   for (uint i = begin; i < end; ++i) {
-    sum = stitch_add(sum, first, load_point(pixel_at(split_pixel[i])));
+    sum = stitch_add(sum, first, weighed(load_point(pixel_at(split_pixel[i]))));
   }
   vec3 mean = stitch_mean(sum, first);
   for (uint i = begin; i < end; ++i) {

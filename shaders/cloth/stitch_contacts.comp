@@ -18,7 +18,7 @@ void main() {
   StitchSum ways = stitch_begin();
   for (uint i = begin; i < end; ++i) {
     uvec2 p = pixel_at(split_pixel[i]);
-    vec4 position = load_position(p);
+    vec4 position = weighed(load_position(p));
     places = stitch_add(places, first, position);
     ways = stitch_add(ways, first_way, vec4(way_of(load_state(p)), position.w));
   }

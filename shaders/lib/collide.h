@@ -51,9 +51,11 @@ inline vec3 to_world(ColliderPose pose, vec3 p) {
   return r;
 }
 
+const float kThin = 1.05f;  // spacings
+
 // Whether a collider is thin enough to slip through between pixels.
 inline bool is_thin(ClothParams params, ColliderShape shape) {
-  return half_thickness(shape) < params.spacing;
+  return half_thickness(shape) < kThin * params.spacing;
 }
 
 inline bool is_edged(ColliderShape shape) {
@@ -312,18 +314,22 @@ inline PointState push_out(ColliderSet set, ClothParams params, uint substep, Po
   return arrived(out_of_cleft(set, params, substep, start, state.position), way_of(state));
 }
 
+// Before collide().
+inline PointState slowed(ClothParams params, PointState point) {
+  if (params.max_step > 0.0f) return limit_speed(point, params.max_step);
+  return point;
+}
+
 // On a moving parent the stored displacement leaves out `taken`, what the cloth was taken along with in this substep;
 // colliders meet all of it.
 inline PointState collide(ColliderSet set, ClothParams params, uint substep, PointState point) {
-  PointState slow = point;
-  if (params.max_step > 0.0f) slow = limit_speed(point, params.max_step);
-  if (params.moving == 0u) return push_out(set, params, substep, slow);
+  if (params.moving == 0u) return push_out(set, params, substep, point);
   PointState whole;
-  whole.position = slow.position;
-  whole.previous = field_back(params.taken, float(substep), slow.previous);
-  whole.carry = slow.carry;
+  whole.position = point.position;
+  whole.previous = field_back(params.taken, float(substep), point.previous);
+  whole.carry = point.carry;
   PointState after = push_out(set, params, substep, whole);
-  precise vec3 taken = slow.previous - whole.previous;
+  precise vec3 taken = point.previous - whole.previous;
   precise vec3 displacement = ((after.position - after.previous) - taken) + after.carry;
   return arrived(after.position, displacement);
 }

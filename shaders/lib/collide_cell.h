@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Contact of the triangles between pixels: a collider that is smaller than a cell, or that has stretched one open, must
-// not slip through between its corners. The point of a triangle that is deepest in the collider is found once where the
+// Contact of the triangles between pixels: a collider that is smaller than a cell must not slip through between its
+// corners. The point of a triangle that is deepest in the collider is found once where the
 // substep began and once where it ends; it is then a point like a pixel, swept as in collide.h, and what pushes it out
 // is shared by the corners by their weights and masses.
 //
@@ -15,17 +15,16 @@
 namespace geocloth::shader {
 #endif
 
-const float kOpenCell = 0.5f;   // sides of a triangle that a collider may sink into, in its half thicknesses
-const float kStretched = 2.0f;  // and in spacings, where the collider is thick and slow
+const float kOpenCell = 0.5f;  // sides of a triangle that a collider may sink into, in its half thicknesses
 const uint kDeepestSteps = 8u;
 const float kArrived = 1e-3f;      // of a weight: a step that changes less is the last
 const float kGapRounding = 4e-6f;  // [m], and of a distance: what single precision takes from a gap
 const float kLiftSpeed = 1.0f;  // [m/s] at which, besides the collider's own, a triangle that begins inside comes out
 
-// Sides [m] from which on a triangle meets a collider itself. Smaller ones are kept out well enough by their pixels.
+// Sides [m] from which on a triangle meets a collider itself. Smaller ones are kept out well enough by their pixels,
+// and so are all where the collider is thick: it opens no cell between points that give way as lib/yield.h has it.
 inline float open_side(ClothParams params, ColliderShape shape) {
-  bool calm = shape.way <= params.slow_way && !is_thin(params, shape);
-  return max(kOpenCell * half_thickness(shape), calm ? kStretched * params.spacing : 0.0f);
+  return is_thin(params, shape) ? kOpenCell * half_thickness(shape) : 1e30f;
 }
 
 struct Corners {

@@ -3,7 +3,8 @@
 //
 // clang-format off
 // Per pixel, row by row, pixel (0,0) at the top left (Vulkan: images of width x height; cpu: arrays):
-//   position   rgba32f   xyz [m] relative to SimulationData::origin, w = inverse mass [1/kg]; 0: pinned or not valid
+//   position   rgba32f   xyz [m] relative to SimulationData::origin, w = inverse mass [1/kg]; 0: pinned or not valid;
+//                        the lowest bits of its mantissa say how far the point gives way, see lib/yield.h
 //   previous   rgba32f   xyz position at the start of the substep; velocity = (position - previous) / dt
 //   carry      rgba32f   xyz what rounding took away when the position was predicted (compensated sum)
 //   normal     rgba32f   xyz unit normal (zero where not valid), w = its length before it was made a unit
@@ -122,9 +123,9 @@ struct ClothParams {
   float carried_at;     // the last substep of a frame with a carrier; below 0: without one
   float left_behind;    // [m] way in it as seen from the carrier of a point that is not taken along
   float spacing;        // [m] of the pixels
-  float slow_way;       // [m] that a collider may go in a substep before it is fast
   float unused1;
   float unused2;
+  float unused3;
   FrameField whole;
   FrameField taken;
   FrameField carrier;  // the motion of a collider that may take the cloth along

@@ -284,7 +284,7 @@ void collider_poses(std::span<const Collider> from, std::span<const Collider> to
 
 bool may_slip_through(std::span<const shader::ColliderShape> shapes, float spacing) {
   return std::any_of(shapes.begin(), shapes.end(),
-                     [&](const shader::ColliderShape& s) { return thickness_of(s) < spacing; });
+                     [&](const shader::ColliderShape& s) { return thickness_of(s) < shader::kThin * spacing; });
 }
 
 void substep_inputs(const FrameClock& clock, const std::optional<Wind>& wind, const Vec3& origin,

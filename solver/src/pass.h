@@ -132,7 +132,7 @@ struct ScheduleOptions {
   bool ties = false;  ///< and lines
   bool self_collision = false;
   bool collide = false;      ///< colliders, or max_speed > 0
-  uint32_t cell_rounds = 0;  ///< over the cells, where a collider is so thin or so fast that it may slip through
+  uint32_t cell_rounds = 0;  ///< over the cells, where a collider is so thin that it may slip through
   bool check = false;        ///< measure copies and colliders after every substep
   bool asleep = false;       ///< the frame has no passes
   bool motion = false;       ///< how far points go is measured after the last substep

@@ -349,14 +349,12 @@ void Solver::Impl::step() {
     Cloth& cloth = cloths_[c];
     const float spacing = cloth.asset->spacing * cloth.scale;
     const bool hasty = factor > 1 && cloth.meets_fast;
-    cloth.collide_cells = cloth.collide_cells || hasty || may_slip_through(frame_.shapes, spacing);
+    cloth.collide_cells = cloth.collide_cells || may_slip_through(frame_.shapes, spacing);
     const bool seams = cloth.asset->splits.rows() > 0;
     const float seen = std::min(way, cloth.ride.way.value_or(way) / static_cast<float>(factor));
     frame_.cloths[c].cell_rounds = cloth.collide_cells ? cell_rounds(seen, spacing, seams, hasty) : 0;
     fill_cloth_frame(cloth, frame_.cloths[c]);
     frame_.cloths[c].params.spacing = spacing;
-    frame_.cloths[c].params.slow_way =
-        cloth.ride.way && !hasty ? kAnyWay : kFastWay * spacing / static_cast<float>(factor);
     const bool leaves = cloth.collide_cells && !hasty;
     frame_.cloths[c].params.leave_near = leaves ? shader::kLeaveNear * spacing : 0;
     frame_.cloths[c].params.grip = grip_of(frame_.cloths[c], spacing);

@@ -73,18 +73,23 @@ TEST(SelfCollision, AHeapDoesNotGoThroughItself) {
   EXPECT_GE(count_intersections(*without.asset, positions_of(other)), 100U) << "there was nothing to prevent";
 }
 
-TEST(SelfCollision, AHeapOfChartsIsLikeOneOfOnePiece) {
+// How high a heap is hangs on the least change: 2 to 5 cm where the sheet began to fall by a degree less aslant.
+TEST(SelfCollision, HeapsOfChartsAreLikeThoseOfOnePiece) {
+  const std::array<float, 3> tilts{2, 3, 4};
   std::array<double, 2> height{};
   for (const uint32_t charts : {1U, 2U}) {
-    const ClothDesc cloth = falling_sheet(charts, true);
-    Solver solver = on_the_floor(cloth);
-    run(solver, 120);
-    const std::vector<Vec3> positions = positions_of(solver);
-    EXPECT_EQ(count_intersections(*cloth.asset, positions), 0U) << charts << " x " << charts << " charts";
-    EXPECT_EQ(solver.statistics().copy_gap, 0);
-    height[charts - 1] = highest(cloth, positions);
+    for (const float degrees : tilts) {
+      ClothDesc cloth = falling_sheet(charts, true);
+      cloth.transform.rotate = quat_from_euler_deg({degrees, 0, 2});
+      Solver solver = on_the_floor(cloth);
+      run(solver, 120);
+      const std::vector<Vec3> positions = positions_of(solver);
+      EXPECT_EQ(count_intersections(*cloth.asset, positions), 0U) << charts << " x " << charts << " charts";
+      EXPECT_EQ(solver.statistics().copy_gap, 0);
+      height[charts - 1] += highest(cloth, positions) / static_cast<double>(tilts.size());
+    }
   }
-  EXPECT_NEAR(height[0], height[1], 0.03);
+  EXPECT_NEAR(height[0], height[1], 0.02);
 }
 
 TEST(SelfCollision, ThreadsAndPathsGiveTheSameBits) {

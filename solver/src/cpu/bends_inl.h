@@ -61,26 +61,40 @@ HWY_INLINE void overlapped(uint32_t first, uint32_t last, const Begin& begin, co
   finish(last - 1, now);
 }
 
+template <class D>
+HWY_INLINE Vec<D> chord_of(D d, const float* constants) {
+  return hn::LoadU(d, constants + 2 * hn::Lanes(d));
+}
+template <class D>
+HWY_INLINE Vec<D> back_of(D d, const float* constants) {
+  return hn::Sub(hn::Set(d, 1.F), chord_of(d, constants));
+}
+
+/// What the three points of a bend are moved by.
+template <class D>
+struct BendWeights {
+  Vec<D> a, middle, b;
+};
+
 /// lib/bend.h with inverse = 1 / (w + compliance), 0 where there is no bend.
 template <class D>
 HWY_INLINE Points<D> bend_way(D d, const Points<D>& a, const Points<D>& middle, const Points<D>& b,
                               const float* constants) {
-  const auto chord = hn::LoadU(d, constants + 2 * hn::Lanes(d)), back = hn::Sub(hn::Set(d, 1.F), chord);
+  const auto chord = chord_of(d, constants), back = back_of(d, constants);
   return add(scale(d, sub(a, middle), back), scale(d, sub(b, middle), chord));
 }
 template <bool kSeveral, class D>
-HWY_INLINE void project_bend(D d, const Ways<D>& ways, Points<D>& a, Vec<D> wa, Points<D>& middle, Vec<D> wm,
-                             Points<D>& b, Vec<D> wb, const float* constants,
+HWY_INLINE void project_bend(D d, const Ways<D>& ways, Points<D>& a, Points<D>& middle, Points<D>& b,
+                             const BendWeights<D>& w, const float* constants,
                              const Multipliers<kSeveral, D>& multipliers) {
   const size_t lanes = hn::Lanes(d);
   const auto rest = hn::LoadU(d, constants), inverse = hn::LoadU(d, constants + lanes);
-  const auto chord = hn::LoadU(d, constants + 2 * lanes), back = hn::Sub(hn::Set(d, 1.F), chord);
   const auto factor = change_over_length(d, ways.length, rest, inverse, constants + 3 * lanes, multipliers,
                                          [](Vec<D> error) GEOCLOTH_LANES { return error; });
   const Points<D> step = ways.scaled(factor);
-  a = sub(a, scale(d, step, hn::Mul(wa, back)));
-  middle = add(middle, scale(d, step, wm));
-  b = sub(b, scale(d, step, hn::Mul(wb, chord)));
+  a = sub(a, scale(d, step, w.a));
+  middle = add(middle, scale(d, step, w.middle));
+  b = sub(b, scale(d, step, w.b));
 }
 
 /// Lanes whose bit is set from one vector, all others from another.
@@ -180,7 +194,8 @@ struct BendLines {
 };
 
 /// Blocks of bends whose first points lie at stream.pixel of their line.
-template <bool kSeveral, class D>
+/// @param kYields  whether the lines have yields that may be below 1
+template <bool kSeveral, bool kYields, class D>
 HWY_INLINE void project_bends(D d, const SweepOp& op, const BendLines& lines, uint32_t first, uint32_t last) {
   const size_t lanes = hn::Lanes(d);
   const uint32_t* const pixel = op.stream->pixel.data();
@@ -196,9 +211,16 @@ HWY_INLINE void project_bends(D d, const SweepOp& op, const BendLines& lines, ui
       [&](uint32_t k, const Ways<D>& ways) GEOCLOTH_LANES {
         const size_t i = pixel[k];
         Points<D> a = load(d, lines.a.at(i)), middle = load(d, lines.middle.at(i)), b = load(d, lines.b.at(i));
-        project_bend(d, ways, a, hn::LoadU(d, lines.a.inverse_mass + i), middle,
-                     hn::LoadU(d, lines.middle.inverse_mass + i), b, hn::LoadU(d, lines.b.inverse_mass + i),
-                     constants + k * floats, Multipliers<kSeveral, D>(op, k, lanes));
+        BendWeights<D> w{hn::LoadU(d, lines.a.inverse_mass + i), hn::LoadU(d, lines.middle.inverse_mass + i),
+                         hn::LoadU(d, lines.b.inverse_mass + i)};
+        w.a = hn::Mul(w.a, back_of(d, constants + k * floats));
+        w.b = hn::Mul(w.b, chord_of(d, constants + k * floats));
+        if constexpr (kYields) {
+          w.a = hn::Mul(w.a, hn::LoadU(d, lines.a.yield + i));
+          w.middle = hn::Mul(w.middle, hn::LoadU(d, lines.middle.yield + i));
+          w.b = hn::Mul(w.b, hn::LoadU(d, lines.b.yield + i));
+        }
+        project_bend(d, ways, a, middle, b, w, constants + k * floats, Multipliers<kSeveral, D>(op, k, lanes));
         const size_t j = anew(i);
         store(d, a, lines.a.at(j));
         store(d, middle, lines.middle.at(j));
@@ -206,26 +228,27 @@ HWY_INLINE void project_bends(D d, const SweepOp& op, const BendLines& lines, ui
       });
 }
 
-template <bool kSeveral, class D>
+template <bool kSeveral, bool kYields, class D>
 HWY_NOINLINE void bends_across(D d, const SweepOp& op, ClothState& state, uint32_t first, uint32_t last) {
   const size_t offset = op.offset;
-  project_bends<kSeveral>(d, op, {PointBase(state, 0), PointBase(state, offset), PointBase(state, 2 * offset)}, first,
-                          last);
+  const BendLines lines{PointBase(state, 0), PointBase(state, offset), PointBase(state, 2 * offset)};
+  project_bends<kSeveral, kYields>(d, op, lines, first, last);
 }
 
-/// A row that is taken apart: of each residue modulo 3 every coordinate and the inverse mass, `op.offset` floats apart.
+/// A row that is taken apart: of each residue modulo 3 every coordinate and the inverse mass times the yield,
+/// `op.offset` floats apart.
 class ThirdRow {
  public:
   ThirdRow(float* scratch, size_t stride) : scratch_(scratch), stride_(stride) {}
 
-  /// From the n-th column of a residue on: coordinate 0, 1, 2, or 3 for the inverse mass.
+  /// From the n-th column of a residue on: coordinate 0, 1, 2, or 3 for the mass.
   [[nodiscard]] HWY_INLINE float* at(size_t residue, size_t coordinate, size_t n) const {
     return scratch_ + (4 * residue + coordinate) * stride_ + n;
   }
   /// The columns column, column + 3, ...
   [[nodiscard]] HWY_INLINE PointBase from(size_t column) const {
     const size_t r = column % 3, n = column / 3;
-    return {at(r, 0, n), at(r, 1, n), at(r, 2, n), at(r, 3, n)};
+    return {at(r, 0, n), at(r, 1, n), at(r, 2, n), at(r, 3, n), nullptr};
   }
 
  private:
@@ -244,7 +267,7 @@ HWY_INLINE void for_thirds(D d, const ClothState& state, const Run& run, const B
 /// Groups 0, 1 and 2 of bend_groups.h in some rows, group by group: what waits for roots in one row goes on in the
 /// next.
 template <bool kSeveral, class D>
-HWY_NOINLINE void bends_along(D d, const SweepOp& op, ClothState& state, const SweepFrame& frame,
+HWY_NOINLINE void bends_along(D d, const SweepOp& op, ClothState& state, bool yields, const SweepFrame& frame,
                               const RowRange& rows) {
   const RowStream& stream = *op.stream;
   const Thirds<D> thirds(d);
@@ -266,13 +289,22 @@ HWY_NOINLINE void bends_along(D d, const SweepOp& op, ClothState& state, const S
       take_apart(points.y, 1);
       take_apart(points.z, 2);
       take_apart(points.inverse_mass, 3);
+      if (!yields) return;
+      const Third<D> yield = thirds.take_apart(d, points.yield + 3 * size_t{n});
+      const auto lessen = [&](size_t residue, Vec<D> by) GEOCLOTH_LANES {
+        float* const mass = row.at(residue, 3, n);
+        hn::StoreU(hn::Mul(hn::LoadU(d, mass), by), d, mass);
+      };
+      lessen(0, yield.a);
+      lessen(1, yield.middle);
+      lessen(2, yield.b);
     });
   }
   const ThirdRow all(frame.scratch, op.offset);
   for (uint32_t group = 0; group < 3; ++group) {
     const uint32_t* const first = &stream.group_first[group * (size_t{state.data.height} + 1)];
-    project_bends<kSeveral>(d, op, {all.from(group), all.from(group + 1), all.from(group + 2)}, first[rows.first],
-                            first[rows.last]);
+    project_bends<kSeveral, false>(d, op, {all.from(group), all.from(group + 1), all.from(group + 2)},
+                                   first[rows.first], first[rows.last]);
   }
   for (uint32_t y = rows.first; y < rows.last; ++y) {
     const ThirdRow row = apart(y);

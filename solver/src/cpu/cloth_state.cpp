@@ -3,6 +3,7 @@
 
 #include "cpu/cloth_state.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace geocloth::cpu {
@@ -15,7 +16,10 @@ ClothState::ClothState(ClothData cloth_data, bool accumulate, bool fine)
       normal(pixel_count() + kOverhang, 9),
       offset(fine ? pixel_count() + kOverhang : 0, 12),
       inverse_mass(make_floats(pixel_count() + kOverhang, 15)),
-      normal_length(make_floats(pixel_count() + kOverhang, 16)) {
+      normal_length(make_floats(pixel_count() + kOverhang, 16)),
+      yield(make_floats(pixel_count() + kOverhang, 17)),
+      row_yields(data.height, 0) {
+  std::fill(yield.begin(), yield.end(), 1.F);
   for (size_t i = 0; i < pixel_count(); ++i) {
     const shader::vec4& p = data.position[i];
     position.set(i, {p.x, p.y, p.z});
@@ -30,6 +34,12 @@ ClothState::ClothState(ClothData cloth_data, bool accumulate, bool fine)
   take_springs();
   if (accumulate) seam_multiplier.resize(data.seam_springs.size());
   if (data.attachments) attachments.assign(pixel_count(), {shader::kNoAnchor, 0});
+}
+
+void ClothState::set_packed_mass(size_t i, float packed) {
+  inverse_mass[i] = shader::inverse_mass_of(packed);
+  yield[i] = shader::yield_of(packed);
+  if (yield[i] != 1) mark_yielding(i / data.width);
 }
 
 void ClothState::set_topology(ClothData cloth_data) {
@@ -51,9 +61,9 @@ void ClothState::take_springs() {
 
 size_t ClothState::memory_bytes() const {
   const auto bytes = [](const auto& values) { return values.capacity() * sizeof(values.front()); };
-  size_t sum = bytes(inverse_mass) + bytes(normal_length) + bytes(seam_multiplier) + bytes(attachments) +
-               bytes(kept_in_lines) + bytes(data.cell) + bytes(data.seam_springs) + bytes(data.split_offset) +
-               bytes(data.split_pixel) + bytes(data.self.points) + bytes(data.self.words);
+  size_t sum = bytes(inverse_mass) + bytes(normal_length) + bytes(yield) + bytes(row_yields) + bytes(seam_multiplier) +
+               bytes(attachments) + bytes(kept_in_lines) + bytes(data.cell) + bytes(data.seam_springs) +
+               bytes(data.split_offset) + bytes(data.split_pixel) + bytes(data.self.points) + bytes(data.self.words);
   for (const Vec3Array* v : {&position, &previous, &carry, &normal, &offset})
     sum += bytes(v->x) + bytes(v->y) + bytes(v->z);
   for (const auto* components : {&rest, &compliance, &multiplier})

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <new>
@@ -11,6 +13,7 @@
 #include "backend.h"
 #include "lib/lines.h"
 #include "lib/point_state.h"
+#include "lib/yield.h"
 #include "shared/layout.h"
 
 namespace geocloth::cpu {
@@ -82,6 +85,21 @@ struct ClothState {
     carry.set(i, point.carry);
   }
   [[nodiscard]] size_t memory_bytes() const;  ///< of all arrays
+  [[nodiscard]] float yield_at(size_t i) const { return has_yields ? yield[i] : 1.F; }
+  /// What pixel i keeps beside its position in an image.
+  [[nodiscard]] float packed_mass(size_t i) const { return shader::with_yield(inverse_mass[i], yield[i]); }
+  void set_packed_mass(size_t i, float packed);
+  /// Says that a row may have points whose yield is not 1. Several threads may at once.
+  void mark_yielding(size_t row, bool yields = true) {
+    std::atomic_ref(row_yields[row]).store(yields ? 1 : 0, std::memory_order_relaxed);
+  }
+  /// Whether some rows have such points. Rows that nobody works on may be asked for too many.
+  [[nodiscard]] bool yields_in(uint32_t first_row, uint32_t last_row) {
+    const uint32_t last = std::min(last_row, data.height);
+    for (uint32_t y = first_row; has_yields && y < last; ++y)
+      if (std::atomic_ref(row_yields[y]).load(std::memory_order_relaxed) != 0) return true;
+    return false;
+  }
   /// Takes over springs, cells, bends over seams and copies; positions stay.
   void set_topology(ClothData cloth_data);
 
@@ -89,6 +107,9 @@ struct ClothState {
   Vec3Array position, previous, carry, normal;
   Vec3Array offset;                    ///< only with ClothParams::fine
   Floats inverse_mass, normal_length;  ///< like the vectors, with kOverhang more than there are pixels
+  Floats yield;                        ///< the same, see lib/yield.h
+  std::vector<uint8_t> row_yields;     ///< rows with points whose yield is not 1
+  bool has_yields = false;             ///< colliders are there in this frame: yields count
   std::array<std::vector<float>, shader::kSpringComponents> rest, compliance;
   std::array<std::vector<float>, shader::kSpringComponents> multiplier;  ///< only with several relaxation steps
   std::vector<float> seam_multiplier;

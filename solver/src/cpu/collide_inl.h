@@ -308,11 +308,10 @@ HWY_INLINE Vec<D> at_most(D, const Points<D>& way) {  // its length; needs no ro
   return hn::Add(hn::Add(hn::Abs(way.x), hn::Abs(way.y)), hn::Abs(way.z));
 }
 
-/// collide() of lib/collide.h where points change without being touched: too fast, or taken along by a parent.
+/// collide() of lib/collide.h where points change without being touched: taken along by a parent.
 template <class D>
 HWY_INLINE void collide_changed(D d, const Meeting& meeting, uint32_t substep, Mask<D> lanes, PointStates<D>& points) {
   const shader::ClothParams& params = meeting.params;
-  if (params.max_step > 0) points = limit_speed(d, points, params.max_step);
   const Points<D> slow_previous = points.previous;
   if (params.moving != 0) {
     points.previous = field_back(d, params.taken, static_cast<float>(substep), points.previous);
@@ -327,13 +326,45 @@ HWY_INLINE void collide_changed(D d, const Meeting& meeting, uint32_t substep, M
   points.carry = sub(displacement, sub(points.position, points.previous));
 }
 
+/// next_yield() of lib/yield.h.
+/// @param way2  squares of how far colliders moved the points [m^2]
+template <class D>
+HWY_INLINE Vec<D> next_yield(D d, Vec<D> yield, Vec<D> way2, float spacing) {
+  const float drawn = shader::kDrawn * spacing, thrown = shader::kThrown * spacing, drawn2 = drawn * drawn;
+  const auto half = hn::Set(d, 0.5F);
+  auto r = hn::IfThenElse(hn::Lt(way2, hn::Set(d, 0.0625F * drawn2)), hn::Add(yield, yield), yield);
+  for (const float times : {1.F, 4.F, 16.F})
+    r = hn::IfThenElse(hn::Gt(way2, hn::Set(d, times * drawn2)), hn::Mul(half, r), r);
+  r = hn::Min(hn::Max(r, hn::Set(d, shader::kLeastYield)), hn::Set(d, 1.F));
+  return hn::IfThenElse(hn::Gt(way2, hn::Set(d, thrown * thrown)), yield, r);
+}
+
+/// Yields of the points from pixel i on that colliders have moved.
+/// @param yielded  whether one may not be 1 before
+/// @return whether one is not 1 then
+template <class D>
+HWY_INLINE bool change_yields(D d, ClothState& state, Mask<D> free, uint32_t i, Vec<D> way2, float spacing,
+                              bool yielded) {
+  const float drawn = shader::kDrawn * spacing;
+  if (!yielded && hn::AllFalse(d, hn::Gt(way2, hn::Set(d, drawn * drawn)))) return false;
+  const auto one = hn::Set(d, 1.F);
+  const auto next = hn::IfThenElse(free, next_yield(d, hn::LoadU(d, &state.yield[i]), way2, spacing), one);
+  hn::StoreU(next, d, &state.yield[i]);
+  return !hn::AllTrue(d, hn::Eq(next, one));
+}
+
 /// From pixel i on.
+/// @param yielded  whether a yield may not be 1 before
+/// @return whether one is not 1 then
 template <bool kChanged, class D>
-HWY_NOINLINE void collide_from(D d, const Meeting& meeting, ClothState& state, uint32_t substep, uint32_t i) {
+HWY_NOINLINE bool collide_from(D d, const Meeting& meeting, ClothState& state, uint32_t substep, uint32_t i,
+                               bool yielded) {
   const PointRow p = at(state.position, i), pp = at(state.previous, i), pc = at(state.carry, i);
   const PointStates<D> before{load(d, p), load(d, pp), load(d, pc)};
   const auto free = free_lanes(d, &state.inverse_mass[i]);
   PointStates<D> points = before;
+  if (kChanged && meeting.params.max_step > 0) points = limit_speed(d, points, meeting.params.max_step);
+  const Points<D> slowed{points.position.x, points.position.y, points.position.z};
   if constexpr (kChanged) {
     collide_changed(d, meeting, substep, free, points);
     points = choose<D>(free, points, before);
@@ -343,6 +374,15 @@ HWY_NOINLINE void collide_from(D d, const Meeting& meeting, ClothState& state, u
   store(d, points.position, p);
   store(d, points.previous, pp);
   store(d, points.carry, pc);
+  const Points<D> moved = sub(points.position, slowed);
+  return change_yields(d, state, free, i, dot(d, moved, moved), meeting.params.spacing, yielded);
+}
+
+/// The same where nothing was near.
+template <class D>
+HWY_INLINE bool give_way_again(D d, const Meeting& meeting, ClothState& state, uint32_t i) {
+  const auto free = free_lanes(d, &state.inverse_mass[i]);
+  return change_yields(d, state, free, i, hn::Zero(d), meeting.params.spacing, true);
 }
 
 /// As many vectors as a word has bits.
@@ -399,20 +439,34 @@ template <class D>
 HWY_NOINLINE void collide(D d, const SweepFrame& frame, uint32_t substep, std::span<const Run> runs) {
   ClothState& state = *frame.state;
   const Meeting meeting(frame, substep);
+  const uint32_t width = state.data.width;
   if (frame.collide_all) {
-    return for_vectors(d, runs, [&](uint32_t i) GEOCLOTH_LANES { collide_from<true>(d, meeting, state, substep, i); });
+    return for_vectors(d, runs, [&](uint32_t i) GEOCLOTH_LANES {
+      if (collide_from<true>(d, meeting, state, substep, i, true)) state.mark_yielding(i / width);
+    });
   }
   const auto lanes = static_cast<uint32_t>(hn::Lanes(d));
   const PointRow positions = at(state.position, 0), before = at(state.previous, 0);
-  for (const Run& run : runs) {
-    for (uint32_t first = run.first; first < run.last; first += kWordVectors * lanes) {
-      const uint32_t count = std::min(kWordVectors, (run.last - first) / lanes);
-      uint64_t near = near_vectors(d, meeting.guards, after(positions, first), after(before, first), count);
-      for (; near != 0; near &= near - 1) {
-        const uint32_t i = first + static_cast<uint32_t>(std::countr_zero(near)) * lanes;
-        if (!hn::AllFalse(d, free_lanes(d, &state.inverse_mass[i]))) collide_from<false>(d, meeting, state, substep, i);
+  for (size_t k = 0; k < runs.size();) {
+    const uint32_t row = runs[k].first / width;
+    const bool yielded = state.yields_in(row, row + 1);
+    bool yields = false;
+    for (; k < runs.size() && runs[k].first / width == row; ++k) {
+      const Run& run = runs[k];
+      for (uint32_t first = run.first; first < run.last; first += kWordVectors * lanes) {
+        const uint32_t count = std::min(kWordVectors, (run.last - first) / lanes);
+        const uint64_t near = near_vectors(d, meeting.guards, after(positions, first), after(before, first), count);
+        for (uint64_t left = near; left != 0; left &= left - 1) {
+          const uint32_t i = first + static_cast<uint32_t>(std::countr_zero(left)) * lanes;
+          if (hn::AllFalse(d, free_lanes(d, &state.inverse_mass[i]))) continue;
+          if (collide_from<false>(d, meeting, state, substep, i, yielded)) yields = true;
+        }
+        for (uint32_t n = 0; yielded && n < count; ++n) {
+          if ((near >> n & 1) == 0 && give_way_again(d, meeting, state, first + n * lanes)) yields = true;
+        }
       }
     }
+    if (yields != yielded) state.mark_yielding(row, yields);
   }
 }
 

@@ -52,14 +52,16 @@ HWY_INLINE Vec<D> change_over_length(D d, Vec<D> l, Vec<D> rest, Vec<D> inverse,
 struct PointBase {
   float *x, *y, *z;
   const float* inverse_mass;
+  const float* yield;  ///< lib/yield.h
 
-  HWY_INLINE PointBase(float* px, float* py, float* pz, const float* weights)
-      : x(px), y(py), z(pz), inverse_mass(weights) {}
+  HWY_INLINE PointBase(float* px, float* py, float* pz, const float* weights, const float* yields)
+      : x(px), y(py), z(pz), inverse_mass(weights), yield(yields) {}
   HWY_INLINE PointBase(ClothState& state, size_t offset)
       : x(state.position.x.data() + offset),
         y(state.position.y.data() + offset),
         z(state.position.z.data() + offset),
-        inverse_mass(state.inverse_mass.data() + offset) {}
+        inverse_mass(state.inverse_mass.data() + offset),
+        yield(state.yield.data() + offset) {}
   [[nodiscard]] HWY_INLINE PointRow at(size_t i) const { return {x + i, y + i, z + i}; }
 };
 
@@ -123,6 +125,18 @@ HWY_INLINE void apply_spring(D d, Vec<D> factor, Points<D>& a, Vec<D> wa, Points
   const Points<D> step = scale(d, sub(b, a), factor);
   a = add(a, scale(d, step, wa));
   b = sub(b, scale(d, step, wb));
+}
+
+/// yielding() of lib/yield.h: changes the weights.
+template <class D>
+HWY_INLINE void let_yield(D d, Vec<D>& wa, Vec<D> yield_a, Vec<D>& wb, Vec<D> yield_b) {
+  const auto one = hn::Set(d, 1.F);
+  const auto both = hn::And(hn::Eq(yield_a, one), hn::Eq(yield_b, one));
+  if (hn::AllTrue(d, both)) return;
+  const auto a = hn::Mul(wa, yield_a), b = hn::Mul(wb, yield_b);
+  const auto whole = hn::Mul(hn::Add(wa, wb), hn::Div(one, hn::Max(hn::Add(a, b), hn::Set(d, 1e-30F))));
+  wa = hn::IfThenElse(both, wa, hn::Mul(a, whole));
+  wb = hn::IfThenElse(both, wb, hn::Mul(b, whole));
 }
 
 /// length(block, pixel), factor(block, length) and apply(block, pixel, factor) for the blocks first .. last - 1, one or
@@ -218,7 +232,8 @@ HWY_INLINE void put_together(D d, Vec<D> a, Vec<D> b, float* p, float* q) {
   }
 }
 
-template <class Kind, class D>
+/// @param kYields  whether the points have yields that may be below 1
+template <class Kind, bool kYields, class D>
 HWY_NOINLINE void springs_across(D d, const SweepOp& op, ClothState& state, uint32_t first, uint32_t last) {
   const PointBase points(state, 0);
   const float* const constants = op.stream->constants.data();
@@ -233,13 +248,15 @@ HWY_NOINLINE void springs_across(D d, const SweepOp& op, ClothState& state, uint
         if (nothing_moves<Kind>(d, factor)) return;
         const size_t j = i + offset;
         Points<D> a = load(d, points.at(i)), b = load(d, points.at(j));
-        apply_spring(d, factor, a, hn::LoadU(d, points.inverse_mass + i), b, hn::LoadU(d, points.inverse_mass + j));
+        auto wa = hn::LoadU(d, points.inverse_mass + i), wb = hn::LoadU(d, points.inverse_mass + j);
+        if constexpr (kYields) let_yield(d, wa, hn::LoadU(d, points.yield + i), wb, hn::LoadU(d, points.yield + j));
+        apply_spring(d, factor, a, wa, b, wb);
         store(d, a, points.at(anew(i)));
         store(d, b, points.at(anew(j)));
       });
 }
 
-template <size_t kColumns, class Kind, class D>
+template <size_t kColumns, class Kind, bool kYields, class D>
 HWY_NOINLINE void springs_along(D d, const SweepOp& op, ClothState& state, uint32_t first, uint32_t last) {
   const PointBase points(state, 0);
   const float* const constants = op.stream->constants.data();
@@ -260,7 +277,11 @@ HWY_NOINLINE void springs_along(D d, const SweepOp& op, ClothState& state, uint3
         const PointRow p = points.at(i), q = points.at(j);
         const Ends<D> x = take_apart<kColumns>(d, p.x, q.x), y = take_apart<kColumns>(d, p.y, q.y);
         const Ends<D> z = take_apart<kColumns>(d, p.z, q.z);
-        const Ends<D> w = take_apart<kColumns>(d, points.inverse_mass + i, points.inverse_mass + j);
+        Ends<D> w = take_apart<kColumns>(d, points.inverse_mass + i, points.inverse_mass + j);
+        if constexpr (kYields) {
+          const Ends<D> parts = take_apart<kColumns>(d, points.yield + i, points.yield + j);
+          let_yield(d, w.a, parts.a, w.b, parts.b);
+        }
         Points<D> a{x.a, y.a, z.a}, b{x.b, y.b, z.b};
         apply_spring(d, factor, a, w.a, b, w.b);
         const PointRow to = points.at(anew(i)), to_second = points.at(j);

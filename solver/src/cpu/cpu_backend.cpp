@@ -79,7 +79,9 @@ class CpuBackend final : public SolverBackend {
   void wait() override {}
 
   void read_positions(uint32_t cloth, std::vector<vec4>& out) override {
-    gather(cloth, cloths_[cloth].state.position, cloths_[cloth].state.inverse_mass, out);
+    const cpu::ClothState& state = cloths_[cloth].state;
+    gather(cloth, state.position, state.inverse_mass, out);
+    for (uint32_t k = 0; k < out.size(); ++k) out[k].w = state.packed_mass(cloths_[cloth].rows.pixel(k));
   }
   void read_previous(uint32_t cloth, std::vector<vec4>& out) override {
     gather(cloth, cloths_[cloth].state.previous, cloths_[cloth].state.inverse_mass, out);
@@ -98,7 +100,7 @@ class CpuBackend final : public SolverBackend {
     for (uint32_t k = 0; k < position.size(); ++k) {
       const uint32_t i = cloths_[cloth].rows.pixel(k);
       state.position.set(i, {position[k].x, position[k].y, position[k].z});
-      state.inverse_mass[i] = position[k].w;
+      state.set_packed_mass(i, position[k].w);
       state.previous.set(i, {previous[k].x, previous[k].y, previous[k].z});
       state.carry.set(i, {0, 0, 0});
       if (data_.fine) state.offset.set(i, {0, 0, 0});
@@ -145,11 +147,12 @@ class CpuBackend final : public SolverBackend {
     cloth.rows.widen(frame.cloths[c], cloth.frame);
     const ClothFrame& input = cloth.frame;
     if (input.pins_changed) {
-      std::copy(input.inverse_mass.begin(), input.inverse_mass.end(), state.inverse_mass.begin());
+      for (size_t i = 0; i < input.inverse_mass.size(); ++i) state.set_packed_mass(i, input.inverse_mass[i]);
       if (state.data.attachments) state.attachments = input.attachments;
     }
     const ScheduleOptions options = schedule_options(data_, c, frame);
     if (options.asleep) return;
+    state.has_yields = !frame.shapes.empty();
     run_substeps(cloth, frame, input, options, threads);
     cloth.normals_stale = true;
     if (data_.timings) compute_normals(cloth, threads);

@@ -28,9 +28,9 @@ inline float project_bend(const PointLine& a, const PointLine& middle, const Poi
   const shader::BendMove move =
       shader::bend_move(way_between(middle, a, i, mode), wa, wm, way_between(middle, b, i, mode), wb, chord, rest,
                         compliance, multiplier);
-  a.move(i, -move.step, wa * (1.F - chord));
-  middle.move(i, move.step, wm);
-  b.move(i, -move.step, wb * chord);
+  a.move(i, -move.step, wa * (1.F - chord) * a.yield_at(i));
+  middle.move(i, move.step, wm * middle.yield_at(i));
+  b.move(i, -move.step, wb * chord * b.yield_at(i));
   return move.multiplier;
 }
 
@@ -101,10 +101,10 @@ void seam_curvature(const PassContext& context, ClothState& state, const PassSte
         const shader::BendMove move = shader::turned_bend_move(
             way_between(m, a, 0, mode), wa, wm, way_between(m, b, 0, mode), wb, way_between(m, c, 0, mode), wc,
             s.middle_share, s.chord, s.turn, s.rest, s.compliance * inverse_dt2, multiplier);
-        a.move(0, -move.step, wa * (1.F - s.chord));
-        m.move(0, move.step, wm * (1.F - s.turn));
-        b.move(0, -move.step, wb * s.chord);
-        if (s.turn != 0) c.move(0, move.step, wc * s.turn);
+        a.move(0, -move.step, wa * (1.F - s.chord) * a.yield_at(0));
+        m.move(0, move.step, wm * (1.F - s.turn) * m.yield_at(0));
+        b.move(0, -move.step, wb * s.chord * b.yield_at(0));
+        if (s.turn != 0) c.move(0, move.step, wc * s.turn * c.yield_at(0));
         return move.multiplier;
       });
 }

@@ -40,16 +40,21 @@ struct PointLine {
   };
   Coordinates moving, base, low;
   const float* inverse_mass;
+  const float* yield;  ///< lib/yield.h; null: all are 1
 
   PointLine(ClothState& state, size_t first, uint32_t fine)
       : moving(fine != shader::kFineOff ? state.offset : state.position, first),
         base(state.previous, first),
         low(state.carry, first),
-        inverse_mass(state.inverse_mass.data() + first) {}
-  PointLine(const Coordinates& m, const Coordinates& b, const Coordinates& l, const float* weights)
-      : moving(m), base(b), low(l), inverse_mass(weights) {}
+        inverse_mass(state.inverse_mass.data() + first),
+        yield(state.has_yields ? state.yield.data() + first : nullptr) {}
+  PointLine(const Coordinates& m, const Coordinates& b, const Coordinates& l, const float* weights, const float* yields)
+      : moving(m), base(b), low(l), inverse_mass(weights), yield(yields) {}
   /// The line that begins at point i.
-  [[nodiscard]] PointLine from(size_t i) const { return {moving.from(i), base.from(i), low.from(i), inverse_mass + i}; }
+  [[nodiscard]] PointLine from(size_t i) const {
+    return {moving.from(i), base.from(i), low.from(i), inverse_mass + i, yield != nullptr ? yield + i : nullptr};
+  }
+  [[nodiscard]] float yield_at(size_t i) const { return yield != nullptr ? yield[i] : 1.F; }
   /// Moves point i by step * weight.
   void move(size_t i, const shader::vec3& step, float weight) const {
     const shader::vec3 p = shader::shifted(moving.at(i), step, weight);

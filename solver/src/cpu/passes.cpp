@@ -184,8 +184,13 @@ void collide_cells(const PassContext& context, ClothState& state, uint32_t group
 void collide(const PassContext& context, ClothState& state) {
   const shader::ColliderSet set = colliders_of(context.frame);
   for_pixels(context.threads, state, [&](uint32_t i) {
-    if (state.inverse_mass[i] != 0)
-      state.set_point(i, shader::collide(set, context.cloth.params, context.substep, state.point(i)));
+    if (state.inverse_mass[i] == 0) return;
+    const shader::ClothParams& params = context.cloth.params;
+    const shader::PointState point = shader::slowed(params, state.point(i));
+    const shader::PointState after = shader::collide(set, params, context.substep, point);
+    state.set_point(i, after);
+    state.yield[i] = shader::next_yield(state.yield[i], after.position - point.position, params.spacing);
+    if (state.yield[i] != 1) state.mark_yielding(i / state.data.width);
   });
 }
 
@@ -315,9 +320,15 @@ void collide_cell(const PassContext& context, ClothState& state, uint32_t x, uin
                                  {state.position.at(a), state.position.at(b), state.position.at(c),
                                   state.previous.at(a), state.previous.at(b), state.previous.at(c)},
                                  w);
-    state.position.set(a, moved.a);
-    state.position.set(b, moved.b);
-    state.position.set(c, moved.c);
+    const auto move = [&](uint32_t i, const vec3& to) {
+      const vec3 way = to - state.position.at(i);
+      state.yield[i] = shader::lessened_yield(state.yield[i], way, context.cloth.params.spacing);
+      if (state.yield[i] != 1) state.mark_yielding(i / state.data.width);
+      state.position.set(i, to);
+    };
+    move(a, moved.a);
+    move(b, moved.b);
+    move(c, moved.c);
     state.previous.set(a, moved.start_a);
     state.previous.set(b, moved.start_b);
     state.previous.set(c, moved.start_c);

@@ -96,15 +96,17 @@ void stitch_row(std::span<const CopyMass> copies, float share, const Positions& 
 }
 
 /// span_move() of lib/span.h.
-void pull_span(const SeamSpan& span, const Positions& positions, const float* inverse_mass) {
+void pull_span(const SeamSpan& span, const Positions& positions, const ClothState& state) {
   const vec3 d = positions.at(span.b) - positions.at(span.a);
   const float squared = shader::dot3(d, d);
   if (!(squared > span.slack)) return;
   const float l = std::sqrt(squared);
   if (!(l > span.longest)) return;
   const vec3 step = d * ((l - span.longest) * span.inverse * (1.F / l));
-  positions.move(span.a, step, inverse_mass[span.a]);
-  positions.move(span.b, -step, inverse_mass[span.b]);
+  const shader::Weights moves = shader::yielding(state.inverse_mass[span.a], state.yield_at(span.a),
+                                                 state.inverse_mass[span.b], state.yield_at(span.b));
+  positions.move(span.a, step, moves.a);
+  positions.move(span.b, -step, moves.b);
 }
 
 void place_copies(const ClothData& data, uint32_t pixel, uint32_t row, const vec3& place, const Positions& positions) {
@@ -126,7 +128,7 @@ void pull_whole(const WholeTie& tie, float share, const ClothData& data, const P
 }
 
 /// turned_bend_move() of lib/bend.h.
-void project_bend(const SeamBend& bend, const Positions& positions) {
+void project_bend(const SeamBend& bend, const Positions& positions, const ClothState& state) {
   const vec3 middle = positions.at(bend.middle);
   const vec3 e = (positions.at(bend.a) - middle) * (1.F - bend.chord) + (positions.at(bend.b) - middle) * bend.chord -
                  (positions.at(bend.beside) - middle) * bend.turn;
@@ -134,10 +136,10 @@ void project_bend(const SeamBend& bend, const Positions& positions) {
   const bool bent = l > 1e-12F;
   const float change = bent ? (l - bend.rest) * bend.inverse : 0.F;
   const vec3 step = e * (change * (1.F / (bent ? l : 1.F)));
-  positions.move(bend.a, -step, bend.weight_a);
-  positions.move(bend.middle, step, bend.weight_middle);
-  positions.move(bend.b, -step, bend.weight_b);
-  if (bend.turn != 0) positions.move(bend.beside, step, bend.weight_beside);
+  positions.move(bend.a, -step, bend.weight_a * state.yield_at(bend.a));
+  positions.move(bend.middle, step, bend.weight_middle * state.yield_at(bend.middle));
+  positions.move(bend.b, -step, bend.weight_b * state.yield_at(bend.b));
+  if (bend.turn != 0) positions.move(bend.beside, step, bend.weight_beside * state.yield_at(bend.beside));
 }
 
 /// Entries share no pixel.
@@ -203,9 +205,8 @@ bool run_seams(const SeamStream& stream, const PassStep& step, const PassContext
     return true;
   }
   if (step.pass == Pass::seam_spans) {
-    const float* const inverse_mass = state.inverse_mass.data();
     for_entries(context.threads, stream.spans[step.group],
-                [=](const SeamSpan& span) { pull_span(span, positions, inverse_mass); });
+                [&](const SeamSpan& span) { pull_span(span, positions, state); });
     return true;
   }
   if (step.pass == Pass::whole_ties) {
@@ -215,7 +216,8 @@ bool run_seams(const SeamStream& stream, const PassStep& step, const PassContext
     return true;
   }
   if (step.pass != Pass::seam_curvature || stream.bends[step.group].empty()) return false;
-  for_entries(context.threads, stream.bends[step.group], [=](const SeamBend& bend) { project_bend(bend, positions); });
+  for_entries(context.threads, stream.bends[step.group],
+              [&](const SeamBend& bend) { project_bend(bend, positions, state); });
   return true;
 }
 

@@ -19,8 +19,9 @@ inline void pull(const PointLine& a, const PointLine& b, float longest, Mode mod
   const float wa = *a.inverse_mass, wb = *b.inverse_mass;
   const shader::SpanMove move = shader::span_move(way_between(a, b, 0, mode), wa, wb, longest, share);
   if (!move.pulls) return;
-  a.move(0, move.step, wa);
-  b.move(0, -move.step, wb);
+  const shader::Weights moves = shader::yielding(wa, a.yield_at(0), wb, b.yield_at(0));
+  a.move(0, move.step, moves.a);
+  b.move(0, -move.step, moves.b);
 }
 
 }  // namespace

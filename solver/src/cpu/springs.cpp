@@ -38,8 +38,9 @@ inline float project_spring(const PointLine& a, const PointLine& b, size_t i, fl
   } else {
     move = shader::spring_move(d, wa, wb, rest, compliance, share, multiplier);
   }
-  a.move(i, move.step, wa);
-  b.move(i, -move.step, wb);
+  const shader::Weights moves = shader::yielding(wa, a.yield_at(i), wb, b.yield_at(i));
+  a.move(i, move.step, moves.a);
+  b.move(i, -move.step, moves.b);
   return move.multiplier;
 }
 

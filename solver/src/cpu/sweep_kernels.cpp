@@ -45,19 +45,30 @@ uint32_t lanes_here() {
 
 #else
 
-template <class T>
+template <class T, bool kAnyYields>
 struct Chosen {
   using Type = T;
+  static constexpr bool kYields = kAnyYields;
 };
-/// Calls body(Chosen<SpringKind<...>>()). The kernel makes its own: to hand one over goes through memory, in pieces
-/// that are read as a whole.
-template <class Body>
+/// Calls body(Chosen<SpringKind<...>, ...>()). The kernel makes its own: to hand one over goes through memory, in
+/// pieces that are read as a whole.
+template <bool kYields, class Body>
 HWY_INLINE void with_kind(const SweepOp& op, const Body& body) {
-  if (op.multipliers != nullptr) return body(Chosen<SpringKind<true, false, false>>());
-  if (op.share == 1) return body(Chosen<SpringKind<false, true, false>>());
-  body(Chosen<SpringKind<false, false, false>>());
+  if (op.multipliers != nullptr) return body(Chosen<SpringKind<true, false, false>, kYields>());
+  if (op.share == 1) return body(Chosen<SpringKind<false, true, false>, kYields>());
+  body(Chosen<SpringKind<false, false, false>, kYields>());
+}
+template <class Body>
+HWY_INLINE void with_kind(const SweepOp& op, bool yields, const Body& body) {
+  yields ? with_kind<true>(op, body) : with_kind<false>(op, body);
 }
 using Pulls = SpringKind<false, true, true>;
+
+template <class D>
+HWY_INLINE void pull_across(D d, const SweepOp& op, ClothState& state, bool yields, uint32_t first, uint32_t last) {
+  yields ? springs_across<Pulls, true>(d, op, state, first, last)
+         : springs_across<Pulls, false>(d, op, state, first, last);
+}
 
 template <class D>
 HWY_INLINE void run_turn(D d, const SweepFrame& frame, uint32_t substep, const SweepTurn& turn) {
@@ -68,6 +79,7 @@ HWY_INLINE void run_turn(D d, const SweepFrame& frame, uint32_t substep, const S
   const uint32_t first = turn.first, last = turn.last;
   const bool several = op.multipliers != nullptr;  // relaxation steps
   const auto runs = [&] { return std::span(stream.runs).subspan(first, last - first); };
+  const auto yields = [&] { return state.yields_in(rows.first, rows.last + op.down); };
   switch (op.kernel) {
     case RowKernel::normals:
       normals(d, state, runs());
@@ -82,34 +94,48 @@ HWY_INLINE void run_turn(D d, const SweepFrame& frame, uint32_t substep, const S
       move_pins(frame.contexts[substep], state, first, last);
       break;
     case RowKernel::springs_across:
-      with_kind(op, [&](auto kind)
-                        GEOCLOTH_LANES { springs_across<typename decltype(kind)::Type>(d, op, state, first, last); });
+      with_kind(op, yields(), [&](auto kind) GEOCLOTH_LANES {
+        using Kind = decltype(kind);
+        springs_across<typename Kind::Type, Kind::kYields>(d, op, state, first, last);
+      });
       break;
     case RowKernel::springs_along:
-      with_kind(op, [&](auto kind)
-                        GEOCLOTH_LANES { springs_along<1, typename decltype(kind)::Type>(d, op, state, first, last); });
+      with_kind(op, yields(), [&](auto kind) GEOCLOTH_LANES {
+        using Kind = decltype(kind);
+        springs_along<1, typename Kind::Type, Kind::kYields>(d, op, state, first, last);
+      });
       break;
     case RowKernel::springs_along_two:
-      with_kind(op, [&](auto kind)
-                        GEOCLOTH_LANES { springs_along<2, typename decltype(kind)::Type>(d, op, state, first, last); });
+      with_kind(op, yields(), [&](auto kind) GEOCLOTH_LANES {
+        using Kind = decltype(kind);
+        springs_along<2, typename Kind::Type, Kind::kYields>(d, op, state, first, last);
+      });
       break;
     case RowKernel::spans_along:  // half of the columns are the other ends
-      springs_across<Pulls>(hn::CappedTag<float, HWY_MIN(kSpanLanes, hn::MaxLanes(D()))>(), op, state, first, last);
+      pull_across(hn::CappedTag<float, HWY_MIN(kSpanLanes, hn::MaxLanes(D()))>(), op, state, yields(), first, last);
       break;
     case RowKernel::ties_across:
-      springs_across<Pulls>(d, op, state, first, last);
+      pull_across(d, op, state, yields(), first, last);
       break;
     case RowKernel::ties_along:
-      springs_along<1, Pulls>(d, op, state, first, last);
+      yields() ? springs_along<1, Pulls, true>(d, op, state, first, last)
+               : springs_along<1, Pulls, false>(d, op, state, first, last);
       break;
     case RowKernel::short_spans_along:
-      springs_across<Pulls>(hn::CappedTag<float, kShortSpanLanes>(), op, state, first, last);
+      pull_across(hn::CappedTag<float, kShortSpanLanes>(), op, state, yields(), first, last);
       break;
     case RowKernel::bends_across:
-      several ? bends_across<true>(d, op, state, first, last) : bends_across<false>(d, op, state, first, last);
+      if (yields()) {
+        several ? bends_across<true, true>(d, op, state, first, last)
+                : bends_across<false, true>(d, op, state, first, last);
+      } else {
+        several ? bends_across<true, false>(d, op, state, first, last)
+                : bends_across<false, false>(d, op, state, first, last);
+      }
       break;
     case RowKernel::bends_along:
-      several ? bends_along<true>(d, op, state, frame, rows) : bends_along<false>(d, op, state, frame, rows);
+      several ? bends_along<true>(d, op, state, yields(), frame, rows)
+              : bends_along<false>(d, op, state, yields(), frame, rows);
       break;
     case RowKernel::limit: {
       const float* const anchors = frame.anchors + size_t{3} * frame.anchor_line * substep;

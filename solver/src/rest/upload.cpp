@@ -19,6 +19,7 @@
 #include "frame_input.h"
 #include "geocloth/asset/grid_mesh.h"
 #include "lib/lines.h"
+#include "lib/yield.h"
 #include "rest/bends.h"
 #include "rest/rest_shape.h"
 #include "rest/seam_spans.h"
@@ -90,7 +91,8 @@ std::vector<shader::vec4> start_positions(const ClothDesc& cloth, const Vec3& or
     if (!asset.valid(p)) continue;
     const Vec3 x = apply(cloth.transform, asset.rest_position[p]) - origin;
     const double area = std::max(static_cast<double>(asset.area[p]), smallest) * scale * scale;
-    position[p] = {x.x, x.y, x.z, static_cast<float>(1 / (area * static_cast<double>(cloth.material.areal_density)))};
+    const auto w = static_cast<float>(1 / (area * static_cast<double>(cloth.material.areal_density)));
+    position[p] = {x.x, x.y, x.z, shader::inverse_mass_of(w)};
   }
   return position;
 }
