@@ -314,7 +314,7 @@ inline PointState push_out(ColliderSet set, ClothParams params, uint substep, Po
   return arrived(out_of_cleft(set, params, substep, start, state.position), way_of(state));
 }
 
-// Before collide().
+// What a point is before it meets colliders: no faster than ClothParams::max_step.
 inline PointState slowed(ClothParams params, PointState point) {
   if (params.max_step > 0.0f) return limit_speed(point, params.max_step);
   return point;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Contact of the triangles between pixels: a collider that is smaller than a cell must not slip through between its
-// corners. The point of a triangle that is deepest in the collider is found once where the
-// substep began and once where it ends; it is then a point like a pixel, swept as in collide.h, and what pushes it out
-// is shared by the corners by their weights and masses.
+// corners. The point of a triangle that is deepest in the collider is found once where the substep began and once where
+// it ends; it is then a point like a pixel, swept as in collide.h, and what pushes it out is shared by the corners by
+// their weights and masses.
 //
 // A push stops a corner that moves into the collider, as seen from the collider; no corner is ever thrown. What else it
 // has to be moved by moves its place and leaves its velocity. Friction and the cloth's thickness are the pixels' own.

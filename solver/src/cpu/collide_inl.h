@@ -378,9 +378,9 @@ HWY_NOINLINE bool collide_from(D d, const Meeting& meeting, ClothState& state, u
   return change_yields(d, state, free, i, dot(d, moved, moved), meeting.params.spacing, yielded);
 }
 
-/// The same where nothing was near.
+/// Where no collider was near points give way again.
 template <class D>
-HWY_INLINE bool give_way_again(D d, const Meeting& meeting, ClothState& state, uint32_t i) {
+HWY_INLINE bool yield_again(D d, const Meeting& meeting, ClothState& state, uint32_t i) {
   const auto free = free_lanes(d, &state.inverse_mass[i]);
   return change_yields(d, state, free, i, hn::Zero(d), meeting.params.spacing, true);
 }
@@ -462,7 +462,7 @@ HWY_NOINLINE void collide(D d, const SweepFrame& frame, uint32_t substep, std::s
           if (collide_from<false>(d, meeting, state, substep, i, yielded)) yields = true;
         }
         for (uint32_t n = 0; yielded && n < count; ++n) {
-          if ((near >> n & 1) == 0 && give_way_again(d, meeting, state, first + n * lanes)) yields = true;
+          if ((near >> n & 1) == 0 && yield_again(d, meeting, state, first + n * lanes)) yields = true;
         }
       }
     }
