@@ -49,7 +49,22 @@ class Fast : public test::MachineTest<> {
     if (machine().slow()) all.erase(all.begin(), all.end() - 1);
     return all;
   }
+  /// Along a side of a sheet that falls.
+  [[nodiscard]] uint32_t points_of_falling() const { return machine().slow() ? 33 : 97; }
 };
+
+/// Down is -z.
+SolverSettings falling() {
+  SolverSettings settings = checked();
+  settings.substeps = 8;
+  settings.gravity = {0, 0, -9.81F};
+  return settings;
+}
+
+/// @param tip  its highest point
+Collider pole_below(const Vec3& tip, float radius) {
+  return {"pole", Capsule{tip - Vec3{0, 0, 1}, tip - Vec3{0, 0, radius}, radius, radius}, 0.3F, {}};
+}
 
 struct Hit {
   uint32_t points, charts;
@@ -194,18 +209,14 @@ Landing land(Solver& solver, const ClothAsset& asset, const Collider& below, uin
 // All of a sheet hangs from the few points that lie on a pole. Where these gave way by their mass alone, each substep
 // drew them through its tip and they came out beside it: the cells there opened until the sheet lay below.
 TEST_P(Fast, ASheetThatFallsOntoAPoleRestsOnIt) {
-  const uint32_t points = machine().slow() ? 33 : 97;
-  SolverSettings settings = checked();
-  settings.substeps = 8;
-  settings.gravity = {0, 0, -9.81F};
+  const uint32_t points = points_of_falling();
   for (const uint32_t charts : {1U, 2U}) {
     const SheetOptions options{.nx = points, .ny = points, .charts_x = charts};
     const ClothAsset asset = make_sheet(options);
     const float radius = 2 / static_cast<float>(points - 1);
     const Vec3 tip{0.0132F, 0.0171F, -0.05F};
-    const Collider pole{"pole", Capsule{tip - Vec3{0, 0, 1}, tip - Vec3{0, 0, radius}, radius, radius}, 0.3F, {}};
-    Solver solver = make(test::describe(asset), settings);
-    const Landing landing = land(solver, asset, pole, machine().slow() ? 15 : 40);
+    Solver solver = make(test::describe(asset), falling());
+    const Landing landing = land(solver, asset, pole_below(tip, radius), machine().slow() ? 15 : 40);
     EXPECT_EQ(layers_ahead(options, landing.positions, tip - Vec3{0, 0, radius}), 1U) << charts;
     EXPECT_LE(landing.stretch, 1.5) << charts;
     EXPECT_LE(solver.statistics().penetration, 0.002);
@@ -215,15 +226,12 @@ TEST_P(Fast, ASheetThatFallsOntoAPoleRestsOnIt) {
 
 // Springs over the edges of a box were stretched by three times, at a point by as much as cells give.
 TEST_P(Fast, ASheetThatFallsOntoABoxIsNotTornAtItsEdges) {
-  const uint32_t points = machine().slow() ? 33 : 97;
-  SolverSettings settings = checked();
-  settings.substeps = 8;
-  settings.gravity = {0, 0, -9.81F};
+  const uint32_t points = points_of_falling();
   const SheetOptions options{.nx = points, .ny = points};
   const ClothAsset asset = make_sheet(options);
   const float half = 10 / static_cast<float>(points - 1);
   const Quat turn = quat_from_euler_deg({0, 0, 30});
-  Solver solver = make(test::describe(asset), settings);
+  Solver solver = make(test::describe(asset), falling());
   const Collider box{"box", Box{{0.0132F, 0.0171F, -0.1F - half}, {half, half, half}, turn}, 0.3F, {}};
   const Landing landing = land(solver, asset, box, machine().slow() ? 15 : 40);
   EXPECT_EQ(layers_ahead(options, landing.positions, {0.0132F, 0.0171F, -0.1F}), 1U);
@@ -233,17 +241,14 @@ TEST_P(Fast, ASheetThatFallsOntoABoxIsNotTornAtItsEdges) {
 
 // A pole that is pushed up from below, as fast as an arm moves.
 TEST_P(Fast, APoleLiftsASheet) {
-  const uint32_t points = machine().slow() ? 33 : 97;
-  SolverSettings settings = checked();
-  settings.substeps = 8;
-  settings.gravity = {0, 0, -9.81F};
+  const uint32_t points = points_of_falling();
   const SheetOptions options{.nx = points, .ny = points};
   const ClothAsset asset = make_sheet(options);
   const float radius = 2 / static_cast<float>(points - 1);
   for (const float speed : speeds({1.5F, 4})) {
     Vec3 tip{0.0132F, 0.0171F, -0.05F};
-    Solver solver = make(test::describe(asset), settings);
-    Collider pole{"pole", Capsule{tip - Vec3{0, 0, 1}, tip - Vec3{0, 0, radius}, radius, radius}, 0.3F, {}};
+    Solver solver = make(test::describe(asset), falling());
+    Collider pole = pole_below(tip, radius);
     solver.set_colliders(std::vector{pole});
     const int frames = machine().slow() ? 8 : 20;
     for (int f = 0; f < frames; ++f) {

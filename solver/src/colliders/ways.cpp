@@ -15,6 +15,8 @@
 namespace geocloth {
 namespace {
 
+constexpr float kAnyWay = 1e30F;  ///< [m] no bound
+
 /// What holds a shape: the hull of balls about some of its points [m], in its own frame.
 struct Outline {
   std::array<Vec3, 8> point{};

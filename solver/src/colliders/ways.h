@@ -8,8 +8,6 @@
 
 namespace geocloth {
 
-inline constexpr float kAnyWay = 1e30F;  ///< [m] no bound
-
 /// Sets ColliderShape::way from the poses of the frame: no point within `margin` [m] of the shape goes further with it.
 void measure_ways(std::span<shader::ColliderShape> shapes, std::span<const shader::ColliderPose> poses,
                   uint32_t substeps, double margin);

@@ -38,8 +38,7 @@ ClothState::ClothState(ClothData cloth_data, bool accumulate, bool fine)
 
 void ClothState::set_packed_mass(size_t i, float packed) {
   inverse_mass[i] = shader::inverse_mass_of(packed);
-  yield[i] = shader::yield_of(packed);
-  if (yield[i] != 1) mark_yielding(i / data.width);
+  set_yield(i, shader::yield_of(packed));
 }
 
 void ClothState::set_topology(ClothData cloth_data) {

@@ -89,8 +89,13 @@ struct ClothState {
   /// What pixel i keeps beside its position in an image.
   [[nodiscard]] float packed_mass(size_t i) const { return shader::with_yield(inverse_mass[i], yield[i]); }
   void set_packed_mass(size_t i, float packed);
-  /// Says that a row may have points whose yield is not 1. Several threads may at once.
-  void mark_yielding(size_t row, bool yields = true) {
+  /// Several threads may at once, each for pixels of its own.
+  void set_yield(size_t i, float value) {
+    yield[i] = value;
+    if (value != 1) mark_yielding(i / data.width, true);
+  }
+  /// Says whether a row may have points whose yield is not 1.
+  void mark_yielding(size_t row, bool yields) {
     std::atomic_ref(row_yields[row]).store(yields ? 1 : 0, std::memory_order_relaxed);
   }
   /// Whether some rows have such points. Rows that nobody works on may be asked for too many.

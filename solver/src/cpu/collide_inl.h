@@ -442,7 +442,7 @@ HWY_NOINLINE void collide(D d, const SweepFrame& frame, uint32_t substep, std::s
   const uint32_t width = state.data.width;
   if (frame.collide_all) {
     return for_vectors(d, runs, [&](uint32_t i) GEOCLOTH_LANES {
-      if (collide_from<true>(d, meeting, state, substep, i, true)) state.mark_yielding(i / width);
+      if (collide_from<true>(d, meeting, state, substep, i, true)) state.mark_yielding(i / width, true);
     });
   }
   const auto lanes = static_cast<uint32_t>(hn::Lanes(d));

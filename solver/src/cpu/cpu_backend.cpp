@@ -80,19 +80,25 @@ class CpuBackend final : public SolverBackend {
 
   void read_positions(uint32_t cloth, std::vector<vec4>& out) override {
     const cpu::ClothState& state = cloths_[cloth].state;
-    gather(cloth, state.position, state.inverse_mass, out);
-    for (uint32_t k = 0; k < out.size(); ++k) out[k].w = state.packed_mass(cloths_[cloth].rows.pixel(k));
+    gather(
+        cloth, state.position, [&](size_t i) { return state.packed_mass(i); }, out);
   }
   void read_previous(uint32_t cloth, std::vector<vec4>& out) override {
-    gather(cloth, cloths_[cloth].state.previous, cloths_[cloth].state.inverse_mass, out);
+    const cpu::ClothState& state = cloths_[cloth].state;
+    gather(
+        cloth, state.previous, [&](size_t i) { return state.inverse_mass[i]; }, out);
   }
   void read_carry(uint32_t cloth, std::vector<vec4>& out) override {
-    gather(cloth, cloths_[cloth].state.carry, cloths_[cloth].state.inverse_mass, out);
+    const cpu::ClothState& state = cloths_[cloth].state;
+    gather(
+        cloth, state.carry, [&](size_t i) { return state.inverse_mass[i]; }, out);
   }
   /// Nobody else looks at the normals after a frame, so they are computed when they are asked for.
   void read_normals(uint32_t cloth, std::vector<vec4>& out) override {
     if (cloths_[cloth].normals_stale) compute_normals(cloths_[cloth], threads_);
-    gather(cloth, cloths_[cloth].state.normal, cloths_[cloth].state.normal_length, out);
+    const cpu::ClothState& state = cloths_[cloth].state;
+    gather(
+        cloth, state.normal, [&](size_t i) { return state.normal_length[i]; }, out);
   }
 
   void write_state(uint32_t cloth, std::span<const vec4> position, std::span<const vec4> previous) override {
@@ -208,11 +214,13 @@ class CpuBackend final : public SolverBackend {
   }
 
   /// One vec4 for each pixel of the asset.
-  void gather(uint32_t cloth, const cpu::Vec3Array& xyz, const cpu::Floats& w, std::vector<vec4>& out) const {
+  /// @param w  w(i) of pixel i
+  template <class W>
+  void gather(uint32_t cloth, const cpu::Vec3Array& xyz, const W& w, std::vector<vec4>& out) const {
     out.resize(data_.cloths[cloth].pixel_count());
     for (uint32_t k = 0; k < out.size(); ++k) {
       const uint32_t i = cloths_[cloth].rows.pixel(k);
-      out[k] = {xyz.at(i), w[i]};
+      out[k] = {xyz.at(i), w(i)};
     }
   }
 

@@ -189,8 +189,7 @@ void collide(const PassContext& context, ClothState& state) {
     const shader::PointState point = shader::slowed(params, state.point(i));
     const shader::PointState after = shader::collide(set, params, context.substep, point);
     state.set_point(i, after);
-    state.yield[i] = shader::next_yield(state.yield[i], after.position - point.position, params.spacing);
-    if (state.yield[i] != 1) state.mark_yielding(i / state.data.width);
+    state.set_yield(i, shader::next_yield(state.yield[i], after.position - point.position, params.spacing));
   });
 }
 
@@ -322,8 +321,7 @@ void collide_cell(const PassContext& context, ClothState& state, uint32_t x, uin
                                  w);
     const auto move = [&](uint32_t i, const vec3& to) {
       const vec3 way = to - state.position.at(i);
-      state.yield[i] = shader::lessened_yield(state.yield[i], way, context.cloth.params.spacing);
-      if (state.yield[i] != 1) state.mark_yielding(i / state.data.width);
+      state.set_yield(i, shader::lessened_yield(state.yield[i], way, context.cloth.params.spacing));
       state.position.set(i, to);
     };
     move(a, moved.a);
