@@ -10,10 +10,11 @@ void main() {
   SelfRoom room = self_room(params);
   uint point = own_entry();
   if (point >= constants.count || !self_is_stale(set, room)) return;
-  vec3 position = self_position(set, self_point(set, point).pixel);
+  vec3 position = self_position(set, room, point);
   set_self_vector(set, self_seen_word(room, point), position);
   if (!self_in_range(position)) return;
   uint bucket = self_bucket(room, self_cell(room, position));
   self_words[self_next_word(room, point)] = atomicExchange(self_words[self_head_word(room, bucket)], point);
-  atomicAdd(self_words[self_filled_word(room, bucket)], 1u);
+  atomicAdd(self_words[self_filled_word(room, bucket)], kSelfBucketPoint);
+  if (between_cloths(set)) atomicOr(self_words[self_filled_word(room, bucket)], inter_bit(self_point(set, point)));
 }

@@ -11,8 +11,7 @@ void main() {
   SelfSet set = SelfSet(0u);
   SelfRoom room = self_room(params);
   uint pixel = p.y * params.width + p.x;
-  if (pixel == 0u) self_begin(set, room);
   uint point = self_words[self_point_word(pixel)];
   if (point == kSelfNone || !self_is_pushed(set, room, point)) return;
-  store_state(p, self_pushed(set, room, point, self_state(set, pixel)), load_position(p).w);
+  store_state(p, self_pushed(set, room, point, pixel_state(set, pixel)), load_position(p).w);
 }

@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cloth against itself: points are balls that push each other apart, with friction (Macklin, Mueller, Chentanez, Kim
-// 2014, section 6.1; the list of near points with a margin is Verlet's, 1967). Which points push:
-//   - not those near along the surface, over seams too (SelfPoint's list);
+// Cloth against itself, or cloths against each other: points are balls that push each other apart, with friction
+// (Macklin, Mueller, Chentanez, Kim 2014, section 6.1; the list of near points with a margin is Verlet's, 1967). Which
+// points push:
+//   - of one cloth, not those near along the surface, over seams too; of several, those of different cloths;
 //   - layers that lie nearer than the distance at rest keep nine tenths of what they have there.
 // Neighbours are looked up again when two points may have come nearer to each other by the margin: all points' ways
 // since the last time lie in a box no longer than that. A hash of cells holds chains of points in any order; of what is
 // found the nearest are kept, ordered by index, so that no result depends on the order.
 //
 // The includer defines before this file:
-//   struct SelfSet (a handle), uint self_word(SelfSet set, uint i), void set_self_word(SelfSet set, uint i, uint
-//   value), SelfPoint self_point(SelfSet set, uint i), PointState self_state(SelfSet set, uint pixel), vec3
-//   self_position(SelfSet set, uint pixel), float self_inverse_mass(SelfSet set, uint pixel): 0 while pinned.
+//   struct SelfSet (a handle), bool between_cloths(SelfSet set), uint self_word(SelfSet set, uint i), void
+//   set_self_word(SelfSet set, uint i, uint value), SelfPoint self_point(SelfSet set, uint i), and of one cloth: vec3
+//   pixel_position(SelfSet set, uint pixel), PointState pixel_state(SelfSet set, uint pixel), float
+//   pixel_inverse_mass(SelfSet set, uint pixel): 0 while pinned.
 #ifndef GEOCLOTH_LIB_SELF_COLLIDE_H
 #define GEOCLOTH_LIB_SELF_COLLIDE_H
 
@@ -30,6 +32,7 @@ const float kSelfShare = 0.7f;  // of an overlap that a pair removes in a subste
 const float kSelfRestShare = 0.9f;    // of their distance at rest that near layers keep
 const float kSelfLongestPush = 0.5f;  // of the distance, in a substep
 const float kSelfNoWay = 1e-9f;       // [m] points as near as this have no direction
+const float kInterLeast = 0.75f;      // of the larger distance of two cloths; half the diagonal of a cell is 0.59
 
 inline bool self_is_near(float v) {
   return (floatBitsToUint(v) & 0x7FFFFFFFu) < floatBitsToUint(kSelfFarthest);  // on the bits: not for NaN either
@@ -49,6 +52,68 @@ inline float from_ordered_bits(uint ordered) {
   return uintBitsToFloat((ordered & 0x80000000u) != 0u ? ordered & 0x7FFFFFFFu : ~ordered);
 }
 
+inline vec3 self_vector(SelfSet set, uint word) {
+  return vec3(uintBitsToFloat(self_word(set, word)), uintBitsToFloat(self_word(set, word + 1u)),
+              uintBitsToFloat(self_word(set, word + 2u)));
+}
+
+inline void set_self_vector(SelfSet set, uint word, vec3 v) {
+  set_self_word(set, word, floatBitsToUint(v.x));
+  set_self_word(set, word + 1u, floatBitsToUint(v.y));
+  set_self_word(set, word + 2u, floatBitsToUint(v.z));
+}
+
+// Where a point is and how it got there: of several cloths as it was gathered when the substep began.
+inline vec3 self_position(SelfSet set, SelfRoom room, uint point) {
+  if (between_cloths(set)) return self_vector(set, inter_state_word(room, point));
+  return pixel_position(set, self_point(set, point).pixel);
+}
+
+inline PointState self_state(SelfSet set, SelfRoom room, uint point) {
+  if (!between_cloths(set)) return pixel_state(set, self_point(set, point).pixel);
+  uint word = inter_state_word(room, point);
+  PointState r;
+  r.position = self_vector(set, word);
+  r.previous = r.position;
+  r.carry = self_vector(set, word + 3u);
+  return r;
+}
+
+inline bool self_is_held(SelfSet set, SelfRoom room, uint point) {
+  if (between_cloths(set)) return self_word(set, inter_state_word(room, point) + 6u) != 0u;
+  return pixel_inverse_mass(set, self_point(set, point).pixel) == 0.0f;
+}
+
+// Puts a point of a cloth among those of several.
+inline void gather_state(SelfSet set, SelfRoom room, uint point, PointState state, bool held) {
+  uint word = inter_state_word(room, point);
+  set_self_vector(set, word, state.position);
+  set_self_vector(set, word + 3u, way_of(state));
+  set_self_word(set, word + 6u, held ? 1u : 0u);
+}
+
+// [m] that two points keep. A point of a fine cloth must not fit through the cells of a coarse one, so it is no less
+// than a share of the larger of theirs.
+inline float self_pair_distance(SelfSet set, SelfRoom room, SelfPoint a, SelfPoint b) {
+  if (!between_cloths(set)) return room.distance;
+  precise float mean = 0.5f * (uintBitsToFloat(a.inter_distance) + uintBitsToFloat(b.inter_distance));
+  precise float least = kInterLeast * max(uintBitsToFloat(a.inter_distance), uintBitsToFloat(b.inter_distance));
+  return max(mean, least);
+}
+
+// [m] up to which a pair is listed.
+inline float self_pair_reach(SelfSet set, SelfRoom room, SelfPoint a, SelfPoint b) {
+  if (!between_cloths(set)) return room.reach;
+  precise float reach = self_pair_distance(set, room, a, b) + (room.reach - room.distance);
+  return reach;
+}
+
+inline float self_pair_friction(SelfSet set, SelfRoom room, SelfPoint a, SelfPoint b) {
+  if (!between_cloths(set)) return room.friction;
+  precise float mean = 0.5f * (uintBitsToFloat(a.inter_friction) + uintBitsToFloat(b.inter_friction));
+  return mean;
+}
+
 struct SelfDrift {
   uvec2 x;  // lowest, highest
   uvec2 y;
@@ -64,15 +129,13 @@ inline SelfDrift no_drift() {
 }
 
 inline vec3 self_seen(SelfSet set, SelfRoom room, uint point) {
-  uint word = self_seen_word(room, point);
-  return vec3(uintBitsToFloat(self_word(set, word)), uintBitsToFloat(self_word(set, word + 1u)),
-              uintBitsToFloat(self_word(set, word + 2u)));
+  return self_vector(set, self_seen_word(room, point));
 }
 
 // Where a point is from where it was seen.
 inline SelfDrift self_drift(SelfSet set, SelfRoom room, uint point) {
   SelfDrift r = no_drift();
-  vec3 position = self_position(set, self_point(set, point).pixel);
+  vec3 position = self_position(set, room, point);
   if (!self_in_range(position)) return r;
   precise vec3 way = position - self_seen(set, room, point);
   if (!self_in_range(way)) {  // it was nowhere
@@ -102,7 +165,7 @@ inline bool self_is_stale(SelfSet set, SelfRoom room) {
   return length3(extent) > margin;
 }
 
-// Neighbours are a substep older, and ways are measured anew; at the end of a substep.
+// Neighbours are a substep older, and ways are measured anew; once they have been found.
 inline void self_begin(SelfSet set, SelfRoom room) {
   uint age = self_is_stale(set, room) ? 0u : self_word(set, kSelfAge);
   set_self_word(set, kSelfAge, age < kSelfLeastAge ? age + 1u : age);
@@ -137,7 +200,23 @@ inline uint self_bucket(SelfRoom room, SelfCell cell) {
   return (h ^ (h >> 13u)) & (room.buckets - 1u);
 }
 
-inline bool self_are_near_along(SelfSet set, SelfRoom room, SelfPoint own, uint other) {
+// The bit of a cloth among those in a bucket: one of its own, or one that it shares with others.
+const uint kInterLastBit = 7u;
+inline uint inter_bit(SelfPoint point) {
+  return 1u << (point.inter_cloth < kInterLastBit ? point.inter_cloth : kInterLastBit);
+}
+
+// Whether a bucket has no point that may push one of a cloth, or too many.
+// @param filled  the bucket's word
+inline bool self_skips(SelfSet set, SelfRoom room, SelfPoint own, uint filled) {
+  if (filled / kSelfBucketPoint > room.most_in_bucket) return true;
+  return between_cloths(set) && own.inter_cloth < kInterLastBit &&
+         (filled & (kSelfBucketPoint - 1u) & ~inter_bit(own)) == 0u;
+}
+
+// Whether two points never push: near along the surface, or of one cloth where several meet.
+inline bool self_pass(SelfSet set, SelfRoom room, SelfPoint own, uint other) {
+  if (between_cloths(set)) return own.inter_cloth == self_point(set, other).inter_cloth;
   uint first = self_skip_word(room);
   for (uint k = own.skip_begin; k < own.skip_end; ++k) {
     if (self_word(set, first + k) == other) return true;
@@ -212,15 +291,20 @@ inline void self_find(SelfSet set, SelfRoom room, uint point) {
       cell.y = middle.y + k / 3u % 3u - 1u;
       cell.z = middle.z + k / 9u - 1u;
       uint bucket = self_bucket(room, cell);
-      if (self_word(set, self_filled_word(room, bucket)) > kSelfMostInBucket) continue;
+      if (self_skips(set, room, own, self_word(set, self_filled_word(room, bucket)))) continue;
       uint other = self_word(set, self_head_word(room, bucket));
       while (other != kSelfNone) {
         vec3 there = self_seen(set, room, other);
         vec3 d = there - at;
         if (other != point && dot3(d, d) < reach2 && self_is_in(room, there, cell) &&
-            !self_are_near_along(set, room, own, other)) {
-          precise float rest = kSelfRestShare * length3(xyz(self_point(set, other).rest) - xyz(own.rest));
-          count = self_keep(set, room, point, count, at, rest < room.distance ? other | kSelfThinBit : other);
+            !self_pass(set, room, own, other)) {
+          SelfPoint neighbor = self_point(set, other);
+          float reach = self_pair_reach(set, room, own, neighbor);
+          precise float pair2 = reach * reach;
+          precise float rest = kSelfRestShare * length3(xyz(neighbor.rest) - xyz(own.rest));
+          bool thin = rest < self_pair_distance(set, room, own, neighbor);
+          if (dot3(d, d) < pair2)
+            count = self_keep(set, room, point, count, at, thin ? other | kSelfThinBit : other);
         }
         other = self_word(set, self_next_word(room, other));
       }
@@ -269,22 +353,24 @@ inline SelfPush self_push(SelfSet set, SelfRoom room, uint point) {
   sum.impulse = sum.shift;
   SelfPoint own = self_point(set, point);
   uint count = self_word(set, self_count_word(room, point));
-  if (count == 0u || self_inverse_mass(set, own.pixel) == 0.0f) return sum;
-  PointState state = self_state(set, own.pixel);
+  if (count == 0u || self_is_held(set, room, point)) return sum;
+  PointState state = self_state(set, room, point);
   precise float distance2 = room.distance * room.distance;
   for (uint k = 0u; k < count; ++k) {
     uint neighbor = self_word(set, self_neighbor_word(room, point, k));
-    SelfPoint other = self_point(set, neighbor & ~kSelfThinBit);
-    vec3 apart = state.position - self_position(set, other.pixel);
+    uint there = neighbor & ~kSelfThinBit;
+    SelfPoint other = self_point(set, there);
+    vec3 apart = state.position - self_position(set, room, there);
     if (dot3(apart, apart) < distance2) {
-      float distance = room.distance;
+      float distance = self_pair_distance(set, room, own, other);
       if ((neighbor & kSelfThinBit) != 0u) {
         precise float at_rest = kSelfRestShare * length3(xyz(other.rest) - xyz(own.rest));
         distance = at_rest;
       }
-      float w = self_inverse_mass(set, other.pixel) == 0.0f ? 0.0f : other.rest.w;
+      float w = self_is_held(set, room, there) ? 0.0f : other.rest.w;
       precise float share = kSelfShare * own.rest.w * (1.0f / (own.rest.w + w));
-      sum = self_add(sum, state, self_state(set, other.pixel), share, distance, room.friction);
+      float friction = self_pair_friction(set, room, own, other);
+      sum = self_add(sum, state, self_state(set, room, there), share, distance, friction);
     }
   }
   precise float longest = kSelfLongestPush * room.distance;
@@ -295,12 +381,6 @@ inline SelfPush self_push(SelfSet set, SelfRoom room, uint point) {
     sum.impulse = sum.impulse * kept;
   }
   return sum;
-}
-
-inline void set_self_vector(SelfSet set, uint word, vec3 v) {
-  set_self_word(set, word, floatBitsToUint(v.x));
-  set_self_word(set, word + 1u, floatBitsToUint(v.y));
-  set_self_word(set, word + 2u, floatBitsToUint(v.z));
 }
 
 inline void set_self_push(SelfSet set, SelfRoom room, uint point, SelfPush push) {
@@ -319,10 +399,8 @@ inline bool self_is_pushed(SelfSet set, SelfRoom room, uint point) {
 
 inline PointState self_pushed(SelfSet set, SelfRoom room, uint point, PointState state) {
   uint word = self_push_word(room, point);
-  vec3 shift = vec3(uintBitsToFloat(self_word(set, word)), uintBitsToFloat(self_word(set, word + 1u)),
-                    uintBitsToFloat(self_word(set, word + 2u)));
-  vec3 impulse = vec3(uintBitsToFloat(self_word(set, word + 3u)), uintBitsToFloat(self_word(set, word + 4u)),
-                      uintBitsToFloat(self_word(set, word + 5u)));
+  vec3 shift = self_vector(set, word);
+  vec3 impulse = self_vector(set, word + 3u);
   precise vec3 kept = way_of(state) + impulse;
   precise vec3 position = state.position + shift;
   return arrived(position, kept);

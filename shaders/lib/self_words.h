@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the numbers of self-collision lie in their buffer of words (floats as their bits). "Point" is one of
-// ClothParams::self_points: a valid pixel, of copies the first.
+// Where the numbers of self-collision, and of the collision between cloths, lie in their buffer of words (floats as
+// their bits). "Point" is one of ClothParams::self_points: a valid pixel, of copies the first; of several cloths those
+// of one after those of another.
 #ifndef GEOCLOTH_LIB_SELF_WORDS_H
 #define GEOCLOTH_LIB_SELF_WORDS_H
 
@@ -20,10 +21,13 @@ const uint kSelfLeastAge = 2u;  // they are not looked up again before
 
 const uint kSelfNone = 0xFFFFFFFFu;     // end of a list, no point
 const uint kSelfMostNeighbors = 32u;    // the nearest ones are kept
-const uint kSelfMostInBucket = 64u;     // a fuller one is left out: cloth that was crushed to a point
+const uint kSelfMostInBucket = 64u;     // a fuller one is left out: cloth that was crushed to a point; see SelfRoom
+const uint kSelfBucketPoint = 256u;     // in the number of points in a bucket; below it bits for the cloths they are of
 const uint kSelfThinBit = 0x80000000u;  // of a neighbour: at rest it is nearer than the distance
 const uint kSelfPushWords = 6u;         // shift and change of the displacement
 const uint kSelfWordsOfPoint = 1u + 3u + 1u + kSelfMostNeighbors + kSelfPushWords;
+const uint kInterStateWords = 7u;  // position, way over the last substep, whether a pin holds it
+const uint kInterPixelWords = 2u;  // pixel of its cloth, point
 
 // What of ClothParams the functions need.
 struct SelfRoom {
@@ -33,6 +37,7 @@ struct SelfRoom {
   float distance;
   float reach;
   float friction;
+  uint most_in_bucket;
 };
 inline SelfRoom self_room(ClothParams params) {
   SelfRoom r;
@@ -42,14 +47,28 @@ inline SelfRoom self_room(ClothParams params) {
   r.distance = params.self_distance;
   r.reach = params.self_reach;
   r.friction = params.friction;
+  r.most_in_bucket = params.self_most_in_bucket;
   return r;
 }
 
-// Section: point of each pixel, kSelfNone where there is none.
+// The same of the cloths that meet, as far as one of them needs it: the sizes.
+inline SelfRoom inter_room(ClothParams params) {
+  SelfRoom r;
+  r.points = params.inter_points;
+  r.buckets = params.inter_buckets;
+  r.first = kSelfHeader;
+  r.distance = 0.0f;
+  r.reach = 0.0f;
+  r.friction = 0.0f;
+  r.most_in_bucket = 0u;
+  return r;
+}
+
+// Section: point of each pixel, kSelfNone where there is none; not of several cloths.
 inline uint self_point_word(uint pixel) {
   return kSelfHeader + pixel;
 }
-// Sections: first point in each bucket, number of points in each bucket.
+// Sections: first point in each bucket, number of points in each bucket with bits for their cloths.
 inline uint self_head_word(SelfRoom room, uint bucket) {
   return room.first + bucket;
 }
@@ -79,6 +98,13 @@ inline uint self_push_word(SelfRoom room, uint point) {
 // Section: points near along the surface, which never push; SelfPoint has the range of each point.
 inline uint self_skip_word(SelfRoom room) {
   return self_points_word(room) + kSelfWordsOfPoint * room.points;
+}
+// Of several cloths instead, sections: points as they were gathered; pixels with their points, cloth by cloth.
+inline uint inter_state_word(SelfRoom room, uint point) {
+  return self_skip_word(room) + kInterStateWords * point;
+}
+inline uint inter_pixel_word(SelfRoom room, uint entry) {
+  return inter_state_word(room, room.points) + kInterPixelWords * entry;
 }
 
 #ifdef __cplusplus

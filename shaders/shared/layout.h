@@ -123,9 +123,9 @@ struct ClothParams {
   float carried_at;     // the last substep of a frame with a carrier; below 0: without one
   float left_behind;    // [m] way in it as seen from the carrier of a point that is not taken along
   float spacing;        // [m] of the pixels
-  float unused1;
-  float unused2;
-  float unused3;
+  uint self_most_in_bucket;  // a fuller bucket of the hash is left out
+  uint inter_points;         // of all cloths that collide with each other; 0: this one with none
+  uint inter_buckets;        // of their hash, a power of two
   FrameField whole;
   FrameField taken;
   FrameField carrier;  // the motion of a collider that may take the cloth along
@@ -176,13 +176,17 @@ struct SeamSpring {
 };
 const uint kNoRow = 0xFFFFFFFFu;
 
-// A point of the cloth for self-collision: a valid pixel, of copies the first.
+// A point of a cloth for self-collision, or for the collision between cloths: a valid pixel, of copies the first.
 struct SelfPoint {
-  vec4 rest;        // xyz [m] at rest, w inverse mass of all copies [1/kg]
-  uint pixel;       // the first copy
-  uint skip_begin;  // entries skip_begin .. skip_end - 1 of its list in lib/self_words.h
+  vec4 rest;            // xyz [m] at rest, between cloths where it starts; w inverse mass of all copies [1/kg]
+  uint pixel;           // the first copy
+  uint skip_begin;      // entries skip_begin .. skip_end - 1 of its list in lib/self_words.h; not between cloths
   uint skip_end;
+  uint inter_cloth;     // number of its cloth among those that collide
+  uint inter_distance;  // bits of a float [m]: what its cloth keeps from others
+  uint inter_friction;  // bits of a float
   uint unused1;
+  uint unused2;
 };
 
 // A collider in its local frame, centred on the origin.
@@ -230,7 +234,7 @@ static_assert(sizeof(ClothParams) == 352 && offsetof(ClothParams, whole) == 160 
               offsetof(ClothParams, gravity_step) == 16 && offsetof(ClothParams, dt) == 48);
 static_assert(sizeof(Wave) == 32 && sizeof(Substep) == 16 + 32 * kWindWaves);
 static_assert(sizeof(PinTarget) == 48 && sizeof(Attachment) == 8 && sizeof(SeamSpring) == 44 &&
-              sizeof(SelfPoint) == 32);
+              sizeof(SelfPoint) == 48);
 static_assert(sizeof(ColliderShape) == 64 && sizeof(ColliderPose) == 48 && sizeof(PassConstants) == 24);
 }  // namespace geocloth::shader
 #endif

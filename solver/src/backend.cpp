@@ -25,6 +25,7 @@ ScheduleOptions schedule_options(const SimulationData& data, uint32_t cloth, con
           .ties = (spans || (attached && c.evenness != Evenness::even)) && !f.pulled_apart && !data.fine &&
                   (cell_rounds == 0 || f.params.leave_near > 0) && !frame.measure_motion,
           .self_collision = f.params.self_points > 0,
+          .inter_collision = f.params.inter_points > 0,
           .collide = !frame.shapes.empty() || f.params.max_step > 0,
           .cell_rounds = cell_rounds,
           .check = data.check,

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "geocloth/solver/solver.h"
+#include "lib/self_words.h"
 #include "pass.h"
 #include "shared/layout.h"
 
@@ -16,6 +17,7 @@ namespace geocloth {
 struct SelfNumbers {
   uint32_t points = 0, buckets = 0;
   float distance = 0, reach = 0;  ///< [m]
+  uint32_t most_in_bucket = shader::kSelfMostInBucket;
 };
 
 /// What self-collision needs of a cloth; empty without it.
@@ -24,6 +26,23 @@ struct SelfData {
   std::vector<shader::SelfPoint> points;
   std::vector<uint32_t> words;             ///< as lib/self_words.h has them, before the first substep
   size_t most_points = 0, most_words = 0;  ///< after any cut
+
+  [[nodiscard]] size_t memory_bytes() const {
+    return sizeof(shader::SelfPoint) * points.size() + sizeof(uint32_t) * words.size();
+  }
+};
+
+/// A cloth that collides with others: where it is among the points of all of them.
+struct InterPart {
+  uint32_t cloth = 0;
+  uint32_t first_point = 0, points = 0;
+  uint32_t first_pixel = 0, pixels = 0;  ///< entries of the list in lib/self_words.h
+};
+
+/// The cloths that collide with each other; empty without any.
+struct InterData {
+  SelfData points;  ///< pixels as those of the points are of their cloths
+  std::vector<InterPart> parts;
 };
 
 /// How structural springs differ in length. Where cloth hangs by pins, short ones stretch most: they join points of
@@ -61,6 +80,7 @@ struct ClothData {
 
 struct SimulationData {
   std::vector<ClothData> cloths;
+  InterData inter;
   Vec3 origin;  ///< [m] world position of the solver's coordinate origin; whole multiples of 4 m, zero near the world's
   uint32_t relaxation_steps = 1;
   bool fine = false;     ///< ClothParams::fine is not kFineOff, in every frame
@@ -125,6 +145,8 @@ class SolverBackend {
   /// Replaces springs, cells, bends over seams and the split-vertex table by those of the same cloth after a cut, which
   /// has fewer of each; waits. Positions stay.
   virtual void replace_topology(uint32_t cloth, ClothData data) = 0;
+  /// Replaces the points of the cloths that collide with each other after a cut of one; waits. They are the same cloths.
+  virtual void replace_inter(InterData inter) = 0;
 
   /// [m] the longest way of a point of a cloth in the last substep of the frame before the last one, which had measured
   /// into this word. Waits for that frame, as the next run_frame() does anyway.

@@ -161,9 +161,8 @@ void check(const Transform& t, const std::string& where) {
   check_above(t.scale, 0, where, "scale", 1e6);
 }
 
-void check(const SelfCollision& collision, const std::string& where) {
-  if (!(collision.distance < 0 && std::isfinite(collision.distance)))
-    check_above(collision.distance, 0, where, "distance", kLargestLength);
+void check_distance(float distance, const std::string& where) {
+  if (!(distance < 0 && std::isfinite(distance))) check_above(distance, 0, where, "distance", kLargestLength);
 }
 
 void check_parent(const Transform& pose, const Vec3& inertia_scale, const std::string& where) {

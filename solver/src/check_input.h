@@ -18,7 +18,8 @@ void check(const Material& material, const std::string& where);
 void check(const Transform& transform, const std::string& where);
 void check(const Collider& collider, const std::string& where);
 void check(const Wind& wind, const std::string& where);
-void check(const SelfCollision& collision, const std::string& where);
+/// [m] between points; below 0: the default.
+void check_distance(float distance, const std::string& where);
 void check_parent(const Transform& pose, const Vec3& inertia_scale, const std::string& where);
 void check_pin_frequency(double frequency, const std::string& where);
 void check_gravity(const Vec3& gravity, const std::string& where);

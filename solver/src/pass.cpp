@@ -86,6 +86,17 @@ std::vector<PassStep> substep_schedule(const ScheduleOptions& options) {
   return steps;
 }
 
+std::span<const PassStep> inter_schedule() {
+  static constexpr std::array<PassStep, 7> kSteps{{{Pass::inter_gather},
+                                                   {Pass::inter_drift},
+                                                   {Pass::inter_clear},
+                                                   {Pass::inter_insert},
+                                                   {Pass::inter_find},
+                                                   {Pass::inter_push},
+                                                   {Pass::inter_move}}};
+  return kSteps;
+}
+
 std::vector<PassStep> finish_schedule(const ScheduleOptions& options) {
   // Rounds of ties after each sweep of lines. What one spring gives, the next one gets, and lines end at seams: where a
   // garment with seams hangs, ties carry its weight over them and a second sweep of lines takes it on to the pins.

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -33,6 +34,13 @@ enum class Pass : uint8_t {
   self_find,        ///< per point: lists its neighbours
   self_push,        ///< per point: what its neighbours do to it
   self_move,        ///< per pixel: moves it and its velocity, with friction
+  inter_gather,     ///< between cloths, per point: to where the others see it
+  inter_drift,      ///< the same passes over the points of all cloths that collide with each other
+  inter_clear,      ///< (self_drift .. self_push)
+  inter_insert,
+  inter_find,
+  inter_push,
+  inter_move,       ///< per pixel with a point: as self_move
   collide_cells,    ///< per cell, groups 0..3: triangles that a collider may slip through
   stitch_contacts,  ///< per split row, after it: as stitch, of the copies' velocities too
   collide,          ///< per pixel: largest speed, then colliders with friction; writes position and previous
@@ -51,7 +59,7 @@ struct PassInfo {
   std::string_view name;
   std::string_view shader;  ///< file in shaders/cloth/
 };
-inline constexpr std::array<PassInfo, 33> kPasses{{
+inline constexpr std::array<PassInfo, 40> kPasses{{
     {Pass::normals, "normals", "normals.comp"},
     {Pass::normals_stitch, "normals_stitch", "normals_stitch.comp"},
     {Pass::rescale, "rescale", "rescale.comp"},
@@ -74,6 +82,13 @@ inline constexpr std::array<PassInfo, 33> kPasses{{
     {Pass::self_find, "self_find", "self_find.comp"},
     {Pass::self_push, "self_push", "self_push.comp"},
     {Pass::self_move, "self_move", "self_move.comp"},
+    {Pass::inter_gather, "inter_gather", "inter_gather.comp"},
+    {Pass::inter_drift, "inter_drift", "self_drift.comp"},
+    {Pass::inter_clear, "inter_clear", "self_clear.comp"},
+    {Pass::inter_insert, "inter_insert", "self_insert.comp"},
+    {Pass::inter_find, "inter_find", "self_find.comp"},
+    {Pass::inter_push, "inter_push", "self_push.comp"},
+    {Pass::inter_move, "inter_move", "inter_move.comp"},
     {Pass::collide_cells, "collide_cells", "collide_cells.comp"},
     {Pass::stitch_contacts, "stitch_contacts", "stitch_contacts.comp"},
     {Pass::collide, "collide", "collide.comp"},
@@ -105,6 +120,11 @@ struct PassStep {
   friend bool operator==(const PassStep&, const PassStep&) = default;
 };
 
+/// Passes over the points of all cloths that collide with each other, once for all of them.
+[[nodiscard]] constexpr bool is_between_cloths(Pass pass) {
+  return pass >= Pass::inter_drift && pass <= Pass::inter_push;
+}
+
 /// How the cloth resists bending.
 enum class Bending : uint8_t {
   none,
@@ -131,6 +151,7 @@ struct ScheduleOptions {
   /// at a centimetre a second.
   bool ties = false;  ///< and lines
   bool self_collision = false;
+  bool inter_collision = false;  ///< the cloth collides with others
   bool collide = false;      ///< colliders, or max_speed > 0
   uint32_t cell_rounds = 0;  ///< over the cells, where a collider is so thin that it may slip through
   bool check = false;        ///< measure copies and colliders after every substep
@@ -155,6 +176,10 @@ struct ScheduleOptions {
 ///   curvature, structural, stitch } x relaxation [settle] limit [self_drift .. self_move]
 ///   { collide_cells, stitch_contacts } x rounds, collide [check]
 [[nodiscard]] std::vector<PassStep> substep_schedule(const ScheduleOptions& options);
+
+/// The passes before each substep of cloths that collide with each other: inter_gather of each, those between cloths
+/// once, inter_move of each. They come first so that colliders have the last word, over what other cloths push too.
+[[nodiscard]] std::span<const PassStep> inter_schedule();
 
 /// The passes after those of a frame's last substep, which belong to it: hold_way, lines x 2, { [whole_ties], ties,
 /// [ties on seams, stitch] } x 3, [whole_ties], give_way [check], or none.

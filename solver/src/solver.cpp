@@ -15,6 +15,7 @@
 #include "device_name.h"
 #include "geocloth/asset/error.h"
 #include "rest/cut_asset.h"
+#include "rest/inter_points.h"
 #include "rest/self_points.h"
 #include "rest/upload.h"
 #include "solver_impl.h"
@@ -29,13 +30,13 @@ std::string cloth_name(size_t index) {
 }
 
 /// Points of finer grids would have more neighbours than are listed.
-void check_self_collision(const ClothDesc& cloth, const std::string& where) {
+void check_points(const ClothDesc& cloth, float distance, const std::string& where) {
   constexpr float kMostSpacings = 3;
-  check(*cloth.self_collision, where);
+  check_distance(distance, where);
   const float most = kMostSpacings * cloth.asset->spacing * cloth.transform.scale;
-  if (cloth.self_collision->distance <= most) return;
+  if (distance <= most) return;
   throw Error(ErrorCode::invalid_argument,
-              where + ": distance is " + std::to_string(cloth.self_collision->distance) + " m; it must be at most " +
+              where + ": distance is " + std::to_string(distance) + " m; it must be at most " +
                   std::to_string(most) + " m, three times the spacing: convert with a wider one, or leave it out");
 }
 
@@ -46,7 +47,10 @@ void check_cloths(std::span<const ClothDesc> cloths) {
     validate(*cloths[i].asset);
     check(cloths[i].material, cloth_name(i) + ": material");
     check(cloths[i].transform, cloth_name(i) + ": transform");
-    if (cloths[i].self_collision) check_self_collision(cloths[i], cloth_name(i) + ": self_collision");
+    if (cloths[i].self_collision)
+      check_points(cloths[i], cloths[i].self_collision->distance, cloth_name(i) + ": self_collision");
+    if (cloths[i].inter_collision)
+      check_points(cloths[i], cloths[i].inter_collision->distance, cloth_name(i) + ": inter_collision");
     for (uint32_t p = 0; p < cloths[i].asset->pixel_count(); ++p) {
       if (cloths[i].asset->valid(p)) {
         check_position(apply(cloths[i].transform, cloths[i].asset->rest_position[p]),
@@ -131,6 +135,7 @@ Solver::Impl::Impl(std::span<const ClothDesc> cloths, const SolverSettings& sett
     cloth.asset = desc.asset;
     cloth.material = desc.material;
     cloth.self_collision = desc.self_collision;
+    cloth.inter_collision = desc.inter_collision;
     cloth.start = desc.transform;
     cloth.scale = desc.transform.scale;
     cloth.displaced_in = clock().dt;
@@ -140,7 +145,25 @@ Solver::Impl::Impl(std::span<const ClothDesc> cloths, const SolverSettings& sett
     cloth.self = uploaded.self.numbers;
     for (const vec4& p : uploaded.position) cloth.free_inverse_mass.push_back(p.w);
   }
+  data.inter = inter_data();
+  inter_ = data.inter.points.numbers;
   backend_ = factory(std::move(data));
+}
+
+/// Nothing where fewer than two cloths collide with others.
+InterData Solver::Impl::inter_data() const {
+  std::vector<InterCloth> meeting;
+  for (uint32_t c = 0; c < cloths_.size(); ++c) {
+    const Cloth& cloth = cloths_[c];
+    if (!cloth.inter_collision) continue;
+    meeting.push_back({.cloth = c,
+                       .asset = cloth.asset.get(),
+                       .start = cloth.start,
+                       .inverse_mass = cloth.free_inverse_mass,
+                       .distance = cloth.inter_collision->distance,
+                       .friction = cloth.material.friction});
+  }
+  return meeting.size() > 1 ? make_inter_data(meeting, origin_) : InterData{};
 }
 
 const Solver::Impl::Cloth& Solver::Impl::cloth_at(uint32_t cloth) const {
@@ -306,6 +329,11 @@ CutResult Solver::Impl::cut(uint32_t cloth, const std::array<Vec3, 3>& triangle)
   c.pins_changed = true;  // attachments run around the cut
   c.disturbed = true;
   backend_->replace_topology(cloth, std::move(data));
+  if (meets_others(c)) {
+    InterData inter = inter_data();
+    inter_ = inter.points.numbers;
+    backend_->replace_inter(std::move(inter));
+  }
   return cut.result;
 }
 

@@ -101,6 +101,10 @@ void Solver::Impl::fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const {
   frame.params.height = cloth.asset->height;
   frame.params.collider_count = static_cast<uint32_t>(colliders_to_.size());
   set_self_numbers(cloth.self, frame.params);
+  if (meets_others(cloth)) {
+    frame.params.inter_points = inter_.points;
+    frame.params.inter_buckets = inter_.buckets;
+  }
   if (cloth.parent_to) {
     set_frame_motion(frame.params, *cloth.parent_from, *cloth.parent_to, cloth.inertia_scale, substeps_, origin_);
   }
@@ -307,29 +311,48 @@ void Solver::Impl::fall_asleep() {
   frame_.measure_motion = settings_.sleep_speed > 0;
   frame_.motion_word = 1 - frame_.motion_word;
   const bool stirred = std::exchange(scene_changed_, false) || blows(wind_) || !frame_.measure_motion;
+  bool others_wake = false;  // of the cloths that collide with each other
   for (uint32_t c = 0; c < cloths_.size(); ++c) {
     Cloth& cloth = cloths_[c];
     const bool disturbed = std::exchange(cloth.disturbed, false);
-    if (stirred || disturbed || (cloth.asleep && is_reached(c))) {
-      cloth.asleep = false;
-      cloth.calm_frames = 0;
-      cloth.calm_for = 0;
-    }
-    // What was measured is a way in a step that has another length now.
-    if (!cloth.asleep && clock().dt != cloth.displaced_in) cloth.calm_frames = 0;
-    constexpr uint32_t kLatency = 2;  // frames
-    if (!cloth.asleep && cloth.calm_frames >= kLatency) {
-      const double speed = backend_->longest_way(c, frame_.motion_word) / cloth.displaced_in;
-      cloth.calm_for = speed <= settings_.sleep_speed ? cloth.calm_for + settings_.frame_time : 0;
-      if (cloth.calm_for > 0 && cloth.calm_for >= settings_.sleep_time) {
-        cloth.resting.reset();
-        cloth.asleep = !is_reached(c);
-        if (!cloth.asleep) cloth.calm_for = 0;
-      }
-    }
+    if (!stirred && !disturbed && !(cloth.asleep && is_reached(c))) continue;
+    wake(cloth);
+    others_wake = others_wake || meets_others(cloth);
+  }
+  bool others_sleep = true;  // those that collide with each other sleep when all are calm
+  for (uint32_t c = 0; c < cloths_.size(); ++c) {
+    Cloth& cloth = cloths_[c];
+    if (others_wake && meets_others(cloth)) wake(cloth);
+    if (!cloth.asleep && meets_others(cloth)) others_sleep = is_calm(c) && others_sleep;
+  }
+  for (uint32_t c = 0; c < cloths_.size(); ++c) {
+    Cloth& cloth = cloths_[c];
+    if (!cloth.asleep) cloth.asleep = meets_others(cloth) ? others_sleep : is_calm(c);
     if (!cloth.asleep) ++cloth.calm_frames;
     frame_.cloths[c].asleep = cloth.asleep;
   }
+}
+
+void Solver::Impl::wake(Cloth& cloth) {
+  cloth.asleep = false;
+  cloth.calm_frames = 0;
+  cloth.calm_for = 0;
+}
+
+/// Whether a cloth that is awake has been slow for long enough and nothing reaches it; to be asked once a frame.
+bool Solver::Impl::is_calm(uint32_t c) {
+  constexpr uint32_t kLatency = 2;  // frames
+  Cloth& cloth = cloths_[c];
+  // What was measured is a way in a step that has another length now.
+  if (clock().dt != cloth.displaced_in) cloth.calm_frames = 0;
+  if (cloth.calm_frames < kLatency) return false;
+  const double speed = backend_->longest_way(c, frame_.motion_word) / cloth.displaced_in;
+  cloth.calm_for = speed <= settings_.sleep_speed ? cloth.calm_for + settings_.frame_time : 0;
+  if (!(cloth.calm_for > 0 && cloth.calm_for >= settings_.sleep_time)) return false;
+  cloth.resting.reset();
+  if (!is_reached(c)) return true;
+  cloth.calm_for = 0;
+  return false;
 }
 
 void Solver::Impl::step() {

@@ -79,6 +79,7 @@ class Solver::Impl {
     Vec3 inertia_scale{1, 1, 1};
     std::optional<SelfCollision> self_collision;
     SelfNumbers self;
+    std::optional<InterCollision> inter_collision;
     bool collide_cells = false;  ///< a collider was met that may slip through between pixels
     bool teleport = false;       ///< the parent jumps before the next frame
     bool meets_fast = false;     ///< in the next frame, if a collider is fast that may meet it
@@ -104,6 +105,8 @@ class Solver::Impl {
   [[nodiscard]] bool has_pins_above(const Cloth& cloth) const;
   [[nodiscard]] static bool sags_between_pins(const Cloth& cloth);
   void carry_over(uint32_t cloth);
+  [[nodiscard]] InterData inter_data() const;
+  [[nodiscard]] bool meets_others(const Cloth& cloth) const { return inter_.points > 0 && cloth.inter_collision; }
   [[nodiscard]] float stretch_limit(const Cloth& cloth) const;
   [[nodiscard]] FrameClock clock() const;
   [[nodiscard]] std::optional<ClothBox> box_of_pins(const Cloth& cloth) const;
@@ -114,11 +117,14 @@ class Solver::Impl {
   void find_movers();
   [[nodiscard]] bool is_reached(uint32_t cloth);
   void fall_asleep();
+  static void wake(Cloth& cloth);
+  [[nodiscard]] bool is_calm(uint32_t cloth);
 
   SolverSettings settings_;
   uint32_t fine_;  ///< ClothParams::fine
   Vec3 origin_;
   std::vector<Cloth> cloths_;
+  SelfNumbers inter_;  ///< of the cloths that collide with each other
   std::vector<Collider> colliders_from_, colliders_to_;         ///< at the start and the end of the next frame
   std::vector<shader::ColliderShape> shapes_;                   ///< of colliders_to_
   std::shared_ptr<const std::vector<float>> collider_numbers_;  ///< of their hulls and meshes

@@ -62,7 +62,7 @@ size_t ClothState::memory_bytes() const {
   const auto bytes = [](const auto& values) { return values.capacity() * sizeof(values.front()); };
   size_t sum = bytes(inverse_mass) + bytes(normal_length) + bytes(yield) + bytes(row_yields) + bytes(seam_multiplier) +
                bytes(attachments) + bytes(kept_in_lines) + bytes(data.cell) + bytes(data.seam_springs) +
-               bytes(data.split_offset) + bytes(data.split_pixel) + bytes(data.self.points) + bytes(data.self.words);
+               bytes(data.split_offset) + bytes(data.split_pixel) + data.self.memory_bytes();
   for (const Vec3Array* v : {&position, &previous, &carry, &normal, &offset})
     sum += bytes(v->x) + bytes(v->y) + bytes(v->z);
   for (const auto* components : {&rest, &compliance, &multiplier})

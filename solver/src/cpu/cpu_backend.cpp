@@ -13,9 +13,12 @@
 #include "cpu/cpu_name.h"
 #include "cpu/passes.h"
 #include "cpu/plan_pool.h"
+#include "cpu/self_passes.h"
 #include "cpu/sweep_runner.h"
 #include "cpu/threads.h"
 #include "cpu/wide_rows.h"
+#include "lib/self_words.h"
+#include "rest/self_points.h"
 
 namespace geocloth {
 namespace {
@@ -46,6 +49,8 @@ struct Cloth {
   cpu::ClothState state;
   ClothFrame frame;  ///< with wide rows
   cpu::SweepRunner sweep;
+  bool sweeps = false;  ///< the frame that runs goes by sweeps
+  ScheduleOptions options;
   Schedules schedules;
   bool normals_stale = true;  ///< the positions have changed since
   cpu::Measures measures;
@@ -62,18 +67,16 @@ class CpuBackend final : public SolverBackend {
       cloth.self = {};
       cloth.springs = {};
     }
+    replace_inter(std::move(data_.inter));
   }
 
   /// Enough cloths keep every thread busy by themselves; threads within a cloth have to wait for each other.
   void run_frame(const FrameInput& frame) override {
     const auto count = static_cast<uint32_t>(cloths_.size());
-    if (threads_.count() == 1 || count < threads_.count()) {
-      for (uint32_t c = 0; c < count; ++c) run_cloth(c, frame, threads_);
-    } else {
-      threads_.for_range(count, 1, [&](uint32_t first, uint32_t last) {
-        for (uint32_t c = first; c < last; ++c) run_cloth(c, frame, alone_);
-      });
-    }
+    for_each(count, [&](uint32_t c, const cpu::Threads& threads) {
+      if (!meets_others_[c]) run_cloth(c, frame, threads);
+    });
+    if (!inter_.parts.empty()) run_meeting(frame);
   }
 
   void wait() override {}
@@ -124,6 +127,26 @@ class CpuBackend final : public SolverBackend {
     cloths_[cloth].normals_stale = true;
   }
 
+  void replace_inter(InterData inter) override {
+    inter_ = std::move(inter);
+    meets_others_.assign(cloths_.size(), false);
+    inter_params_ = {};
+    set_self_numbers(inter_.points.numbers, inter_params_);
+    for (const InterPart& part : inter_.parts) {
+      meets_others_[part.cloth] = true;
+      const cpu::WideRows& rows = cloths_[part.cloth].rows;
+      const shader::SelfRoom room = shader::self_room(inter_params_);
+      for (uint32_t k = 0; k < part.points; ++k) {
+        shader::SelfPoint& point = inter_.points.points[part.first_point + k];
+        point.pixel = rows.pixel(point.pixel);
+      }
+      for (uint32_t k = 0; k < part.pixels; ++k) {
+        uint32_t& pixel = inter_.points.words[shader::inter_pixel_word(room, part.first_pixel + k)];
+        pixel = rows.pixel(pixel);
+      }
+    }
+  }
+
   float longest_way(uint32_t cloth, uint32_t word) override { return cloths_[cloth].measures.longest_way[word]; }
   uint32_t left_behind(uint32_t cloth, uint32_t word) override { return cloths_[cloth].measures.left_behind[word]; }
 
@@ -132,8 +155,8 @@ class CpuBackend final : public SolverBackend {
     statistics.device = cpu::cpu_name();
     statistics.path = by_sweeps() ? std::string("sweep ") + cpu::vector_target() : "plain";
     statistics.threads = threads_.count();
-    PassSeconds seconds{};
-    statistics.memory_bytes += plans_.memory_bytes();
+    PassSeconds seconds = inter_seconds_;
+    statistics.memory_bytes += plans_.memory_bytes() + inter_.points.memory_bytes();
     for (const Cloth& cloth : cloths_) {
       statistics.memory_bytes += cloth.state.memory_bytes() + cloth.sweep.memory_bytes();
       statistics.copy_gap = std::max(statistics.copy_gap, static_cast<double>(cloth.measures.copy_gap));
@@ -147,7 +170,66 @@ class CpuBackend final : public SolverBackend {
   }
 
  private:
+  /// Calls body(number, threads that it may use) for some of the cloths.
+  template <class Body>
+  void for_each(uint32_t count, const Body& body) const {
+    if (threads_.count() == 1 || count < threads_.count()) {
+      for (uint32_t k = 0; k < count; ++k) body(k, threads_);
+    } else {
+      threads_.for_range(count, 1, [&](uint32_t first, uint32_t last) {
+        for (uint32_t k = first; k < last; ++k) body(k, alone_);
+      });
+    }
+  }
+
   void run_cloth(uint32_t c, const FrameInput& frame, const cpu::Threads& threads) {
+    if (!begin_cloth(c, frame, threads)) return;
+    run_substeps(cloths_[c], frame, 0, cloths_[c].options.substeps, threads);
+    end_cloth(cloths_[c], frame, threads);
+  }
+
+  /// The cloths that collide with each other, substep by substep; all of them sleep, or none.
+  void run_meeting(const FrameInput& frame) {
+    const auto count = static_cast<uint32_t>(inter_.parts.size());
+    const auto for_parts = [&](const auto& body) {
+      for_each(count, [&](uint32_t k, const cpu::Threads& threads) {
+        body(inter_.parts[k], cloths_[inter_.parts[k].cloth], threads);
+      });
+    };
+    if (frame.cloths[inter_.parts.front().cloth].asleep) return;
+    for_parts([&](const InterPart& part, Cloth&, const cpu::Threads& threads) {
+      static_cast<void>(begin_cloth(part.cloth, frame, threads));
+    });
+    for (uint32_t s = 0; s < frame.substeps.size(); ++s) {
+      for (const PassStep& step : inter_schedule()) {
+        if (is_between_cloths(step.pass)) {
+          timed(inter_seconds_, step.pass,
+                [&] { cpu::run_inter_pass(step.pass, inter_params_, threads_, inter_.points); });
+          continue;
+        }
+        for_parts([&](const InterPart& part, Cloth& cloth, const cpu::Threads& threads) {
+          const cpu::PassContext context{frame, cloth.frame, threads, s, data_.relaxation_steps};
+          const auto pass = step.pass == Pass::inter_gather ? cpu::inter_gather : cpu::inter_move;
+          timed(cloth.seconds, step.pass, [&] { pass(part, context, cloth.state, inter_.points); });
+        });
+      }
+      for_parts([&](const InterPart&, Cloth& cloth, const cpu::Threads& threads) {
+        run_substeps(cloth, frame, s, s + 1, threads);
+      });
+    }
+    for_parts(
+        [&](const InterPart&, Cloth& cloth, const cpu::Threads& threads) { end_cloth(cloth, frame, threads); });
+  }
+
+  [[nodiscard]] cpu::SweepRunner::Measuring measuring_of(Cloth& cloth) const {
+    return {&cloth.measures, data_.timings ? &cloth.seconds : nullptr};
+  }
+  [[nodiscard]] cpu::SweepRunner::RunPass run_one(Cloth& cloth) const {
+    return [this, &cloth](const PassStep& step, const cpu::PassContext& context) { run(step, context, cloth); };
+  }
+
+  /// @return whether it is awake
+  bool begin_cloth(uint32_t c, const FrameInput& frame, const cpu::Threads& threads) {
     Cloth& cloth = cloths_[c];
     cpu::ClothState& state = cloth.state;
     cloth.rows.widen(frame.cloths[c], cloth.frame);
@@ -156,45 +238,52 @@ class CpuBackend final : public SolverBackend {
       for (size_t i = 0; i < input.inverse_mass.size(); ++i) state.set_packed_mass(i, input.inverse_mass[i]);
       if (state.data.attachments) state.attachments = input.attachments;
     }
-    const ScheduleOptions options = schedule_options(data_, c, frame);
-    if (options.asleep) return;
+    cloth.options = schedule_options(data_, c, frame);
+    if (cloth.options.asleep) return false;
     state.has_yields = !frame.shapes.empty();
-    run_substeps(cloth, frame, input, options, threads);
-    cloth.normals_stale = true;
-    if (data_.timings) compute_normals(cloth, threads);
-    if (options.motion) {
-      run({Pass::measure_motion, options.motion_word}, {frame, input, threads, 0, data_.relaxation_steps}, cloth);
-    }
+    cloth.sweeps = by_sweeps() && cloth.sweep.begin(frame, input, cloth.options, threads, state);
+    if (!cloth.sweeps) cloth.schedules.make(options_of_substeps(cloth.options));
+    return true;
   }
 
-  void run_substeps(Cloth& cloth, const FrameInput& frame, const ClothFrame& input, const ScheduleOptions& options,
-                    const cpu::Threads& threads) {
-    const auto run_one = [&](const PassStep& step, const cpu::PassContext& context) { run(step, context, cloth); };
-    const cpu::SweepRunner::Measuring measuring{&cloth.measures, data_.timings ? &cloth.seconds : nullptr};
-    if (by_sweeps() && cloth.sweep.run(frame, input, options, threads, cloth.state, measuring, run_one)) return;
-    cloth.schedules.make(options_of_substeps(options));
-    cpu::PassContext context{frame, input, threads, 0, data_.relaxation_steps};
-    for (uint32_t s = 0; s < options.substeps; ++s) {
-      context.substep = s;
-      for (const PassStep& step : cloth.schedules.substep) run(step, context, cloth);
+  void run_substeps(Cloth& cloth, const FrameInput& frame, uint32_t first, uint32_t last,
+                    const cpu::Threads& threads) const {
+    if (cloth.sweeps) return cloth.sweep.run(first, last, measuring_of(cloth), run_one(cloth));
+    for (uint32_t s = first; s < last; ++s)
+      run_all(cloth.schedules.substep, {frame, cloth.frame, threads, s, data_.relaxation_steps}, cloth);
+  }
+
+  void end_cloth(Cloth& cloth, const FrameInput& frame, const cpu::Threads& threads) const {
+    const cpu::PassContext last{frame, cloth.frame, threads, cloth.options.substeps - 1, data_.relaxation_steps};
+    if (cloth.sweeps) {
+      cloth.sweep.finish(measuring_of(cloth), run_one(cloth));
+    } else {
+      run_all(cloth.schedules.finish, last, cloth);
     }
-    for (const PassStep& step : cloth.schedules.finish) run(step, context, cloth);
+    cloth.normals_stale = true;
+    if (data_.timings) compute_normals(cloth, threads);
+    if (!cloth.options.motion) return;
+    run({Pass::measure_motion, cloth.options.motion_word}, {frame, cloth.frame, threads, 0, data_.relaxation_steps},
+        cloth);
   }
 
   /// Pass by pass is the reference.
   [[nodiscard]] bool by_sweeps() const { return data_.path != SolverPath::plain; }
 
   void run(const PassStep& step, const cpu::PassContext& context, Cloth& cloth) const {
-    timed(cloth, step.pass, [&] { cpu::run_pass(step, context, cloth.state, cloth.measures); });
+    timed(cloth.seconds, step.pass, [&] { cpu::run_pass(step, context, cloth.state, cloth.measures); });
+  }
+  void run_all(const std::vector<PassStep>& steps, const cpu::PassContext& context, Cloth& cloth) const {
+    for (const PassStep& step : steps) run(step, context, cloth);
   }
 
   template <class Work>
-  void timed(Cloth& cloth, Pass pass, const Work& work) const {
+  void timed(PassSeconds& seconds, Pass pass, const Work& work) const {
     using Clock = std::chrono::steady_clock;
     if (!data_.timings) return work();
     const auto start = Clock::now();
     work();
-    cloth.seconds[static_cast<size_t>(pass)] += std::chrono::duration<double>(Clock::now() - start).count();
+    seconds[static_cast<size_t>(pass)] += std::chrono::duration<double>(Clock::now() - start).count();
   }
 
   void compute_normals(Cloth& cloth, const cpu::Threads& threads) const {
@@ -205,7 +294,7 @@ class CpuBackend final : public SolverBackend {
     options.splits = cloth.state.data.split_rows() > 0;
     for (const PassStep& step : frame_schedule(options)) {
       if (step.pass == Pass::normals && by_sweeps()) {
-        timed(cloth, step.pass, [&] { cloth.sweep.normals(threads, cloth.state); });
+        timed(cloth.seconds, step.pass, [&] { cloth.sweep.normals(threads, cloth.state); });
       } else {
         run(step, context, cloth);
       }
@@ -229,6 +318,10 @@ class CpuBackend final : public SolverBackend {
   cpu::Threads alone_{1};
   cpu::PlanPool plans_;
   std::vector<Cloth> cloths_;
+  InterData inter_;
+  shader::ClothParams inter_params_{};  ///< for the passes between cloths
+  std::vector<bool> meets_others_;      ///< by cloth
+  PassSeconds inter_seconds_{};
 };
 
 }  // namespace

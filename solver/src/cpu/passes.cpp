@@ -372,17 +372,20 @@ void run_pass(const PassStep& step, const PassContext& context, ClothState& stat
     case Pass::limit:
       return limit(context, state);
     case Pass::self_drift:
-      return self_drift(context, state);
     case Pass::self_clear:
-      return self_clear(context, state);
     case Pass::self_insert:
-      return self_insert(context, state);
     case Pass::self_find:
-      return self_find(context, state);
     case Pass::self_push:
-      return self_push(context, state);
     case Pass::self_move:
-      return self_move(context, state);
+      return run_self_pass(step.pass, context, state);
+    case Pass::inter_gather:  // of several cloths, see inter_schedule()
+    case Pass::inter_drift:
+    case Pass::inter_clear:
+    case Pass::inter_insert:
+    case Pass::inter_find:
+    case Pass::inter_push:
+    case Pass::inter_move:
+      return;
     case Pass::collide_cells:
       return collide_cells(context, state, step.group);
     case Pass::stitch_contacts:

@@ -204,8 +204,8 @@ void SweepRunner::normals(const Threads& threads, ClothState& state) const {
   });
 }
 
-bool SweepRunner::run(const FrameInput& frame, const ClothFrame& cloth, const ScheduleOptions& options,
-                      const Threads& threads, ClothState& state, const Measuring& measuring, const RunPass& pass) {
+bool SweepRunner::begin(const FrameInput& frame, const ClothFrame& cloth, const ScheduleOptions& options,
+                        const Threads& threads, ClothState& state) {
   prepare(state, cloth, options, threads.count());
   if (!substep_.sweeps) return false;
   const auto substeps = static_cast<uint32_t>(frame.substeps.size());
@@ -213,17 +213,24 @@ bool SweepRunner::run(const FrameInput& frame, const ClothFrame& cloth, const Sc
   for (uint32_t s = 0; s < substeps; ++s) contexts_.push_back({frame, cloth, threads, s, options.relaxation_steps});
   const uint32_t anchor_line = place_anchors(state);
   guard_colliders(frame, cloth.params, guards_);
-  SweepFrame sweep{contexts_.data(),
-                   &state,
-                   nullptr,
-                   anchors_.data(),
-                   anchor_line,
-                   guards_.data(),
-                   cloth.params.max_step > 0 || cloth.params.moving != 0};
-
-  run_plan(substep_, sweep, 0, substeps, threads, measuring, pass);
-  if (finish_.sweeps) run_plan(finish_, sweep, substeps - 1, substeps, threads, measuring, pass);
+  frame_ = {contexts_.data(),
+            &state,
+            nullptr,
+            anchors_.data(),
+            anchor_line,
+            guards_.data(),
+            cloth.params.max_step > 0 || cloth.params.moving != 0};
   return true;
+}
+
+void SweepRunner::run(uint32_t first, uint32_t last, const Measuring& measuring, const RunPass& pass) {
+  run_plan(substep_, frame_, first, last, contexts_.front().threads, measuring, pass);
+}
+
+void SweepRunner::finish(const Measuring& measuring, const RunPass& pass) {
+  const auto substeps = static_cast<uint32_t>(contexts_.size());
+  if (!finish_.sweeps) return;
+  run_plan(finish_, frame_, substeps - 1, substeps, contexts_.front().threads, measuring, pass);
 }
 
 }  // namespace geocloth::cpu

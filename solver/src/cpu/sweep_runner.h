@@ -24,11 +24,15 @@ class SweepRunner {
   };
 
   using RunPass = std::function<void(const PassStep&, const PassContext&)>;
-  /// Runs all substeps of a frame.
+  /// Before a frame, whose arguments have to live as long as it is run.
+  /// @return false, with nothing done, when the cloth is too narrow for vectors: then it cannot be run
+  bool begin(const FrameInput& frame, const ClothFrame& cloth, const ScheduleOptions& options, const Threads& threads,
+             ClothState& state);
+  /// The substeps first .. last - 1.
   /// @param pass  runs, and times, what does not go by rows: one entry of the schedule in one substep
-  /// @return false, with nothing done, when the cloth is too narrow for vectors
-  bool run(const FrameInput& frame, const ClothFrame& cloth, const ScheduleOptions& options, const Threads& threads,
-           ClothState& state, const Measuring& measuring, const RunPass& pass);
+  void run(uint32_t first, uint32_t last, const Measuring& measuring, const RunPass& pass);
+  /// What follows the last one; see finish_schedule().
+  void finish(const Measuring& measuring, const RunPass& pass);
 
   /// What the springs are has changed.
   void forget_plan() { planned_ = false; }
@@ -78,6 +82,7 @@ class SweepRunner {
   Recipe recipe_;
   Plan substep_, finish_;
   Threads alone_{1};
+  SweepFrame frame_;  ///< of the frame that runs
   std::vector<PassContext> contexts_;
   Floats anchors_;  ///< see SweepFrame
   std::vector<ColliderGuard> guards_;

@@ -18,11 +18,8 @@
 namespace geocloth {
 namespace {
 
-constexpr float kDistance = 1.2F;   ///< of the spacing, that points of different layers keep
-constexpr float kMargin = 0.5F;     ///< of that distance, by which the lists of neighbours reach farther
 constexpr float kNearAlong = 1.5F;  ///< of distance or spacing: nearer along the surface nothing collides
 constexpr size_t kSelfWordsOfPixel = 1 + shader::kSelfWordsOfPoint + 8;  ///< with at most 8 for buckets
-constexpr float kNowhere = std::numeric_limits<float>::max();
 
 /// Walks along the surface from one pixel after another, as far as `radius`.
 class NearbyWalk {
@@ -60,17 +57,6 @@ class NearbyWalk {
   std::vector<uint32_t> reached_;
 };
 
-/// Inverse mass [1/kg] of all copies of each point together.
-std::vector<float> inverse_masses(const std::vector<shader::vec4>& position, const std::vector<uint32_t>& first) {
-  std::vector<double> mass(position.size(), 0);
-  for (size_t p = 0; p < position.size(); ++p)
-    if (position[p].w > 0) mass[first[p]] += 1 / static_cast<double>(position[p].w);
-  std::vector<float> inverse(position.size(), 0);
-  for (size_t p = 0; p < position.size(); ++p)
-    if (mass[p] > 0) inverse[p] = static_cast<float>(1 / mass[p]);
-  return inverse;
-}
-
 /// For each point the points that are near along the surface.
 struct NearPoints {
   std::vector<uint32_t> list;  ///< point by point; SelfPoint has the ranges
@@ -104,25 +90,33 @@ shader::SelfRoom room_of(const ClothAsset& asset, const SelfNumbers& numbers) {
   return shader::self_room(params);
 }
 
-/// Words before the first substep: nobody has been seen anywhere.
-std::vector<uint32_t> first_words(const shader::SelfRoom& room, const std::vector<uint32_t>& point_of,
-                                  const std::vector<uint32_t>& near) {
-  std::vector<uint32_t> words(shader::self_skip_word(room) + near.size(), 0);
-  std::fill_n(words.begin() + shader::kSelfLow, 3, shader::kSelfNone);
-  std::copy(point_of.begin(), point_of.end(), words.begin() + shader::self_point_word(0));
-  std::fill_n(words.begin() + shader::self_seen_word(room, 0), size_t{3} * room.points,
-              shader::floatBitsToUint(kNowhere));
-  std::copy(near.begin(), near.end(), words.begin() + shader::self_skip_word(room));
-  return words;
+}  // namespace
+
+std::vector<float> whole_inverse_masses(std::span<const float> inverse_mass, std::span<const uint32_t> first) {
+  std::vector<double> mass(inverse_mass.size(), 0);
+  for (size_t p = 0; p < inverse_mass.size(); ++p)
+    if (inverse_mass[p] > 0) mass[first[p]] += 1 / static_cast<double>(inverse_mass[p]);
+  std::vector<float> inverse(inverse_mass.size(), 0);
+  for (size_t p = 0; p < inverse_mass.size(); ++p)
+    if (mass[p] > 0) inverse[p] = static_cast<float>(1 / mass[p]);
+  return inverse;
 }
 
-}  // namespace
+std::vector<uint32_t> first_self_words(const shader::SelfRoom& room) {
+  constexpr float kNowhere = std::numeric_limits<float>::max();
+    std::vector<uint32_t> words(shader::self_skip_word(room), 0);
+  std::fill_n(words.begin() + shader::kSelfLow, 3, shader::kSelfNone);
+  std::fill_n(words.begin() + shader::self_seen_word(room, 0), size_t{3} * room.points,
+              shader::floatBitsToUint(kNowhere));
+  return words;
+}
 
 void set_self_numbers(const SelfNumbers& numbers, shader::ClothParams& params) {
   params.self_points = numbers.points;
   params.self_buckets = numbers.buckets;
   params.self_distance = numbers.distance;
   params.self_reach = numbers.reach;
+  params.self_most_in_bucket = numbers.most_in_bucket;
 }
 
 void add_self_points(const ClothDesc& cloth, ClothData& data) {
@@ -131,18 +125,22 @@ void add_self_points(const ClothDesc& cloth, ClothData& data) {
   const float scale = cloth.transform.scale, spacing = asset.spacing * scale;
   SelfData& self = data.self;
   SelfNumbers& numbers = self.numbers;
-  numbers.distance = cloth.self_collision->distance > 0 ? cloth.self_collision->distance : kDistance * spacing;
-  numbers.reach = (1 + kMargin) * numbers.distance;
+  numbers.distance = cloth.self_collision->distance > 0 ? cloth.self_collision->distance : kSelfDistance * spacing;
+  numbers.reach = (1 + kSelfMargin) * numbers.distance;
 
   const std::vector<uint32_t> first = first_copies(asset);
-  const std::vector<float> inverse_mass = inverse_masses(data.position, first);
+  std::vector<float> inverse_mass;
+  for (const shader::vec4& position : data.position) inverse_mass.push_back(position.w);
+  inverse_mass = whole_inverse_masses(inverse_mass, first);
   std::vector<uint32_t> point_of(asset.pixel_count(), shader::kSelfNone);
   for (uint32_t p = 0; p < asset.pixel_count(); ++p) {
     if (!asset.valid(p)) continue;
     if (first[p] == p) {
       const Vec3 rest = scale * asset.rest_position[p];
       point_of[p] = static_cast<uint32_t>(self.points.size());
-      self.points.push_back({{rest.x, rest.y, rest.z, inverse_mass[p]}, p, 0, 0, 0});
+      shader::SelfPoint& point = self.points.emplace_back();
+      point.rest = {rest.x, rest.y, rest.z, inverse_mass[p]};
+      point.pixel = p;
     }
     point_of[p] = point_of[first[p]];
   }
@@ -158,7 +156,9 @@ void add_self_points(const ClothDesc& cloth, ClothData& data) {
   numbers.points = static_cast<uint32_t>(self.most_points);
   self.most_words = shader::self_skip_word(room_of(asset, numbers)) + near.most;
   numbers.points = static_cast<uint32_t>(self.points.size());
-  self.words = first_words(room_of(asset, numbers), point_of, near.list);
+  self.words = first_self_words(room_of(asset, numbers));
+  std::copy(point_of.begin(), point_of.end(), self.words.begin() + shader::self_point_word(0));
+  self.words.insert(self.words.end(), near.list.begin(), near.list.end());
 }
 
 }  // namespace geocloth

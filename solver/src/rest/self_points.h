@@ -1,13 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+#include <span>
+#include <vector>
+
 #include "backend.h"
 
 namespace geocloth {
 
+inline constexpr float kSelfDistance = 1.2F;  ///< of the spacing, that points of different layers keep
+inline constexpr float kSelfMargin = 0.5F;    ///< of that distance, by which the lists of neighbours reach farther
+
 /// Fills what self-collision needs of a cloth: points, words and numbers of ClothData.
 /// @throws Error(limit) for more points than their words can be counted
 void add_self_points(const ClothDesc& cloth, ClothData& data);
+
+/// Inverse mass [1/kg] of all copies of each point together, for the first copy; 0 elsewhere.
+/// @param first  the first copy of each pixel
+[[nodiscard]] std::vector<float> whole_inverse_masses(std::span<const float> inverse_mass,
+                                                      std::span<const uint32_t> first);
+
+/// Words before the first substep, up to the sections behind those of the points: nobody has been seen anywhere.
+[[nodiscard]] std::vector<uint32_t> first_self_words(const shader::SelfRoom& room);
 
 void set_self_numbers(const SelfNumbers& numbers, shader::ClothParams& params);
 

@@ -174,18 +174,20 @@ SceneCut read_cut(const JsonReader& json) {
 }
 
 /// true, false, or an object with what differs from the defaults.
-std::optional<SelfCollision> read_self_collision(const JsonReader& json) {
-  if (!json.is_object()) return json.boolean() ? std::optional<SelfCollision>(SelfCollision{}) : std::nullopt;
+template <class Collision>
+std::optional<Collision> read_cloth_collision(const JsonReader& json) {
+  if (!json.is_object()) return json.boolean() ? std::optional<Collision>(Collision{}) : std::nullopt;
   json.expect_object({"distance"});
-  SelfCollision collision;
+  Collision collision;
   json.read("distance", collision.distance);
   if (collision.distance < 0 && json.has("distance")) json.at("distance").fail("must be above 0");
-  checked([&] { check(collision, json.where()); });
+  checked([&] { check_distance(collision.distance, json.where()); });
   return collision;
 }
 
 SceneCloth read_cloth(const JsonReader& json, const std::filesystem::path& folder) {
-  json.expect_object({"asset", "material", "transform", "inertia_scale", "motion", "pins", "cuts", "self_collision"});
+  json.expect_object({"asset", "material", "transform", "inertia_scale", "motion", "pins", "cuts", "self_collision",
+                      "inter_collision"});
   SceneCloth cloth;
   const std::string asset = json.at("asset").text();
   if (asset.empty()) json.at("asset").fail("must name an asset file");
@@ -197,7 +199,9 @@ SceneCloth read_cloth(const JsonReader& json, const std::filesystem::path& folde
     cloth.inertia_scale = json.at("inertia_scale").vector();
     checked([&] { check_parent({}, cloth.inertia_scale, json.at("inertia_scale").where()); });
   }
-  if (json.has("self_collision")) cloth.self_collision = read_self_collision(json.at("self_collision"));
+  if (json.has("self_collision")) cloth.self_collision = read_cloth_collision<SelfCollision>(json.at("self_collision"));
+  if (json.has("inter_collision"))
+    cloth.inter_collision = read_cloth_collision<InterCollision>(json.at("inter_collision"));
   if (json.has("pins")) {
     for (const JsonReader& pin : json.at("pins").elements()) cloth.pins.push_back(read_pin(pin));
   }

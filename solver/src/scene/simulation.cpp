@@ -94,7 +94,7 @@ Simulation::Simulation(Scene scene, SolverSettings settings, const ReadSurface& 
     std::shared_ptr<const ClothAsset>& asset = assets[cloth.asset];
     if (!asset) asset = std::make_shared<const ClothAsset>(read_asset(cloth.asset));
     const Transform start = compose(pose_at(cloth.motion, 0), cloth.transform);
-    cloths_.push_back({asset, cloth.material, start, cloth.self_collision});
+    cloths_.push_back({asset, cloth.material, start, cloth.self_collision, cloth.inter_collision});
     for (size_t k = 0; k < cloth.pins.size(); ++k) {
       const ScenePin& pin = cloth.pins[k];
       PinSet set{c, pin, selected_pixels(scene_, c, k, *asset, start), {}, {}, false};

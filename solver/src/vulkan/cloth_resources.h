@@ -36,6 +36,8 @@ struct ClothResources {
   uint32_t split_rows;
   std::vector<uint32_t> seam_color_offset;
   SelfNumbers self;
+  InterPart inter;            ///< of a cloth that collides with others
+  SelfNumbers inter_numbers;  ///< of all of these
 
   Image position, previous, carry, normal;
   std::array<Image, 3> springs;

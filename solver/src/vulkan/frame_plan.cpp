@@ -116,6 +116,12 @@ class Planner {
     for (const PassStep& step : schedule) add_pass(step, substep, false);
   }
 
+  /// With those of the other cloths; a substep begins.
+  void add_inter_passes(uint32_t substep) {
+    plan_.substeps.push_back(plan_.dispatches.size());
+    for (const PassStep& step : inter_schedule()) add_pass(step, substep, false);
+  }
+
   /// From the cloth's images to the scratch images and back.
   void add_tiles(const std::vector<PassStep>& schedule, uint32_t substep) {
     bool in_scratch = false;
@@ -197,7 +203,7 @@ class Planner {
 
 bool fits_tiny(const TileLimits& limits, const PathNeeds& needs) {
   const size_t bytes = size_t{needs.width} * needs.height * sizeof(shader::vec4);
-  return limits.descriptors && !needs.fine && !needs.self_collision && bytes <= limits.shared_bytes;
+  return limits.descriptors && !needs.fine && !needs.points_collide && bytes <= limits.shared_bytes;
 }
 
 /// Multipliers of springs in a border would have to be kept twice.
@@ -236,7 +242,10 @@ FramePlan plan_frame(SolverPath path, const ScheduleOptions& options, uint32_t s
       planner.add_passes(steps, s);
     }
   };
-  for (uint32_t s = 0; s < substeps; ++s) add(substep, s);
+  for (uint32_t s = 0; s < substeps; ++s) {
+    if (options.inter_collision) planner.add_inter_passes(s);
+    add(substep, s);
+  }
   add(finish, substeps - 1);
   if (path == SolverPath::tiny) {
     const auto in_group = std::ranges::find_if_not(end, runs_alone);

@@ -29,7 +29,8 @@ struct PathNeeds {
   uint32_t width = 0, height = 0;
   uint32_t relaxation_steps = 1;
   bool fine = false;            ///< constraints act on offsets, which only the plain path can
-  bool self_collision = false;  ///< needs all of the cloth between two passes
+  bool points_collide = false;  ///< with each other, or with those of other cloths: needs all of the cloth between two
+                                ///< passes
 };
 
 /// One that the device can run for this cloth: what is wished for, or else the fastest; plain in doubt.
@@ -58,6 +59,7 @@ struct Dispatch {
 struct FramePlan {
   std::vector<Dispatch> dispatches;
   std::vector<shader::TileStep> steps;
+  std::vector<size_t> substeps;  ///< the first dispatch of each, where a cloth collides with others
 };
 
 /// Lists of a cloth that passes run over.

@@ -46,13 +46,14 @@ bool fill(const std::shared_ptr<const Context>& context, Buffer& buffer, const s
 }  // namespace
 
 FrameSlot::FrameSlot(std::shared_ptr<const Context> context, vk::DescriptorSetLayout layout,
-                     const std::vector<ClothResources>& cloths)
+                     const std::vector<ClothResources>& cloths, const InterResources* inter)
     : context_(std::move(context)),
       shapes_(make_input(context_, 0)),
       poses_(make_input(context_, 0)),
       substeps_(make_input(context_, 0)),
       numbers_(make_input(context_, 0)),
-      pool_(make_pool(*context_, 2 * static_cast<uint32_t>(cloths.size()))),
+      pool_(make_pool(*context_, 3 * static_cast<uint32_t>(cloths.size()) + 1)),
+      inter_(inter),
       commands_(context_) {
   for (const ClothResources& cloth : cloths) {
     ClothInputs& inputs =
@@ -61,12 +62,14 @@ FrameSlot::FrameSlot(std::shared_ptr<const Context> context, vk::DescriptorSetLa
                                          .pins = make_input(context_, 0),
                                          .set = allocate_set(*context_, *pool_, layout)});
     if (cloth.scratch) inputs.scratch_set = allocate_set(*context_, *pool_, layout);
+    if (cloth.inter.points > 0) inputs.inter_set = allocate_set(*context_, *pool_, layout);
     // Enough for the passes that run before the first frame.
     shader::ClothParams params{};
     params.width = cloth.width;
     params.height = cloth.height;
     inputs.params.as<shader::ClothParams>().front() = params;
   }
+  if (inter_ != nullptr) between_set_ = allocate_set(*context_, *pool_, layout);
   write_sets(cloths);
 }
 
@@ -88,17 +91,24 @@ bool FrameSlot::write(const FrameInput& frame, const std::vector<ClothResources>
 
 void FrameSlot::write_sets(const std::vector<ClothResources>& cloths) const {
   for (size_t c = 0; c < cloths_.size(); ++c) {
-    write_set(cloths[c], cloths_[c], false);
-    if (cloths[c].scratch) write_set(cloths[c], cloths_[c], true);
+    const ClothInputs& inputs = cloths_[c];
+    write_set(*inputs.set, cloths[c], inputs, {});
+    if (cloths[c].scratch) write_set(*inputs.scratch_set, cloths[c], inputs, {.scratch = &*cloths[c].scratch});
+    if (cloths[c].inter.points > 0) write_set(*inputs.inter_set, cloths[c], inputs, {.inter = inter_});
   }
+  if (inter_ == nullptr) return;
+  const uint32_t any = inter_->parts.front().cloth;  // whatever of a cloth is in the set, the passes do not look at it
+  write_set(*between_set_, cloths[any], cloths_[any], {.inter = inter_, .params = &inter_->params});
 }
 
-void FrameSlot::write_set(const ClothResources& cloth, const ClothInputs& inputs, bool scratch) const {
+void FrameSlot::write_set(vk::DescriptorSet set, const ClothResources& cloth, const ClothInputs& inputs,
+                          const Others& others) const {
   using namespace shader;
-  const vk::DescriptorSet set = scratch ? *inputs.scratch_set : *inputs.set;
-  const std::array<const Image*, kStorageImages> images{scratch ? &cloth.scratch->position : &cloth.position,
-                                                        scratch ? &cloth.scratch->previous : &cloth.previous,
-                                                        scratch ? &cloth.scratch->carry : &cloth.carry,
+  const ScratchImages* const scratch = others.scratch;
+  const InterResources* const inter = others.inter;
+  const std::array<const Image*, kStorageImages> images{scratch != nullptr ? &scratch->position : &cloth.position,
+                                                        scratch != nullptr ? &scratch->previous : &cloth.previous,
+                                                        scratch != nullptr ? &scratch->carry : &cloth.carry,
                                                         &cloth.normal,
                                                         &cloth.springs[0],
                                                         &cloth.springs[1],
@@ -117,8 +127,8 @@ void FrameSlot::write_set(const ClothResources& cloth, const ClothInputs& inputs
                                                            &cloth.measures,
                                                            &cloth.inverse_mass,
                                                            &numbers_,
-                                                           &cloth.self_points,
-                                                           &cloth.self_words};
+                                                           inter != nullptr ? &inter->points : &cloth.self_points,
+                                                           inter != nullptr ? &inter->words : &cloth.self_words};
 
   std::array<vk::DescriptorImageInfo, kStorageImages> image_infos;
   std::array<vk::DescriptorBufferInfo, kUniformBuffers + kStorageBuffers> buffer_infos;
@@ -131,7 +141,7 @@ void FrameSlot::write_set(const ClothResources& cloth, const ClothInputs& inputs
                       .descriptorType = descriptor_type(binding),
                       .pBufferInfo = &info});
   };
-  add_buffer(kBindingParams, inputs.params, buffer_infos.back());
+  add_buffer(kBindingParams, others.params != nullptr ? *others.params : inputs.params, buffer_infos.back());
   for (uint32_t i = 0; i < kStorageBuffers; ++i) add_buffer(kBindingMultipliers + i, *buffers[i], buffer_infos[i]);
   for (uint32_t i = 0; i < kStorageImages; ++i) {
     image_infos[i] = vk::DescriptorImageInfo{.imageView = images[i]->view(), .imageLayout = vk::ImageLayout::eGeneral};

@@ -26,6 +26,8 @@
 #include "seam_bends_comp.h"
 #include "seam_curvature_comp.h"
 #include "seam_spans_comp.h"
+#include "inter_gather_comp.h"
+#include "inter_move_comp.h"
 #include "self_clear_comp.h"
 #include "self_drift_comp.h"
 #include "self_find_comp.h"
@@ -77,17 +79,26 @@ std::span<const uint32_t> spirv(Pass pass) {
     case Pass::limit:
       return limit_comp;
     case Pass::self_drift:
+    case Pass::inter_drift:
       return self_drift_comp;
     case Pass::self_clear:
+    case Pass::inter_clear:
       return self_clear_comp;
     case Pass::self_insert:
+    case Pass::inter_insert:
       return self_insert_comp;
     case Pass::self_find:
+    case Pass::inter_find:
       return self_find_comp;
     case Pass::self_push:
+    case Pass::inter_push:
       return self_push_comp;
     case Pass::self_move:
       return self_move_comp;
+    case Pass::inter_gather:
+      return inter_gather_comp;
+    case Pass::inter_move:
+      return inter_move_comp;
     case Pass::collide_cells:
       return collide_cells_comp;
     case Pass::stitch_contacts:
@@ -148,6 +159,10 @@ uint32_t list_count(const ClothResources& cloth, const PassStep& step, uint32_t 
   if (step.pass == Pass::pins) return pins;
   if (step.pass == Pass::lines) return step.group == 0 ? cloth.height : cloth.width;
   if (step.pass == Pass::self_clear) return cloth.self.buckets;
+  if (step.pass == Pass::inter_clear) return cloth.inter_numbers.buckets;
+  if (step.pass == Pass::inter_gather) return cloth.inter.points;
+  if (step.pass == Pass::inter_move) return cloth.inter.pixels;
+  if (is_between_cloths(step.pass)) return cloth.inter_numbers.points;
   if (step.pass >= Pass::self_drift && step.pass <= Pass::self_push) return cloth.self.points;
   if (is_over_seams(step.pass)) return cloth.seam_color_offset[step.group + 1] - cloth.seam_color_offset[step.group];
   return cloth.split_rows;
@@ -165,7 +180,7 @@ PassKernels::PassKernels(std::shared_ptr<const Context> context, bool may_be_fin
 const Kernel& PassKernels::kernel(Pass pass) const {
   std::optional<Kernel>& kernel = kernels_[static_cast<size_t>(pass)];
   if (!kernel) {
-    const std::array<uint32_t, 2> specialization{family(pass), may_be_fine_ ? 1U : 0U};
+    const std::array<uint32_t, 3> specialization{family(pass), may_be_fine_ ? 1U : 0U, is_between_cloths(pass) ? 1U : 0U};
     kernel.emplace(context_, spirv(pass), *pipeline_layout_, specialization);
   }
   return *kernel;
@@ -224,6 +239,12 @@ void PassKernels::dispatch(const vk::raii::CommandBuffer& commands, const ClothR
     case Pass::whole_ties:
       constants.first = cloth.seam_color_offset[step.group];
       break;
+    case Pass::inter_gather:
+      constants.first = cloth.inter.first_point;
+      break;
+    case Pass::inter_move:
+      constants.first = cloth.inter.first_pixel;
+      break;
     case Pass::normals_stitch:
     case Pass::pins:
     case Pass::stitch:
@@ -233,6 +254,11 @@ void PassKernels::dispatch(const vk::raii::CommandBuffer& commands, const ClothR
     case Pass::self_insert:
     case Pass::self_find:
     case Pass::self_push:
+    case Pass::inter_drift:
+    case Pass::inter_clear:
+    case Pass::inter_insert:
+    case Pass::inter_find:
+    case Pass::inter_push:
     case Pass::lines:
     case Pass::check_copies:
       break;

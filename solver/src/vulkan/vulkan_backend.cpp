@@ -27,13 +27,38 @@ struct Item {
 /// Dispatches that need no barrier between them.
 using Batch = std::vector<Item>;
 
-/// The cloths' dispatches side by side: number k of every cloth in batch k.
-std::vector<Batch> side_by_side(const std::vector<FramePlan>& plans) {
-  std::vector<Batch> batches;
-  for (size_t c = 0; c < plans.size(); ++c) {
-    batches.resize(std::max(batches.size(), plans[c].dispatches.size()));
-    for (size_t k = 0; k < plans[c].dispatches.size(); ++k) batches[k].push_back({c, &plans[c].dispatches[k]});
+/// The batches in which the substeps begin of cloths that collide with each other: none begins before all are ready.
+std::vector<size_t> common_substeps(const std::vector<FramePlan>& plans) {
+  std::vector<size_t> begins;
+  for (const FramePlan& plan : plans) begins.resize(std::max(begins.size(), plan.substeps.size()), 0);
+  for (size_t s = 1; s < begins.size(); ++s) {
+    size_t longest = 0;
+    for (const FramePlan& plan : plans)
+      if (!plan.substeps.empty()) longest = std::max(longest, plan.substeps[s] - plan.substeps[s - 1]);
+    begins[s] = begins[s - 1] + longest;
   }
+  return begins;
+}
+
+/// The cloths' dispatches side by side: number k of every cloth in batch k, or of every substep where cloths collide.
+std::vector<Batch> side_by_side(const std::vector<FramePlan>& plans) {
+  const std::vector<size_t> begins = common_substeps(plans);
+  std::vector<Batch> batches;
+  bool first = true;  // of the cloths that collide: it does for all of them what they do together
+  for (size_t c = 0; c < plans.size(); ++c) {
+    const FramePlan& plan = plans[c];
+    size_t substep = 0;
+    for (size_t k = 0; k < plan.dispatches.size(); ++k) {
+      while (substep + 1 < plan.substeps.size() && plan.substeps[substep + 1] <= k) ++substep;
+      const size_t batch = plan.substeps.empty() ? k : begins[substep] + k - plan.substeps[substep];
+      batches.resize(std::max(batches.size(), batch + 1));
+      const Dispatch& dispatch = plan.dispatches[k];
+      const bool between = dispatch.kind == Dispatch::Kind::pass && is_between_cloths(dispatch.step.pass);
+      if (!between || first) batches[batch].push_back({c, &dispatch});
+    }
+    first = first && plan.substeps.empty();
+  }
+  std::erase_if(batches, [](const Batch& batch) { return batch.empty(); });
   return batches;
 }
 
@@ -75,8 +100,9 @@ void drop_uploaded(ClothData& cloth) {
 }  // namespace
 
 VulkanBackend::Slot::Slot(const std::shared_ptr<const Context>& context, const PassKernels& kernels,
-                          const TileKernels& tile_kernels, const std::vector<ClothResources>& cloths)
-    : frame(context, kernels.set_layout(), cloths), timer(context) {
+                          const TileKernels& tile_kernels, const std::vector<ClothResources>& cloths,
+                          const InterResources* inter)
+    : frame(context, kernels.set_layout(), cloths, inter), timer(context) {
   for (const ClothResources& cloth : cloths) {
     tiles.push_back(cloth.path == SolverPath::plain
                         ? nullptr
@@ -91,14 +117,19 @@ VulkanBackend::VulkanBackend(std::shared_ptr<const Context> context, SimulationD
       tile_kernels_(context_, kernels_.set_layout()) {
   const TileLimits limits = tile_limits(*context_);
   cloths_.reserve(data_.cloths.size());
+  if (!data_.inter.parts.empty()) inter_ = std::make_unique<InterResources>(context_, data_.inter);
+  data_.inter = {};
   for (ClothData& cloth : data_.cloths) {
+    const auto number = static_cast<uint32_t>(cloths_.size());
+    const bool meets_others = inter_ && inter_->part_of(number) != nullptr;
     const SolverPath path = choose_path(limits, {data_.path, cloth.width, cloth.height, data_.relaxation_steps,
-                                                 data_.fine, cloth.self.numbers.points > 0});
+                                                 data_.fine, cloth.self.numbers.points > 0 || meets_others});
     cloths_.emplace_back(context_, cloth, data_.relaxation_steps > 1, data_.fine, path);
     drop_uploaded(cloth);
   }
+  take_parts();
   for (size_t i = 0; i < kSlots; ++i)
-    slots_.push_back(std::make_unique<Slot>(context_, kernels_, tile_kernels_, cloths_));
+    slots_.push_back(std::make_unique<Slot>(context_, kernels_, tile_kernels_, cloths_, inter_.get()));
   std::vector<uint32_t> all(cloths_.size());
   std::iota(all.begin(), all.end(), 0U);
   compute_normals(all);
@@ -158,7 +189,11 @@ void VulkanBackend::record(Slot& slot) {
 
 void VulkanBackend::record_dispatch(const Slot& slot, const vk::raii::CommandBuffer& commands, size_t cloth,
                                     const Dispatch& dispatch) {
-  const vk::DescriptorSet points = slot.frame.set(cloth, dispatch.from_scratch);
+  const Pass pass = dispatch.step.pass;
+  const bool alone = dispatch.kind != Dispatch::Kind::pass || pass < Pass::inter_gather || pass > Pass::inter_move;
+  const vk::DescriptorSet points = alone                     ? slot.frame.set(cloth, dispatch.from_scratch)
+                                   : is_between_cloths(pass) ? slot.frame.between_set()
+                                                             : slot.frame.inter_set(cloth);
   if (dispatch.kind != Dispatch::Kind::pass) {
     const vk::DescriptorSet out = slot.tiles[cloth]->out_of(dispatch.from_scratch);
     return tile_kernels_.dispatch(commands, cloths_[cloth], dispatch, points, out);
@@ -259,6 +294,24 @@ void VulkanBackend::replace_topology(uint32_t cloth, ClothData data) {
   });
 }
 
+void VulkanBackend::replace_inter(InterData inter) {
+  guarded("cut a cloth", [&] {
+    wait();
+    inter_->upload(context_, inter);
+    take_parts();
+    for (const std::unique_ptr<Slot>& slot : slots_) slot->recipe = {};
+  });
+}
+
+/// Tells each cloth where it is among those that collide with each other.
+void VulkanBackend::take_parts() {
+  if (!inter_) return;
+  for (const InterPart& part : inter_->parts) {
+    cloths_[part.cloth].inter = part;
+    cloths_[part.cloth].inter_numbers = inter_->numbers;
+  }
+}
+
 float VulkanBackend::longest_way(uint32_t cloth, uint32_t word) {
   return guarded("measure how far a cloth moves", [&] {
     finish(*slots_[next_slot_]);
@@ -278,6 +331,7 @@ void VulkanBackend::fill_statistics(SolverStatistics& statistics) {
   statistics.backend = to_string(Backend::vulkan);
   statistics.device = context_->info().name;
   statistics.threads = 1;
+  if (inter_) statistics.memory_bytes += inter_->memory_bytes();
   for (const auto& [name, seconds] : seconds_) statistics.passes.push_back({name, seconds});
   for (const ClothResources& cloth : cloths_) {
     statistics.memory_bytes += cloth.memory_bytes();

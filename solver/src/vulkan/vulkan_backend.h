@@ -8,6 +8,7 @@
 #include "backend.h"
 #include "vulkan/cloth_resources.h"
 #include "vulkan/frame_slot.h"
+#include "vulkan/inter_resources.h"
 #include "vulkan/pass_kernels.h"
 #include "vulkan/pass_timer.h"
 #include "vulkan/tile_kernels.h"
@@ -29,6 +30,7 @@ class VulkanBackend final : public SolverBackend {
   void write_state(uint32_t cloth, std::span<const shader::vec4> position,
                    std::span<const shader::vec4> previous) override;
   void replace_topology(uint32_t cloth, ClothData data) override;
+  void replace_inter(InterData inter) override;
   float longest_way(uint32_t cloth, uint32_t word) override;
   uint32_t left_behind(uint32_t cloth, uint32_t word) override;
   void fill_statistics(SolverStatistics& statistics) override;
@@ -45,7 +47,7 @@ class VulkanBackend final : public SolverBackend {
   };
   struct Slot {
     Slot(const std::shared_ptr<const Context>& context, const PassKernels& kernels, const TileKernels& tile_kernels,
-         const std::vector<ClothResources>& cloths);
+         const std::vector<ClothResources>& cloths, const InterResources* inter);
     std::vector<std::unique_ptr<TileSets>> tiles;  ///< of each cloth; none on the plain path. Before the commands
     FrameSlot frame;
     PassTimer timer;
@@ -58,6 +60,7 @@ class VulkanBackend final : public SolverBackend {
   void record_dispatch(const Slot& slot, const vk::raii::CommandBuffer& commands, size_t cloth,
                        const Dispatch& dispatch);
   void compute_normals(const std::vector<uint32_t>& cloths);
+  void take_parts();
   void change_pins(uint32_t cloth, const ClothFrame& frame);
   void finish(Slot& slot);
   void read(const Image& image, std::vector<shader::vec4>& out) const;
@@ -67,6 +70,7 @@ class VulkanBackend final : public SolverBackend {
   PassKernels kernels_;
   TileKernels tile_kernels_;
   std::vector<ClothResources> cloths_;
+  std::unique_ptr<InterResources> inter_;  ///< none where no cloths collide with each other
   std::vector<std::unique_ptr<Slot>> slots_;
   size_t next_slot_ = 0;
   PassSeconds seconds_{};

@@ -61,7 +61,8 @@ struct SceneCloth {
   Motion motion;  ///< of the parent: the cloth starts at motion(0) * transform; pins with follow "cloth" take part
   Vec3 inertia_scale{1, 1, 1};  ///< see Solver::set_parent
   std::vector<ScenePin> pins;
-  std::optional<SelfCollision> self_collision = {};  ///< see ClothDesc
+  std::optional<SelfCollision> self_collision = {};    ///< see ClothDesc
+  std::optional<InterCollision> inter_collision = {};  ///< see ClothDesc
   std::vector<SceneCut> cuts;
 };
 

@@ -23,12 +23,20 @@ struct SelfCollision {
   float distance = -1;  ///< [m] that points keep; below 0: 1.2 times the spacing
 };
 
+/// How a cloth keeps apart from all other cloths of the solver that have one too. Points are balls here as well. Two
+/// cloths keep the mean of their distances, and three quarters of the larger one at least; points of two cloths that
+/// start nearer than that keep nine tenths of what they start with. Friction is the mean of both materials'.
+struct InterCollision {
+  float distance = -1;  ///< [m] that points keep; below 0: 1.2 times the spacing
+};
+
 /// One garment in the solver.
 struct ClothDesc {
   std::shared_ptr<const ClothAsset> asset = {};  ///< must outlive construction only
   Material material = {};
   Transform transform = {};  ///< where its rest shape starts; scale also scales rest lengths and areas
-  std::optional<SelfCollision> self_collision = {};  ///< none: it passes through itself
+  std::optional<SelfCollision> self_collision = {};    ///< none: it passes through itself
+  std::optional<InterCollision> inter_collision = {};  ///< none: it passes through other cloths
 };
 
 struct Wind {

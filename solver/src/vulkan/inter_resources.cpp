@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vulkan/inter_resources.h"
+
+#include <algorithm>
+
+#include "rest/self_points.h"
+#include "vulkan/upload.h"
+
+namespace geocloth::vulkan {
+namespace {
+
+using BufferUsage = vk::BufferUsageFlagBits;
+
+}  // namespace
+
+InterResources::InterResources(const std::shared_ptr<const Context>& context, const InterData& data)
+    : points(context, sizeof(shader::SelfPoint) * data.points.most_points,
+             BufferUsage::eStorageBuffer | BufferUsage::eTransferDst, Memory::device),
+      words(context, sizeof(uint32_t) * data.points.most_words,
+            BufferUsage::eStorageBuffer | BufferUsage::eTransferDst, Memory::device),
+      params(context, sizeof(shader::ClothParams), BufferUsage::eUniformBuffer, Memory::upload) {
+  upload(context, data);
+}
+
+void InterResources::upload(const std::shared_ptr<const Context>& context, const InterData& data) {
+  numbers = data.points.numbers;
+  parts = data.parts;
+  Upload upload(context);
+  upload.to_buffer(points, std::span(data.points.points));
+  upload.to_buffer(words, std::span(data.points.words));
+  upload.run();
+  shader::ClothParams values{};
+  set_self_numbers(numbers, values);
+  params.as<shader::ClothParams>().front() = values;
+}
+
+const InterPart* InterResources::part_of(uint32_t cloth) const {
+  const auto part = std::ranges::find(parts, cloth, &InterPart::cloth);
+  return part == parts.end() ? nullptr : &*part;
+}
+
+}  // namespace geocloth::vulkan
