@@ -13,8 +13,10 @@ void main() {
   vec3 position = self_position(set, room, point);
   set_self_vector(set, self_seen_word(room, point), position);
   if (!self_in_range(position)) return;
-  uint bucket = self_bucket(room, self_cell(room, position));
+  SelfCell cell = self_cell(room, position);
+  uint layer = self_layer(set, self_point(set, point)), bucket = self_hash(room, cell, layer);
   self_words[self_next_word(room, point)] = atomicExchange(self_words[self_head_word(room, bucket)], point);
-  atomicAdd(self_words[self_filled_word(room, bucket)], kSelfBucketPoint);
-  if (between_cloths(set)) atomicOr(self_words[self_filled_word(room, bucket)], inter_bit(self_point(set, point)));
+  uint filled = self_filled_word(room, self_hash(room, cell, 0u));
+  atomicAdd(self_words[filled], kSelfBucketPoint);
+  atomicOr(self_words[filled], 1u << layer);
 }

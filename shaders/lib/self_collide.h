@@ -194,24 +194,18 @@ inline SelfCell self_cell(SelfRoom room, vec3 p) {
   return r;
 }
 
-inline uint self_bucket(SelfRoom room, SelfCell cell) {
-  uint h = (cell.x * 73856093u) ^ (cell.y * 19349663u) ^ (cell.z * 83492791u);
+inline uint self_hash(SelfRoom room, SelfCell cell, uint layer) {
+  uint h = (cell.x * 73856093u) ^ (cell.y * 19349663u) ^ (cell.z * 83492791u) ^ (layer * 0x9E3779B9u);
   h = (h ^ (h >> 15u)) * 0x2C1B3C6Du;
   return (h ^ (h >> 13u)) & (room.buckets - 1u);
 }
 
-// The bit of a cloth among those in a bucket: one of its own, or one that it shares with others.
-const uint kInterLastBit = 7u;
-inline uint inter_bit(SelfPoint point) {
-  return 1u << (point.inter_cloth < kInterLastBit ? point.inter_cloth : kInterLastBit);
-}
-
-// Whether a bucket has no point that may push one of a cloth, or too many.
-// @param filled  the bucket's word
-inline bool self_skips(SelfSet set, SelfRoom room, SelfPoint own, uint filled) {
-  if (filled / kSelfBucketPoint > room.most_in_bucket) return true;
-  return between_cloths(set) && own.inter_cloth < kInterLastBit &&
-         (filled & (kSelfBucketPoint - 1u) & ~inter_bit(own)) == 0u;
+// Each of several cloths has buckets of its own, so that nobody goes through those of its own cloth; from the last
+// layer on they share them. The number of points in a cell, and bits for their layers, are in the bucket of layer 0.
+const uint kInterLayers = 8u;
+inline uint self_layer(SelfSet set, SelfPoint point) {
+  if (!between_cloths(set)) return 0u;
+  return point.inter_cloth < kInterLayers - 1u ? point.inter_cloth : kInterLayers - 1u;
 }
 
 // Whether two points never push: near along the surface, or of one cloth where several meet.
@@ -277,12 +271,36 @@ inline bool self_is_in(SelfRoom room, vec3 p, SelfCell cell) {
   return of_point.x == cell.x && of_point.y == cell.y && of_point.z == cell.z;
 }
 
+// Adds the points in a bucket that may touch this one to its list of `count`.
+inline uint self_find_in(SelfSet set, SelfRoom room, uint point, uint count, vec3 at, SelfCell cell, uint bucket) {
+  SelfPoint own = self_point(set, point);
+  precise float reach2 = room.reach * room.reach;
+  uint found = count;
+  uint other = self_word(set, self_head_word(room, bucket));
+  while (other != kSelfNone) {
+    vec3 there = self_seen(set, room, other);
+    vec3 d = there - at;
+    if (other != point && dot3(d, d) < reach2 && self_is_in(room, there, cell) && !self_pass(set, room, own, other)) {
+      SelfPoint neighbor = self_point(set, other);
+      float reach = self_pair_reach(set, room, own, neighbor);
+      precise float pair2 = reach * reach;
+      precise float rest = kSelfRestShare * length3(xyz(neighbor.rest) - xyz(own.rest));
+      bool thin = rest < self_pair_distance(set, room, own, neighbor);
+      if (dot3(d, d) < pair2) found = self_keep(set, room, point, found, at, thin ? other | kSelfThinBit : other);
+    }
+    other = self_word(set, self_next_word(room, other));
+  }
+  return found;
+}
+
 // Lists the points that may touch this one before neighbours are looked up again.
 inline void self_find(SelfSet set, SelfRoom room, uint point) {
   SelfPoint own = self_point(set, point);
   vec3 at = self_seen(set, room, point);
   uint count = 0u;
-  precise float reach2 = room.reach * room.reach;
+  uint own_layer = self_layer(set, own), all = (1u << kInterLayers) - 1u;
+  bool shared_layer = !between_cloths(set) || own_layer == kInterLayers - 1u;
+  uint others = shared_layer ? all : all & ~(1u << own_layer);
   if (self_in_range(at)) {
     SelfCell middle = self_cell(room, at);
     for (uint k = 0u; k < 27u; ++k) {
@@ -290,23 +308,12 @@ inline void self_find(SelfSet set, SelfRoom room, uint point) {
       cell.x = middle.x + k % 3u - 1u;
       cell.y = middle.y + k / 3u % 3u - 1u;
       cell.z = middle.z + k / 9u - 1u;
-      uint bucket = self_bucket(room, cell);
-      if (self_skips(set, room, own, self_word(set, self_filled_word(room, bucket)))) continue;
-      uint other = self_word(set, self_head_word(room, bucket));
-      while (other != kSelfNone) {
-        vec3 there = self_seen(set, room, other);
-        vec3 d = there - at;
-        if (other != point && dot3(d, d) < reach2 && self_is_in(room, there, cell) &&
-            !self_pass(set, room, own, other)) {
-          SelfPoint neighbor = self_point(set, other);
-          float reach = self_pair_reach(set, room, own, neighbor);
-          precise float pair2 = reach * reach;
-          precise float rest = kSelfRestShare * length3(xyz(neighbor.rest) - xyz(own.rest));
-          bool thin = rest < self_pair_distance(set, room, own, neighbor);
-          if (dot3(d, d) < pair2)
-            count = self_keep(set, room, point, count, at, thin ? other | kSelfThinBit : other);
-        }
-        other = self_word(set, self_next_word(room, other));
+      uint filled = self_word(set, self_filled_word(room, self_hash(room, cell, 0u)));
+      uint layers = filled & others;
+      if (filled / kSelfBucketPoint > room.most_in_bucket || layers == 0u) continue;
+      for (uint layer = 0u; layer < kInterLayers; ++layer) {
+        if ((layers >> layer & 1u) == 0u) continue;
+        count = self_find_in(set, room, point, count, at, cell, self_hash(room, cell, layer));
       }
     }
     self_sort(set, room, point, count);

@@ -22,7 +22,7 @@ const uint kSelfLeastAge = 2u;  // they are not looked up again before
 const uint kSelfNone = 0xFFFFFFFFu;     // end of a list, no point
 const uint kSelfMostNeighbors = 32u;    // the nearest ones are kept
 const uint kSelfMostInBucket = 64u;     // a fuller one is left out: cloth that was crushed to a point; see SelfRoom
-const uint kSelfBucketPoint = 256u;     // in the number of points in a bucket; below it bits for the cloths they are of
+const uint kSelfBucketPoint = 256u;     // one in the number of points in a cell; below it bits for their layers
 const uint kSelfThinBit = 0x80000000u;  // of a neighbour: at rest it is nearer than the distance
 const uint kSelfPushWords = 6u;         // shift and change of the displacement
 const uint kSelfWordsOfPoint = 1u + 3u + 1u + kSelfMostNeighbors + kSelfPushWords;
@@ -68,7 +68,7 @@ inline SelfRoom inter_room(ClothParams params) {
 inline uint self_point_word(uint pixel) {
   return kSelfHeader + pixel;
 }
-// Sections: first point in each bucket, number of points in each bucket with bits for their cloths.
+// Sections: first point in each bucket, number of points in each cell with bits for their layers.
 inline uint self_head_word(SelfRoom room, uint bucket) {
   return room.first + bucket;
 }

@@ -112,17 +112,17 @@ struct ClothParams {
   float share_structural;  // share of the error that a projection removes: 1, or the seeds' stiffness
   float share_shear;
   float share_bending;
-  uint moving;          // 1: the cloth's parent moves in this frame; see lib/frame.h
-  uint fine;            // kFine*
-  uint self_points;     // that collide with each other; 0: no self-collision
-  uint self_buckets;    // of the hash, a power of two
-  float self_distance;  // [m] that points of different layers keep
-  float self_reach;     // [m] up to which neighbours are listed
-  float leave_near;     // [m] what is nearer to a thin collider stays as it is at a frame's end; see lib/finish.h
-  float grip;           // [m] the depth of a contact beyond which friction grows no more; see lib/collide.h
-  float carried_at;     // the last substep of a frame with a carrier; below 0: without one
-  float left_behind;    // [m] way in it as seen from the carrier of a point that is not taken along
-  float spacing;        // [m] of the pixels
+  uint moving;               // 1: the cloth's parent moves in this frame; see lib/frame.h
+  uint fine;                 // kFine*
+  uint self_points;          // that collide with each other; 0: no self-collision
+  uint self_buckets;         // of the hash, a power of two
+  float self_distance;       // [m] that points of different layers keep
+  float self_reach;          // [m] up to which neighbours are listed
+  float leave_near;          // [m] what is nearer to a thin collider stays as it is at a frame's end; see lib/finish.h
+  float grip;                // [m] the depth of a contact beyond which friction grows no more; see lib/collide.h
+  float carried_at;          // the last substep of a frame with a carrier; below 0: without one
+  float left_behind;         // [m] way in it as seen from the carrier of a point that is not taken along
+  float spacing;             // [m] of the pixels
   uint self_most_in_bucket;  // a fuller bucket of the hash is left out
   uint inter_points;         // of all cloths that collide with each other; 0: this one with none
   uint inter_buckets;        // of their hash, a power of two
@@ -178,9 +178,9 @@ const uint kNoRow = 0xFFFFFFFFu;
 
 // A point of a cloth for self-collision, or for the collision between cloths: a valid pixel, of copies the first.
 struct SelfPoint {
-  vec4 rest;            // xyz [m] at rest, between cloths where it starts; w inverse mass of all copies [1/kg]
-  uint pixel;           // the first copy
-  uint skip_begin;      // entries skip_begin .. skip_end - 1 of its list in lib/self_words.h; not between cloths
+  vec4 rest;        // xyz [m] at rest, between cloths where it starts; w inverse mass of all copies [1/kg]
+  uint pixel;       // the first copy
+  uint skip_begin;  // entries skip_begin .. skip_end - 1 of its list in lib/self_words.h; not between cloths
   uint skip_end;
   uint inter_cloth;     // number of its cloth among those that collide
   uint inter_distance;  // bits of a float [m]: what its cloth keeps from others

@@ -145,7 +145,8 @@ class SolverBackend {
   /// Replaces springs, cells, bends over seams and the split-vertex table by those of the same cloth after a cut, which
   /// has fewer of each; waits. Positions stay.
   virtual void replace_topology(uint32_t cloth, ClothData data) = 0;
-  /// Replaces the points of the cloths that collide with each other after a cut of one; waits. They are the same cloths.
+  /// Replaces the points of the cloths that collide with each other after a cut of one; waits. They are the same
+  /// cloths.
   virtual void replace_inter(InterData inter) = 0;
 
   /// [m] the longest way of a point of a cloth in the last substep of the frame before the last one, which had measured

@@ -36,8 +36,8 @@ void check_points(const ClothDesc& cloth, float distance, const std::string& whe
   const float most = kMostSpacings * cloth.asset->spacing * cloth.transform.scale;
   if (distance <= most) return;
   throw Error(ErrorCode::invalid_argument,
-              where + ": distance is " + std::to_string(distance) + " m; it must be at most " +
-                  std::to_string(most) + " m, three times the spacing: convert with a wider one, or leave it out");
+              where + ": distance is " + std::to_string(distance) + " m; it must be at most " + std::to_string(most) +
+                  " m, three times the spacing: convert with a wider one, or leave it out");
 }
 
 void check_cloths(std::span<const ClothDesc> cloths) {

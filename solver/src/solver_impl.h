@@ -124,7 +124,7 @@ class Solver::Impl {
   uint32_t fine_;  ///< ClothParams::fine
   Vec3 origin_;
   std::vector<Cloth> cloths_;
-  SelfNumbers inter_;  ///< of the cloths that collide with each other
+  SelfNumbers inter_;                                           ///< of the cloths that collide with each other
   std::vector<Collider> colliders_from_, colliders_to_;         ///< at the start and the end of the next frame
   std::vector<shader::ColliderShape> shapes_;                   ///< of colliders_to_
   std::shared_ptr<const std::vector<float>> collider_numbers_;  ///< of their hulls and meshes

@@ -217,8 +217,7 @@ class CpuBackend final : public SolverBackend {
         run_substeps(cloth, frame, s, s + 1, threads);
       });
     }
-    for_parts(
-        [&](const InterPart&, Cloth& cloth, const cpu::Threads& threads) { end_cloth(cloth, frame, threads); });
+    for_parts([&](const InterPart&, Cloth& cloth, const cpu::Threads& threads) { end_cloth(cloth, frame, threads); });
   }
 
   [[nodiscard]] cpu::SweepRunner::Measuring measuring_of(Cloth& cloth) const {

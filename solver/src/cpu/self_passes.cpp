@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Self-collision and collision between cloths for the cpu: loads, stores and atomics around lib/self_collide.h. Threads put points into the buckets
-// in any order; what is found does not depend on it.
+// Self-collision and collision between cloths for the cpu: loads, stores and atomics around lib/self_collide.h. Threads
+// put points into the buckets in any order; what is found does not depend on it.
 
 #include "cpu/self_passes.h"
 
@@ -87,12 +87,14 @@ void insert(const SelfWork& work) {
     const shader::vec3 position = self_position(set, room, point);
     shader::set_self_vector(set, shader::self_seen_word(room, point), position);
     if (!shader::self_in_range(position)) return;
-    const uint32_t bucket = shader::self_bucket(room, shader::self_cell(room, position));
+    const shader::SelfCell cell = shader::self_cell(room, position);
+    const uint32_t layer = shader::self_layer(set, self_point(set, point));
+    const uint32_t bucket = shader::self_hash(room, cell, layer);
     std::atomic_ref<uint32_t> head(words[shader::self_head_word(room, bucket)]);
     words[shader::self_next_word(room, point)] = head.exchange(point, std::memory_order_relaxed);
-    std::atomic_ref<uint32_t> filled(words[shader::self_filled_word(room, bucket)]);
+    std::atomic_ref<uint32_t> filled(words[shader::self_filled_word(room, shader::self_hash(room, cell, 0))]);
     filled.fetch_add(shader::kSelfBucketPoint, std::memory_order_relaxed);
-    if (set.between) filled.fetch_or(shader::inter_bit(self_point(set, point)), std::memory_order_relaxed);
+    filled.fetch_or(1U << layer, std::memory_order_relaxed);
   });
 }
 

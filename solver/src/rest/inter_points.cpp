@@ -38,10 +38,10 @@ SelfNumbers numbers_of(std::span<const InterCloth> cloths) {
     numbers.distance = std::max(numbers.distance, distance_of(cloth));
   }
   if (coarsest > kMostUnlike * finest) {
-    throw Error(ErrorCode::invalid_argument,
-                "inter_collision: cloth " + std::to_string(coarse) + " has a spacing of " + std::to_string(coarsest) +
-                    " m and cloth " + std::to_string(fine) + " one of " + std::to_string(finest) +
-                    " m, less than a tenth; convert them with more and with fewer points");
+    throw Error(ErrorCode::invalid_argument, "inter_collision: cloth " + std::to_string(coarse) + " has a spacing of " +
+                                                 std::to_string(coarsest) + " m and cloth " + std::to_string(fine) +
+                                                 " one of " + std::to_string(finest) +
+                                                 " m, less than a tenth; convert them with more and with fewer points");
   }
   numbers.reach = (1 + kSelfMargin) * numbers.distance;
   const float points = numbers.reach / finest;  // along a side of a bucket

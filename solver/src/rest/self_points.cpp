@@ -104,7 +104,7 @@ std::vector<float> whole_inverse_masses(std::span<const float> inverse_mass, std
 
 std::vector<uint32_t> first_self_words(const shader::SelfRoom& room) {
   constexpr float kNowhere = std::numeric_limits<float>::max();
-    std::vector<uint32_t> words(shader::self_skip_word(room), 0);
+  std::vector<uint32_t> words(shader::self_skip_word(room), 0);
   std::fill_n(words.begin() + shader::kSelfLow, 3, shader::kSelfNone);
   std::fill_n(words.begin() + shader::self_seen_word(room, 0), size_t{3} * room.points,
               shader::floatBitsToUint(kNowhere));

@@ -16,8 +16,8 @@ using BufferUsage = vk::BufferUsageFlagBits;
 InterResources::InterResources(const std::shared_ptr<const Context>& context, const InterData& data)
     : points(context, sizeof(shader::SelfPoint) * data.points.most_points,
              BufferUsage::eStorageBuffer | BufferUsage::eTransferDst, Memory::device),
-      words(context, sizeof(uint32_t) * data.points.most_words,
-            BufferUsage::eStorageBuffer | BufferUsage::eTransferDst, Memory::device),
+      words(context, sizeof(uint32_t) * data.points.most_words, BufferUsage::eStorageBuffer | BufferUsage::eTransferDst,
+            Memory::device),
       params(context, sizeof(shader::ClothParams), BufferUsage::eUniformBuffer, Memory::upload) {
   upload(context, data);
 }

@@ -10,6 +10,8 @@
 #include "curvature_comp.h"
 #include "give_way_comp.h"
 #include "hold_way_comp.h"
+#include "inter_gather_comp.h"
+#include "inter_move_comp.h"
 #include "inverse_mass_comp.h"
 #include "lib/bend_groups.h"
 #include "lib/cell_groups.h"
@@ -26,8 +28,6 @@
 #include "seam_bends_comp.h"
 #include "seam_curvature_comp.h"
 #include "seam_spans_comp.h"
-#include "inter_gather_comp.h"
-#include "inter_move_comp.h"
 #include "self_clear_comp.h"
 #include "self_drift_comp.h"
 #include "self_find_comp.h"
@@ -180,7 +180,8 @@ PassKernels::PassKernels(std::shared_ptr<const Context> context, bool may_be_fin
 const Kernel& PassKernels::kernel(Pass pass) const {
   std::optional<Kernel>& kernel = kernels_[static_cast<size_t>(pass)];
   if (!kernel) {
-    const std::array<uint32_t, 3> specialization{family(pass), may_be_fine_ ? 1U : 0U, is_between_cloths(pass) ? 1U : 0U};
+    const std::array<uint32_t, 3> specialization{family(pass), may_be_fine_ ? 1U : 0U,
+                                                 is_between_cloths(pass) ? 1U : 0U};
     kernel.emplace(context_, spirv(pass), *pipeline_layout_, specialization);
   }
   return *kernel;
