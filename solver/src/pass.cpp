@@ -5,6 +5,8 @@
 
 #include "pass.h"
 
+#include <algorithm>
+
 #include "lib/bend_groups.h"
 #include "lib/cell_groups.h"
 #include "lib/span.h"
@@ -77,6 +79,7 @@ std::vector<PassStep> substep_schedule(const ScheduleOptions& options) {
          {Pass::self_drift, Pass::self_clear, Pass::self_insert, Pass::self_find, Pass::self_push, Pass::self_move})
       steps.push_back({pass});
   }
+  if (options.inter_collision) steps.insert(steps.end(), inter_schedule().begin(), inter_schedule().end());
   for (uint32_t r = 0; r < options.cell_rounds; ++r) {
     for (uint32_t g = 0; g < shader::kCellGroups; ++g) steps.push_back({Pass::collide_cells, g});
     if (options.splits) steps.push_back({Pass::stitch_contacts});
@@ -84,6 +87,12 @@ std::vector<PassStep> substep_schedule(const ScheduleOptions& options) {
   if (options.collide) steps.push_back({Pass::collide});
   add_checks(steps, options);
   return steps;
+}
+
+SubstepHalves substep_halves(const ScheduleOptions& options) {
+  const std::vector<PassStep> steps = substep_schedule(options);
+  const auto middle = std::ranges::search(steps, inter_schedule());
+  return {{steps.begin(), middle.begin()}, {middle.end(), steps.end()}};
 }
 
 std::span<const PassStep> inter_schedule() {

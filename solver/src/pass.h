@@ -173,13 +173,19 @@ struct ScheduleOptions {
 
 /// The passes of one substep in their order:
 ///   [rescale] [normals] predict pins { shear, stitch, bends over seams, [spans over seams, spans], bending or
-///   curvature, structural, stitch } x relaxation [settle] limit [self_drift .. self_move]
+///   curvature, structural, stitch } x relaxation [settle] limit [self_drift .. self_move] [inter_gather .. inter_move]
 ///   { collide_cells, stitch_contacts } x rounds, collide [check]
 [[nodiscard]] std::vector<PassStep> substep_schedule(const ScheduleOptions& options);
 
-/// The passes before each substep of cloths that collide with each other: inter_gather of each, those between cloths
-/// once, inter_move of each. They come first so that colliders have the last word, over what other cloths push too.
+/// Of a substep of a cloth that collides with others those passes that they all do at once: inter_gather of each, those
+/// between cloths once, inter_move of each.
 [[nodiscard]] std::span<const PassStep> inter_schedule();
+
+/// The passes of one substep before and after those; all of them are before where the cloth collides with no other.
+struct SubstepHalves {
+  std::vector<PassStep> before, after;
+};
+[[nodiscard]] SubstepHalves substep_halves(const ScheduleOptions& options);
 
 /// The passes after those of a frame's last substep, which belong to it: hold_way, lines x 2, { [whole_ties], ties,
 /// [ties on seams, stitch] } x 3, [whole_ties], give_way [check], or none.

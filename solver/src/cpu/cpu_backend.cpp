@@ -30,12 +30,13 @@ using PassSeconds = std::array<double, kPasses.size()>;
 /// Passes one by one, as the last frame had them.
 struct Schedules {
   std::optional<ScheduleOptions> options;
-  std::vector<PassStep> substep, finish;
+  SubstepHalves substep;
+  std::vector<PassStep> finish;
 
   void make(const ScheduleOptions& wanted) {
     if (options == wanted) return;  // frames that are like the one before allocate nothing
     options = wanted;
-    substep = substep_schedule(wanted);
+    substep = substep_halves(wanted);
     finish = finish_schedule(wanted);
   }
 };
@@ -201,6 +202,9 @@ class CpuBackend final : public SolverBackend {
       static_cast<void>(begin_cloth(part.cloth, frame, threads));
     });
     for (uint32_t s = 0; s < frame.substeps.size(); ++s) {
+      for_parts([&](const InterPart&, Cloth& cloth, const cpu::Threads& threads) {
+        run_substeps(cloth, frame, s, s + 1, threads);
+      });
       for (const PassStep& step : inter_schedule()) {
         if (is_between_cloths(step.pass)) {
           timed(inter_seconds_, step.pass,
@@ -214,7 +218,7 @@ class CpuBackend final : public SolverBackend {
         });
       }
       for_parts([&](const InterPart&, Cloth& cloth, const cpu::Threads& threads) {
-        run_substeps(cloth, frame, s, s + 1, threads);
+        run_second_half(cloth, frame, s, threads);
       });
     }
     for_parts([&](const InterPart&, Cloth& cloth, const cpu::Threads& threads) { end_cloth(cloth, frame, threads); });
@@ -249,7 +253,12 @@ class CpuBackend final : public SolverBackend {
                     const cpu::Threads& threads) const {
     if (cloth.sweeps) return cloth.sweep.run(first, last, measuring_of(cloth), run_one(cloth));
     for (uint32_t s = first; s < last; ++s)
-      run_all(cloth.schedules.substep, {frame, cloth.frame, threads, s, data_.relaxation_steps}, cloth);
+      run_all(cloth.schedules.substep.before, {frame, cloth.frame, threads, s, data_.relaxation_steps}, cloth);
+  }
+
+  void run_second_half(Cloth& cloth, const FrameInput& frame, uint32_t substep, const cpu::Threads& threads) const {
+    if (cloth.sweeps) return cloth.sweep.run_second_half(substep, measuring_of(cloth), run_one(cloth));
+    run_all(cloth.schedules.substep.after, {frame, cloth.frame, threads, substep, data_.relaxation_steps}, cloth);
   }
 
   void end_cloth(Cloth& cloth, const FrameInput& frame, const cpu::Threads& threads) const {

@@ -26,6 +26,7 @@ void SweepRunner::prepare(const ClothState& state, const ClothFrame& cloth, cons
   const shader::ClothParams& p = cloth.params;
   if (p.fine != shader::kFineOff) {  // offsets are not among what the kernels know
     substep_ = {};
+    second_half_ = {};
     finish_ = {};
     planned_ = false;
     return;
@@ -38,14 +39,16 @@ void SweepRunner::prepare(const ClothState& state, const ClothFrame& cloth, cons
   const auto plan = [&](const std::vector<PassStep>& steps, uint32_t relaxation_steps) {
     return Plan{pool_->share(SweepPlan::make(state, steps, cloth, runs_, relaxation_steps)), {}, {}};
   };
-  substep_ = plan(substep_schedule(options), options.relaxation_steps);
+  const SubstepHalves halves = substep_halves(options);
+  substep_ = plan(halves.before, options.relaxation_steps);
+  second_half_ = halves.after.empty() ? Plan{} : plan(halves.after, options.relaxation_steps);
   finish_ = options.ties ? plan(finish_schedule(options), 1) : Plan{};
   make_scratch(threads);
 }
 
 void SweepRunner::make_scratch(uint32_t threads) {
   scratch_length_ = 0;
-  for (const Plan* plan : {&substep_, &finish_}) {
+  for (const Plan* plan : {&substep_, &second_half_, &finish_}) {
     if (!plan->sweeps) continue;
     for (const SweepPlan::Part& part : plan->sweeps->parts()) {
       const auto* sweep = std::get_if<Sweep>(&part);
@@ -225,6 +228,12 @@ bool SweepRunner::begin(const FrameInput& frame, const ClothFrame& cloth, const 
 
 void SweepRunner::run(uint32_t first, uint32_t last, const Measuring& measuring, const RunPass& pass) {
   run_plan(substep_, frame_, first, last, contexts_.front().threads, measuring, pass);
+}
+
+void SweepRunner::run_second_half(uint32_t substep, const Measuring& measuring, const RunPass& pass) {
+  if (second_half_.sweeps) {
+    run_plan(second_half_, frame_, substep, substep + 1, contexts_.front().threads, measuring, pass);
+  }
 }
 
 void SweepRunner::finish(const Measuring& measuring, const RunPass& pass) {

@@ -28,9 +28,10 @@ class SweepRunner {
   /// @return false, with nothing done, when the cloth is too narrow for vectors: then it cannot be run
   bool begin(const FrameInput& frame, const ClothFrame& cloth, const ScheduleOptions& options, const Threads& threads,
              ClothState& state);
-  /// The substeps first .. last - 1.
+  /// The substeps first .. last - 1, of a cloth that collides with others their first half; see SubstepHalves.
   /// @param pass  runs, and times, what does not go by rows: one entry of the schedule in one substep
   void run(uint32_t first, uint32_t last, const Measuring& measuring, const RunPass& pass);
+  void run_second_half(uint32_t substep, const Measuring& measuring, const RunPass& pass);
   /// What follows the last one; see finish_schedule().
   void finish(const Measuring& measuring, const RunPass& pass);
 
@@ -80,7 +81,7 @@ class SweepRunner {
   std::vector<Run> runs_;
   bool planned_ = false;
   Recipe recipe_;
-  Plan substep_, finish_;
+  Plan substep_, second_half_, finish_;
   Threads alone_{1};
   SweepFrame frame_;  ///< of the frame that runs
   std::vector<PassContext> contexts_;

@@ -116,12 +116,6 @@ class Planner {
     for (const PassStep& step : schedule) add_pass(step, substep, false);
   }
 
-  /// With those of the other cloths; a substep begins.
-  void add_inter_passes(uint32_t substep) {
-    plan_.substeps.push_back(plan_.dispatches.size());
-    for (const PassStep& step : inter_schedule()) add_pass(step, substep, false);
-  }
-
   /// From the cloth's images to the scratch images and back.
   void add_tiles(const std::vector<PassStep>& schedule, uint32_t substep) {
     bool in_scratch = false;
@@ -158,6 +152,7 @@ class Planner {
 
  private:
   void add_pass(const PassStep& step, uint32_t substep, bool from_scratch) {
+    if (step == inter_schedule().front()) plan_.meetings.push_back(plan_.dispatches.size());
     plan_.dispatches.push_back(
         {.step = step, .substep = substep, .from_scratch = from_scratch, .name = std::string(info(step.pass).name)});
   }
@@ -242,10 +237,7 @@ FramePlan plan_frame(SolverPath path, const ScheduleOptions& options, uint32_t s
       planner.add_passes(steps, s);
     }
   };
-  for (uint32_t s = 0; s < substeps; ++s) {
-    if (options.inter_collision) planner.add_inter_passes(s);
-    add(substep, s);
-  }
+  for (uint32_t s = 0; s < substeps; ++s) add(substep, s);
   add(finish, substeps - 1);
   if (path == SolverPath::tiny) {
     const auto in_group = std::ranges::find_if_not(end, runs_alone);

@@ -59,7 +59,8 @@ struct Dispatch {
 struct FramePlan {
   std::vector<Dispatch> dispatches;
   std::vector<shader::TileStep> steps;
-  std::vector<size_t> substeps;  ///< the first dispatch of each, where a cloth collides with others
+  std::vector<size_t>
+      meetings;  ///< where it collides with other cloths: the first of the dispatches of inter_schedule()
 };
 
 /// Lists of a cloth that passes run over.

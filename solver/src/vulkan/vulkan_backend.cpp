@@ -27,36 +27,36 @@ struct Item {
 /// Dispatches that need no barrier between them.
 using Batch = std::vector<Item>;
 
-/// The batches in which the substeps begin of cloths that collide with each other: none begins before all are ready.
-std::vector<size_t> common_substeps(const std::vector<FramePlan>& plans) {
-  std::vector<size_t> begins;
-  for (const FramePlan& plan : plans) begins.resize(std::max(begins.size(), plan.substeps.size()), 0);
-  for (size_t s = 1; s < begins.size(); ++s) {
+/// The batches in which cloths that collide with each other meet: no sooner than all are ready.
+std::vector<size_t> common_meetings(const std::vector<FramePlan>& plans) {
+  std::vector<size_t> batches;
+  for (const FramePlan& plan : plans) batches.resize(std::max(batches.size(), plan.meetings.size()), 0);
+  for (size_t m = 0; m < batches.size(); ++m) {
     size_t longest = 0;
     for (const FramePlan& plan : plans)
-      if (!plan.substeps.empty()) longest = std::max(longest, plan.substeps[s] - plan.substeps[s - 1]);
-    begins[s] = begins[s - 1] + longest;
+      if (!plan.meetings.empty()) longest = std::max(longest, plan.meetings[m] - (m > 0 ? plan.meetings[m - 1] : 0));
+    batches[m] = (m > 0 ? batches[m - 1] : 0) + longest;
   }
-  return begins;
+  return batches;
 }
 
-/// The cloths' dispatches side by side: number k of every cloth in batch k, or of every substep where cloths collide.
+/// The cloths' dispatches side by side: number k of every cloth in batch k, or number k since they met.
 std::vector<Batch> side_by_side(const std::vector<FramePlan>& plans) {
-  const std::vector<size_t> begins = common_substeps(plans);
+  const std::vector<size_t> meetings = common_meetings(plans);
   std::vector<Batch> batches;
   bool first = true;  // of the cloths that collide: it does for all of them what they do together
   for (size_t c = 0; c < plans.size(); ++c) {
     const FramePlan& plan = plans[c];
-    size_t substep = 0;
+    size_t met = 0;
     for (size_t k = 0; k < plan.dispatches.size(); ++k) {
-      while (substep + 1 < plan.substeps.size() && plan.substeps[substep + 1] <= k) ++substep;
-      const size_t batch = plan.substeps.empty() ? k : begins[substep] + k - plan.substeps[substep];
+      while (met < plan.meetings.size() && plan.meetings[met] <= k) ++met;
+      const size_t batch = met == 0 ? k : meetings[met - 1] + k - plan.meetings[met - 1];
       batches.resize(std::max(batches.size(), batch + 1));
       const Dispatch& dispatch = plan.dispatches[k];
       const bool between = dispatch.kind == Dispatch::Kind::pass && is_between_cloths(dispatch.step.pass);
       if (!between || first) batches[batch].push_back({c, &dispatch});
     }
-    first = first && plan.substeps.empty();
+    first = first && plan.meetings.empty();
   }
   std::erase_if(batches, [](const Batch& batch) { return batch.empty(); });
   return batches;
