@@ -7,6 +7,7 @@
 #include <fstream>
 #include <map>
 #include <numbers>
+#include <numeric>
 #include <random>
 #include <sstream>
 
@@ -613,6 +614,96 @@ TEST(Repair, WeldsSheetsOfDifferentResolution) {
   EXPECT_EQ(r.cleaned.euler_characteristic, 1);
   EXPECT_EQ(r.cleaned.bow_tie_vertices, 0U);
   EXPECT_EQ(repaired(r, "t_junctions"), 8U + 2U);
+}
+
+/// A sheet of nx x ny quads over the unit square, bent by `place`.
+template <typename Place>
+TriangleMesh unit_sheet(uint32_t nx, uint32_t ny, const Place& place) {
+  TriangleMesh mesh = sheet(nx, ny);
+  for (Point3& p : mesh.position) p = place(p[0] / nx, p[1] / ny);
+  return mesh;
+}
+
+/// Vertices numbered otherwise, triangles in another order.
+TriangleMesh shuffled(TriangleMesh mesh) {
+  std::mt19937 random(5);
+  std::vector<uint32_t> number(mesh.position.size());
+  std::iota(number.begin(), number.end(), 0U);
+  std::shuffle(number.begin(), number.end(), random);
+  std::vector<Point3> position(number.size());
+  for (uint32_t v = 0; v < number.size(); ++v) position[number[v]] = mesh.position[v];
+  mesh.position = std::move(position);
+  for (Triangle& t : mesh.triangle) {
+    for (uint32_t& v : t) v = number[v];
+  }
+  std::shuffle(mesh.triangle.begin(), mesh.triangle.end(), random);
+  std::iota(mesh.polygon.begin(), mesh.polygon.end(), 0U);
+  mesh.part = {{"all", 0, 0, static_cast<uint32_t>(mesh.triangle.size())}};
+  return mesh;
+}
+
+std::vector<Point3> sorted_places(const CleanSurface& surface) {
+  std::vector<Point3> places = surface.position;
+  std::sort(places.begin(), places.end());
+  return places;
+}
+
+void expect_one_sheet(const RepairResult& r) {
+  EXPECT_EQ(r.cleaned.components, 1U);
+  EXPECT_EQ(r.cleaned.boundary_loops, 1U);
+  EXPECT_EQ(r.cleaned.euler_characteristic, 1);
+  EXPECT_EQ(r.cleaned.bow_tie_vertices, 0U);
+}
+
+// Where points of the two sides nearly met, up to a twentieth of an edge apart, the seam stayed open on both sides of
+// them: a hole for every tenth point.
+TEST(Repair, SewsSeamsOfUnlikeCountsAllAlong) {
+  for (const auto& [left, right] : {std::pair{20U, 53U}, {31U, 40U}, {60U, 61U}, {99U, 100U}, {1U, 90U}}) {
+    SCOPED_TRACE(std::to_string(left) + " against " + std::to_string(right));
+    TriangleMesh mesh = unit_sheet(5, left, [](double u, double v) { return Point3{u / 2, v, 0}; });
+    append(mesh, unit_sheet(5, right, [](double u, double v) { return Point3{(1 + u) / 2, v, 0}; }));
+    const RepairResult r = repair_mesh(mesh);
+    expect_one_sheet(r);
+    EXPECT_EQ(find_cracks(r.surface).edges, 0U);
+    EXPECT_EQ(sorted_places(repair_mesh(shuffled(mesh)).surface), sorted_places(r.surface));
+  }
+}
+
+TEST(Repair, SewsATubeOfTwoPanelsOfUnlikeCounts) {
+  TriangleMesh mesh = unit_sheet(9, 40, [](double u, double v) { return Point3{u, v, std::sin(3 * u * (1 - u))}; });
+  append(mesh, unit_sheet(7, 31, [](double u, double v) { return Point3{u, v, -std::sin(3 * u * (1 - u))}; }));
+  const RepairResult r = repair_mesh(mesh);
+  EXPECT_EQ(r.cleaned.boundary_loops, 2U);
+  EXPECT_EQ(r.cleaned.euler_characteristic, 0);
+}
+
+// Along a bend the points of one side lie beside the edges of the other, as far as it is bent.
+TEST(Repair, SewsCurvedSeamsOfUnlikeCountsWithinTheDistanceThatIsGiven) {
+  const auto seam = [](double v) { return 0.5 + 0.1 * std::sin(3 * v); };
+  for (const double gap : {0.0, 0.0005}) {
+    TriangleMesh mesh = unit_sheet(9, 40, [&](double u, double v) { return Point3{u * seam(v), v, 0}; });
+    append(mesh, unit_sheet(7, 31, [&](double u, double v) { return Point3{seam(v) + gap + u / 2, v, 0}; }));
+    for (const double weld : {0.0008, 0.001, 0.002, 0.004}) {
+      SCOPED_TRACE(std::to_string(gap) + " apart, welded within " + std::to_string(weld));
+      expect_one_sheet(repair_mesh(mesh, {.weld_distance = weld}));
+    }
+  }
+}
+
+// A narrow strip sewn to a wide one: the wide edge goes on beyond the seam.
+TEST(Repair, SewsAnEdgeToAPartOfALongerOne) {
+  TriangleMesh mesh = sheet(1, 1);
+  append(mesh, unit_sheet(2, 3, [](double u, double v) { return Point3{1 + u, 0.25 + 0.5 * v, 0}; }));
+  expect_one_sheet(repair(mesh));
+}
+
+// Cards of hair whose edges cross at a small angle lie along each other for a short way only.
+TEST(Repair, DoesNotSewEdgesThatCrossAtASmallAngle) {
+  TriangleMesh mesh = sheet(2, 2);
+  append(mesh, unit_sheet(2, 2, [](double u, double v) { return Point3{0.05 + 2 * u, 1e-5 * (u - 0.01), 2 * v}; }));
+  const RepairResult r = repair(mesh);
+  EXPECT_EQ(repaired(r, "t_junctions"), 0U);
+  EXPECT_EQ(r.cleaned.components, 2U);
 }
 
 // Cloth that rests on cloth is not sewn to it.

@@ -38,6 +38,16 @@ inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
   return 0.5 * length(cross(b - a, c - a));
 }
 
+/// Where along the line a-b (a: 0, b: 1) the point nearest to p lies, and how far p is from the line.
+struct Foot {
+  double at, height;
+};
+[[nodiscard]] inline Foot foot_on(const Point3& a, const Point3& b, const Point3& p) {
+  const Point3 d = b - a;
+  const double at = dot(p - a, d) / dot(d, d);
+  return {at, distance(p, a + d * at)};
+}
+
 [[nodiscard]] inline Point2 operator-(const Point2& a, const Point2& b) {
   return {a[0] - b[0], a[1] - b[1]};
 }

@@ -87,9 +87,10 @@ uint64_t count_lost_parts(const TriangleMesh& mesh, const std::vector<uint32_t>&
   return static_cast<uint64_t>(std::count(state.begin(), state.end(), 1));
 }
 
-uint64_t count_merged(const std::vector<uint32_t>& point, std::size_t points) {
-  const auto used = point.size() - static_cast<std::size_t>(std::count(point.begin(), point.end(), kNone));
-  return used - points;
+uint64_t count_merged(std::vector<uint32_t> point) {
+  std::sort(point.begin(), point.end());
+  const auto used = std::lower_bound(point.begin(), point.end(), kNone);
+  return static_cast<uint64_t>(used - std::unique(point.begin(), used));
 }
 
 }  // namespace
@@ -107,7 +108,6 @@ RepairResult repair_mesh(const TriangleMesh& mesh, const RepairOptions& options,
   const WeldReach reach = weld_reach(options, diagonal(mesh));
 
   Weld welded = weld(mesh.position, mesh.triangle, reach);
-  count("welded_vertices", count_merged(welded.point, welded.position.size()));
   Soup soup{std::move(welded.position), mesh.triangle, std::vector<uint32_t>(mesh.triangle.size())};
   for (uint32_t i = 0; i < soup.triangle.size(); ++i) {
     soup.source[i] = i;
@@ -115,13 +115,15 @@ RepairResult repair_mesh(const TriangleMesh& mesh, const RepairOptions& options,
   }
   report(0.3);
 
-  count("degenerate_faces", drop_collapsed(soup));
+  const uint64_t collapsed = drop_collapsed(soup);
   result.source = measure_topology(soup.triangle, static_cast<uint32_t>(soup.position.size()));
   uint64_t duplicates = drop_duplicates(soup, mesh.polygon);
-  const uint64_t t_junctions = split_t_junctions(soup, reach.distance);
+  const uint64_t t_junctions = sew_borders(soup, welded.point, reach.distance);
   duplicates += drop_duplicates(soup, {});
   const uint64_t flat = flatten_caps(soup);
   duplicates += drop_duplicates(soup, {});
+  count("welded_vertices", count_merged(welded.point));
+  count("degenerate_faces", collapsed);
   count("duplicate_faces", duplicates);
   count("t_junctions", t_junctions);
   count("zero_area_faces", flat);

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// From a soup to a complex of proper triangles: collapsed and duplicate faces go, border edges are split where the
-// border of another sheet has a point on them (T-junctions), and triangles without area are replaced by a corner in
-// the faces beyond their longest side. None of this opens or closes anything: each step keeps the homotopy type.
+// From a soup to a complex of proper triangles: collapsed and duplicate faces go, and triangles without area are
+// replaced by a corner in the faces beyond their longest side. None of this opens or closes anything: each step keeps
+// the homotopy type.
 #include "repair/soup.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -16,7 +15,6 @@
 
 #include "geocloth/asset/disjoint_sets.h"
 #include "mesh/point_math.h"
-#include "mesh/point_tree.h"
 
 namespace geocloth {
 namespace {
@@ -203,135 +201,6 @@ uint64_t mark_backs(const Soup& soup, std::vector<bool>& keep) {
   return gone;
 }
 
-/// Where along a-b (0..1) the point nearest to p lies, and how far p is from the line.
-struct Foot {
-  double at, height;
-};
-Foot foot_on(const Point3& a, const Point3& b, const Point3& p) {
-  const Point3 d = b - a;
-  const double at = dot(p - a, d) / dot(d, d);
-  return {at, distance(p, a + d * at)};
-}
-
-/// One round of splitting: at most one side of every triangle.
-class TJunctions {
- public:
-  TJunctions(Soup& soup, double tolerance)
-      : soup_(soup),
-        tolerance_(tolerance),
-        border_(border_sides(soup.triangle)),
-        tree_(soup.position, border_points()) {}
-
-  /// @returns how many points were put on sides
-  uint64_t split() {
-    uint64_t met = 0;
-    uint32_t done = kNone;
-    for (const BorderSide& side : border_) {
-      if (side.triangle == done) continue;
-      const std::vector<OnSide> points = points_on(side);
-      if (points.empty()) continue;
-      split_side(side, points);
-      met += points.size();
-      done = side.triangle;
-    }
-    return met;
-  }
-
- private:
-  struct OnSide {
-    double at;
-    uint32_t point;
-    bool operator<(const OnSide& o) const { return at != o.at ? at < o.at : point < o.point; }
-  };
-
-  /// Points on the border, ascending; fills neighbours_ and shortest_ on the way.
-  std::vector<uint32_t> border_points() {
-    std::vector<uint32_t> points;
-    shortest_.assign(soup_.position.size(), std::numeric_limits<double>::max());
-    for (const BorderSide& side : border_) {
-      const uint32_t a = start(side), b = end(side);
-      neighbours_.push_back({a, b});
-      neighbours_.push_back({b, a});
-      points.push_back(a);
-      points.push_back(b);
-      const double l = distance(soup_.position[a], soup_.position[b]);
-      shortest_[a] = std::min(shortest_[a], l);
-      shortest_[b] = std::min(shortest_[b], l);
-    }
-    std::sort(neighbours_.begin(), neighbours_.end());
-    std::sort(points.begin(), points.end());
-    points.erase(std::unique(points.begin(), points.end()), points.end());
-    return points;
-  }
-
-  uint32_t start(const BorderSide& side) const { return soup_.triangle[side.triangle][side.corner]; }
-  uint32_t end(const BorderSide& side) const { return soup_.triangle[side.triangle][(side.corner + 1) % 3]; }
-  uint32_t apex(const BorderSide& side) const { return soup_.triangle[side.triangle][(side.corner + 2) % 3]; }
-
-  /// Whether p lies on a-b between its ends. Next to an end, within a tenth of the edges there, two vertices failed to
-  /// meet: a split would leave a sliver between them.
-  std::optional<double> between(uint32_t a, uint32_t b, uint32_t p) const {
-    const Point3 &pa = soup_.position[a], &pb = soup_.position[b];
-    const Foot foot = foot_on(pa, pb, soup_.position[p]);
-    const double l = distance(pa, pb);
-    const double margin = std::max(tolerance_, 0.1 * std::min(l, shortest_[p])) / l;
-    const double most = std::min(tolerance_, 0.5 * std::min(l, shortest_[p]));
-    if (foot.height > most || foot.at <= margin || foot.at >= 1 - margin) return std::nullopt;
-    return foot.at;
-  }
-
-  /// Whether a border edge that starts in `from` begins with the piece from-to.
-  bool edge_covers(uint32_t from, uint32_t to) const {
-    const auto first = std::lower_bound(neighbours_.begin(), neighbours_.end(), std::array<uint32_t, 2>{from, 0});
-    for (auto it = first; it != neighbours_.end() && (*it)[0] == from; ++it) {
-      if ((*it)[1] == to || between(from, (*it)[1], to)) return true;
-    }
-    return false;
-  }
-
-  /// The points on a side, if they make it a seam: every piece between them lies along another border edge. Points
-  /// that only touch the side from the air are none: sheets that rest on each other would be tacked together there.
-  std::vector<OnSide> points_on(const BorderSide& side) const {
-    const uint32_t a = start(side), b = end(side), c = apex(side);
-    std::vector<OnSide> found;
-    tree_.near_segment(soup_.position[a], soup_.position[b],
-                       std::min(tolerance_, distance(soup_.position[a], soup_.position[b])), [&](uint32_t p) {
-                         if (p == a || p == b || p == c) return;
-                         if (const auto at = between(a, b, p)) found.push_back({*at, p});
-                       });
-    std::sort(found.begin(), found.end());
-    for (std::size_t i = 0; i < found.size() + 1 && !found.empty(); ++i) {
-      const uint32_t from = i == 0 ? a : found[i - 1].point, to = i == found.size() ? b : found[i].point;
-      // The side itself starts in a and covers the first piece, and likewise the last: ask from the other end there.
-      const bool covered = (i > 0 && edge_covers(from, to)) || (i < found.size() && edge_covers(to, from));
-      if (!covered) found.clear();
-    }
-    return found;
-  }
-
-  void split_side(const BorderSide& side, const std::vector<OnSide>& points) {
-    const uint32_t c = apex(side), last = end(side);
-    uint32_t from = start(side);
-    for (std::size_t i = 0; i <= points.size(); ++i) {
-      const uint32_t to = i < points.size() ? points[i].point : last;
-      if (i == 0) {
-        soup_.triangle[side.triangle] = {from, to, c};
-      } else {
-        soup_.triangle.push_back({from, to, c});
-        soup_.source.push_back(soup_.source[side.triangle]);
-      }
-      from = to;
-    }
-  }
-
-  Soup& soup_;
-  double tolerance_;
-  std::vector<BorderSide> border_;
-  std::vector<std::array<uint32_t, 2>> neighbours_;  ///< (border point, next border point), ascending
-  std::vector<double> shortest_;                     ///< per point: its shortest border edge [m]
-  PointTree tree_;
-};
-
 /// Triangles by edge, kept up while triangles change.
 class CapRemover {
  public:
@@ -467,14 +336,6 @@ uint64_t drop_duplicates(Soup& soup, std::span<const uint32_t> polygon) {
   gone += mark_backs(soup, keep);
   filter(soup, keep);
   return gone;
-}
-
-uint64_t split_t_junctions(Soup& soup, double tolerance) {
-  uint64_t met = 0;
-  if (!(tolerance > 0)) return met;
-  // A triangle can be met on each of its sides, and its parts again; sides only get shorter.
-  for (uint64_t more = 1, round = 0; more > 0 && round < 32; ++round) met += more = TJunctions(soup, tolerance).split();
-  return met;
 }
 
 uint64_t flatten_caps(Soup& soup) {

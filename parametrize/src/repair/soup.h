@@ -54,8 +54,10 @@ uint64_t drop_collapsed(Soup& soup);
 /// faces
 uint64_t drop_duplicates(Soup& soup, std::span<const uint32_t> polygon);
 
-/// Splits border edges at the border points that lie on them within the tolerance. @returns how many points were met
-uint64_t split_t_junctions(Soup& soup, double tolerance);
+/// Sews borders that lie along each other within the tolerance: points of them within a tenth of the edges there become
+/// one, in the middle, and edges are split at the others (T-junctions). @param vertex_point  per vertex of the file:
+/// its point @returns how many points were met by splitting
+uint64_t sew_borders(Soup& soup, std::vector<uint32_t>& vertex_point, double tolerance);
 
 /// Removes triangles whose three points lie on a line: the faces beyond their longest side get its middle point as a
 /// corner instead, which keeps the surface closed there. @returns how many were removed

@@ -10,6 +10,7 @@
 
 #include "mesh/point_math.h"
 #include "mesh/point_tree.h"
+#include "repair/near_groups.h"
 #include "repair/soup.h"
 
 namespace geocloth {
@@ -31,14 +32,6 @@ void weld_exact(std::span<const Point3> position, const std::vector<bool>& used,
     out.point[i] = it->second;
   }
 }
-
-struct NearPair {
-  double distance;
-  uint32_t a, b;
-  bool operator<(const NearPair& o) const {
-    return distance != o.distance ? distance < o.distance : a != o.a ? a < o.a : b < o.b;
-  }
-};
 
 /// The length of the shortest edge at every place; the largest number where there is none. Sides that are nothing
 /// beside the others of their triangle are no edges: the vertices around the pole of a sphere that was computed lie
@@ -75,53 +68,6 @@ std::vector<NearPair> near_pairs(const std::vector<Point3>& place, const std::ve
   return pairs;
 }
 
-/// Groups of places, joined pair by pair while every two of a group are within each other's reach. Two ends of an edge
-/// never are.
-class Groups {
- public:
-  Groups(const std::vector<Point3>& place, const std::vector<double>& reach)
-      : place_(place), reach_(reach), parent_(place.size()) {
-    std::iota(parent_.begin(), parent_.end(), 0U);
-  }
-
-  void join(const NearPair& pair) {
-    uint32_t a = find(pair.a), b = find(pair.b);
-    if (a == b) return;
-    if (b < a) std::swap(a, b);
-    if (!compact(a, b)) return;
-    parent_[b] = a;
-    std::vector<uint32_t>& all = members(a);
-    const std::vector<uint32_t> more = members(b);
-    all.insert(all.end(), more.begin(), more.end());
-  }
-
-  uint32_t find(uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-
- private:
-  std::vector<uint32_t>& members(uint32_t root) {
-    const auto [it, fresh] = member_.try_emplace(root);
-    if (fresh) it->second.push_back(root);
-    return it->second;
-  }
-
-  bool compact(uint32_t a, uint32_t b) {
-    const std::vector<uint32_t> first = members(a);
-    return std::all_of(first.begin(), first.end(), [&](uint32_t i) {
-      const std::vector<uint32_t>& second = members(b);
-      return std::all_of(second.begin(), second.end(),
-                         [&](uint32_t j) { return distance(place_[i], place_[j]) <= std::min(reach_[i], reach_[j]); });
-    });
-  }
-
-  const std::vector<Point3>& place_;
-  const std::vector<double>& reach_;
-  std::vector<uint32_t> parent_;
-  std::unordered_map<uint32_t, std::vector<uint32_t>> member_;
-};
-
 /// The triangles over places, without those that have two corners at one.
 std::vector<Triangle> proper_triangles(std::span<const Triangle> triangle, const std::vector<uint32_t>& point) {
   std::vector<Triangle> result;
@@ -137,7 +83,7 @@ std::vector<Triangle> proper_triangles(std::span<const Triangle> triangle, const
 void weld_near(const std::vector<double>& reach, Weld& weld) {
   const std::vector<NearPair> pairs = near_pairs(weld.position, reach);
   if (pairs.empty()) return;
-  Groups groups(weld.position, reach);
+  NearGroups groups(weld.position, reach);
   for (const NearPair& pair : pairs) groups.join(pair);
   // The root of a group is its first place, so that numbers stay in order of first appearance.
   std::vector<uint32_t> number(weld.position.size(), kNone);

@@ -21,9 +21,10 @@ struct RepairResult {
   Topology cleaned;  ///< triangles over `point`: the tied complex that the image has to reproduce
 };
 
-/// Welds by position (exact, then within the distance), drops degenerate and duplicate faces, resolves T-junctions,
-/// orients every part, keeps the most coplanar pair joined where an edge has more than two faces and detaches the
-/// rest, splits bow-tie vertices; what was detached stays tied through CleanSurface::point. Holes are never closed.
+/// Welds by position (exact, then within the distance), drops degenerate and duplicate faces, resolves T-junctions
+/// (points of a seam whose sides have unlike numbers of them become one within a tenth of the edges there), orients
+/// every part, keeps the most coplanar pair joined where an edge has more than two faces and detaches the rest, splits
+/// bow-tie vertices; what was detached stays tied through CleanSurface::point. Holes are never closed.
 /// @throws Error(invalid_data) when no face is left
 [[nodiscard]] RepairResult repair_mesh(const TriangleMesh& mesh, const RepairOptions& options = {},
                                        const Progress& progress = {});
