@@ -310,6 +310,68 @@ TEST(Repair, DropsADuplicateQuadCutTheOtherWay) {
   EXPECT_EQ(r.cleaned.non_manifold_edges, 0U);
 }
 
+/// Two layers sewn round the border. At two corners a triangle of each has no vertex but on the border.
+TriangleMesh pillow(uint32_t n) {
+  TriangleMesh mesh = sheet(n, n), back = mesh;
+  const auto bulge = [&](const Point3& p) {
+    return 0.1 * std::sin(std::numbers::pi * p[0] / n) * std::sin(std::numbers::pi * p[1] / n);
+  };
+  for (auto& [x, y, z] : mesh.position) {
+    const bool border = x == 0 || y == 0 || x == n || y == n;
+    z = border ? 0 : bulge({x, y, z});
+  }
+  for (std::size_t i = 0; i < back.position.size(); ++i) {
+    back.position[i] = {mesh.position[i][0], mesh.position[i][1], -mesh.position[i][2]};
+  }
+  for (Triangle& t : back.triangle) std::swap(t[1], t[2]);
+  append(mesh, back);
+  return mesh;
+}
+
+// One of the two was kept before, a flap that held the pillow open there.
+TEST(Repair, ClosesAPillowWhoseCornersAreFlat) {
+  for (const uint32_t n : {2U, 3U, 10U}) {
+    const RepairResult r = repair(pillow(n));
+    EXPECT_EQ(repaired(r, "duplicate_faces"), 4U);
+    EXPECT_EQ(r.surface.triangle.size(), 4 * n * n - 4U);
+    EXPECT_EQ(r.cleaned.boundary_loops, 0U);
+    EXPECT_EQ(r.cleaned.non_manifold_edges, 0U);
+    EXPECT_EQ(r.cleaned.euler_characteristic, 2);
+  }
+}
+
+TEST(Repair, ClosesAPillowWithACornerStackedThreeTimes) {
+  TriangleMesh mesh = pillow(4);
+  // The corner in which vertex 4 is the only one of its quad that is in no other.
+  const auto corner = std::find_if(mesh.triangle.begin(), mesh.triangle.end(), [](const Triangle& t) {
+    return std::count(t.begin(), t.end(), 4U) > 0 && std::count(t.begin(), t.end(), 9U) > 0;
+  });
+  ASSERT_NE(corner, mesh.triangle.end());
+  append(mesh, make_mesh({mesh.position[(*corner)[0]], mesh.position[(*corner)[1]], mesh.position[(*corner)[2]]},
+                         {{0, 1, 2}}));
+  const RepairResult r = repair(mesh);
+  EXPECT_EQ(repaired(r, "duplicate_faces"), 5U);
+  EXPECT_EQ(r.cleaned.boundary_loops, 0U);
+  EXPECT_EQ(r.cleaned.euler_characteristic, 2);
+}
+
+TEST(Repair, KeepsOneOfTwoTrianglesThatAreAPartOfTheirOwn) {
+  TriangleMesh mesh = sheet(2, 2);
+  append(mesh, make_mesh({{5, 0, 0}, {6, 0, 0}, {5, 1, 0}}, {{0, 1, 2}, {0, 2, 1}, {0, 1, 2}}));
+  const RepairResult r = repair(mesh);
+  EXPECT_EQ(repaired(r, "duplicate_faces"), 2U);
+  EXPECT_EQ(r.cleaned.components, 2U);
+}
+
+// The backs of a double-sided label that is sewn on by an edge are duplicates as they are everywhere else.
+TEST(Repair, KeepsADoubleSidedLabelOnASheet) {
+  TriangleMesh mesh = sheet(4, 4);
+  append(mesh, make_mesh({{2, 1, 0}, {2, 2, 0}, {2, 1, 1}, {2, 2, 1}}, {{0, 1, 2}, {1, 3, 2}, {1, 0, 2}, {3, 1, 2}}));
+  const RepairResult r = repair(mesh);
+  EXPECT_EQ(repaired(r, "duplicate_faces"), 2U);
+  EXPECT_EQ(r.surface.triangle.size(), 34U);
+}
+
 /// A sheet with a bend, and its back with other diagonals, each triangle a face as in glTF.
 TriangleMesh double_sided_sheet(uint32_t nx, uint32_t ny) {
   TriangleMesh mesh = sheet(nx, ny);

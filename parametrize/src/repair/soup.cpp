@@ -70,24 +70,97 @@ uint64_t mark_duplicate_polygons(const Soup& soup, std::span<const uint32_t> pol
   return gone;
 }
 
-uint64_t mark_duplicate_triangles(const Soup& soup, std::vector<bool>& keep) {
-  std::vector<uint32_t> order(soup.triangle.size());
-  std::iota(order.begin(), order.end(), 0U);
+/// Triangles with the same three points are of one class.
+struct Classes {
+  std::vector<uint32_t> order;                          ///< triangles, by class, as they come in each
+  std::vector<uint32_t> of;                             ///< per triangle: its class; kNone where it is not kept
+  std::vector<std::pair<std::size_t, std::size_t>> at;  ///< per class: begin and end in `order`
+};
+
+Classes classes_of(const Soup& soup, const std::vector<bool>& keep) {
+  Classes classes;
+  for (uint32_t i = 0; i < soup.triangle.size(); ++i) {
+    if (keep[i]) classes.order.push_back(i);
+  }
   std::vector<Triangle> key(soup.triangle.size());
   std::transform(soup.triangle.begin(), soup.triangle.end(), key.begin(), sorted);
-  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return key[a] < key[b]; });
-  uint64_t gone = 0;
-  bool one_kept = false;
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    if (i == 0 || key[order[i]] != key[order[i - 1]]) one_kept = false;
-    if (!keep[order[i]]) continue;
-    if (one_kept) {
-      keep[order[i]] = false;
-      ++gone;
-    }
-    one_kept = true;
+  std::stable_sort(classes.order.begin(), classes.order.end(), [&](uint32_t a, uint32_t b) { return key[a] < key[b]; });
+  classes.of.assign(soup.triangle.size(), kNone);
+  for (std::size_t i = 0; i < classes.order.size(); ++i) {
+    const uint32_t t = classes.order[i];
+    if (i == 0 || key[t] != key[classes.order[i - 1]]) classes.at.emplace_back(i, i);
+    classes.of[t] = static_cast<uint32_t>(classes.at.size() - 1);
+    classes.at.back().second = i + 1;
   }
-  return gone;
+  return classes;
+}
+
+bool turns_up(const Triangle& t) {
+  const auto least = static_cast<std::size_t>(std::min_element(t.begin(), t.end()) - t.begin());
+  return t[(least + 1) % 3] < t[(least + 2) % 3];
+}
+
+/// Finds the corners of two layers sewn round the border where a triangle has no vertex but on the border, so that it
+/// is one with that of the other layer: two faces that run opposite ways round, or more, with no others at one or two
+/// of their edges and one of each layer at the rest. One of them kept would hang on the edge between the layers;
+/// without both the layers are joined there.
+class FlattenedCorners {
+ public:
+  FlattenedCorners(const Soup& soup, const Classes& classes) : soup_(soup), classes_(classes) {
+    for (const uint32_t i : classes.order) {
+      const Triangle& t = soup.triangle[i];
+      for (std::size_t k = 0; k < 3; ++k) side_.emplace_back(edge_key(t[k], t[(k + 1) % 3]), i);
+    }
+    std::sort(side_.begin(), side_.end());
+  }
+
+  [[nodiscard]] bool is_one(uint32_t c) const {
+    const auto [begin, end] = classes_.at[c];
+    const auto turns = [&](std::size_t i) { return turns_up(soup_.triangle[classes_.order[i]]); };
+    bool both_ways = false;
+    for (std::size_t i = begin; i < end; ++i) both_ways = both_ways || turns(i) != turns(begin);
+    if (!both_ways) return false;
+    const Triangle& t = soup_.triangle[classes_.order[begin]];
+    int joined = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::optional<bool> join = is_between_layers(edge_key(t[k], t[(k + 1) % 3]), c);
+      if (!join) return false;
+      joined += *join ? 1 : 0;
+    }
+    return joined == 1 || joined == 2;
+  }
+
+ private:
+  /// Whether an edge of a class has two faces of others, each alone in its class; nothing where it has other faces.
+  [[nodiscard]] std::optional<bool> is_between_layers(uint64_t edge, uint32_t c) const {
+    int others = 0;
+    for (auto s = std::lower_bound(side_.begin(), side_.end(), std::pair(edge, 0U)); s != side_.end(); ++s) {
+      if (s->first != edge) break;
+      const uint32_t other = classes_.of[s->second];
+      if (other == c) continue;
+      if (classes_.at[other].second - classes_.at[other].first > 1) return std::nullopt;
+      ++others;
+    }
+    return others == 0 || others == 2 ? std::optional(others == 2) : std::nullopt;
+  }
+
+  const Soup& soup_;
+  const Classes& classes_;
+  std::vector<std::pair<uint64_t, uint32_t>> side_;  ///< (edge, triangle), ascending
+};
+
+/// Marks all triangles of a class but the first, and of corners flattened that as well.
+uint64_t mark_duplicate_triangles(const Soup& soup, std::vector<bool>& keep) {
+  const Classes classes = classes_of(soup, keep);
+  if (classes.at.size() == classes.order.size()) return 0;
+  const FlattenedCorners corners(soup, classes);
+  for (uint32_t c = 0; c < classes.at.size(); ++c) {
+    const auto [begin, end] = classes.at[c];
+    if (end - begin == 1) continue;
+    for (std::size_t i = corners.is_one(c) ? begin : begin + 1; i < end; ++i) keep[classes.order[i]] = false;
+  }
+  return static_cast<uint64_t>(
+      std::count_if(classes.order.begin(), classes.order.end(), [&](uint32_t i) { return !keep[i]; }));
 }
 
 /// Finds triangles of double-sided sheets whose back is cut along the other diagonals: two triangles across a diagonal

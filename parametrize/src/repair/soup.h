@@ -49,9 +49,9 @@ struct BorderSide {
 uint64_t drop_collapsed(Soup& soup);
 
 /// Drops all but the first of the triangles over the same three points, whichever way round, and all but the first of
-/// the polygons over the same points. Of double-sided parts whose back is cut along other diagonals than the front, and
-/// so shares no triangle with it, the back. @param polygon  per triangle of the file; may be empty @returns how many
-/// faces
+/// the polygons over the same points. Of corners that two layers sewn round the border have in common, both triangles.
+/// Of double-sided parts whose back is cut along other diagonals than the front, and so shares no triangle with it, the
+/// back. @param polygon  per triangle of the file; may be empty @returns how many faces
 uint64_t drop_duplicates(Soup& soup, std::span<const uint32_t> polygon);
 
 /// Sews borders that lie along each other within the tolerance: points of them within a tenth of the edges there become
