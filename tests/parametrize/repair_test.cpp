@@ -175,6 +175,21 @@ TEST(Repair, SewsASoupThatWasShakenAboutTheTolerance) {
   }
 }
 
+/// A sheet of nx x ny quads over the unit square, bent by `place`.
+template <typename Place>
+TriangleMesh unit_sheet(uint32_t nx, uint32_t ny, const Place& place) {
+  TriangleMesh mesh = sheet(nx, ny);
+  for (Point3& p : mesh.position) p = place(p[0] / nx, p[1] / ny);
+  return mesh;
+}
+
+void expect_one_sheet(const RepairResult& r) {
+  EXPECT_EQ(r.cleaned.components, 1U);
+  EXPECT_EQ(r.cleaned.boundary_loops, 1U);
+  EXPECT_EQ(r.cleaned.euler_characteristic, 1);
+  EXPECT_EQ(r.cleaned.bow_tie_vertices, 0U);
+}
+
 /// Two sheets of the same squares side by side; the second one has `finer` times as many edges along the gap.
 TriangleMesh sheets_apart(double gap, uint32_t finer) {
   TriangleMesh mesh = sheet(10, 10);
@@ -208,12 +223,63 @@ TEST(Repair, FindsCracks) {
   EXPECT_EQ(find_cracks(repair_mesh(sheet(10, 10)).surface).edges, 0U);
 }
 
+/// Repairs with the distance that is to be said of the cracks.
+RepairResult repair_cracks(const TriangleMesh& mesh) {
+  return repair_mesh(mesh, {.weld_distance = 1.1 * find_cracks(repair_mesh(mesh).surface).widest});
+}
+
+// A side panel twice as fine, as it is often drawn, has no vertex beside most of the others' vertices.
+TEST(Repair, FindsCracksBesideAFinerBorder) {
+  for (const uint32_t finer : {2U, 3U}) {
+    const TriangleMesh mesh = sheets_apart(0.02, finer);
+    const Cracks cracks = find_cracks(repair_mesh(mesh).surface);
+    EXPECT_EQ(cracks.edges, 10 + 10 * finer);
+    EXPECT_EQ(cracks.of_edges, 60 + 20 * finer);
+    EXPECT_NEAR(cracks.widest, 0.02, 1e-9);
+    expect_one_sheet(repair_cracks(mesh));
+  }
+}
+
+// Two halves of a skirt with no gap between them but the bend of their edges hung together at four points, and nothing
+// said so.
+TEST(Repair, FindsCracksAlongACurvedSeamOfUnlikeCounts) {
+  const auto seam = [](double v) { return 0.5 + 0.1 * std::sin(3 * v); };
+  for (const uint32_t right : {31U, 60U}) {
+    TriangleMesh mesh = unit_sheet(9, 40, [&](double u, double v) { return Point3{u * seam(v), v, 0}; });
+    append(mesh, unit_sheet(7, right, [&](double u, double v) { return Point3{seam(v) + u / 2, v, 0}; }));
+    const Cracks cracks = find_cracks(repair_mesh(mesh).surface);
+    EXPECT_GT(cracks.edges, 0.9 * (40 + right));
+    EXPECT_LT(cracks.widest, 2e-4);
+    expect_one_sheet(repair_cracks(mesh));
+  }
+}
+
+// Front and back of a flat tube leave their seams at less than a right angle.
+TEST(Repair, FindsCracksBetweenPanelsThatMeetAtAnAcuteAngle) {
+  const auto tube = [](uint32_t back, double gap) {
+    const auto bulge = [](double u) { return 0.2 * std::sin(std::numbers::pi * u); };
+    TriangleMesh mesh = unit_sheet(30, 40, [&](double u, double v) { return Point3{u, v, bulge(u) + gap / 2}; });
+    append(mesh, unit_sheet(23, back, [&](double u, double v) { return Point3{u, v, -bulge(u) - gap / 2}; }));
+    return mesh;
+  };
+  for (const uint32_t back : {40U, 31U}) {
+    const TriangleMesh mesh = tube(back, 0.001);
+    EXPECT_GT(find_cracks(repair_mesh(mesh).surface).edges, 0.9 * (40 + back)) << back;
+    const RepairResult r = repair_cracks(mesh);
+    EXPECT_EQ(r.cleaned.boundary_loops, 2U) << back;
+    EXPECT_EQ(r.cleaned.euler_characteristic, 0) << back;
+  }
+}
+
 // A lining ends where its shell ends; sewn together by a wrong advice they would be one stiff mess.
 TEST(Repair, DoesNotTakeTheHemsOfTwoLayersForCracks) {
   TriangleMesh mesh = sheet(10, 10), lining = sheet(10, 10);
   for (Point3& p : lining.position) p[2] += 0.03;
   append(mesh, lining);
   EXPECT_EQ(find_cracks(repair_mesh(mesh).surface).edges, 0U);
+  TriangleMesh shell = sheet(10, 10);
+  append(shell, unit_sheet(23, 31, [](double u, double v) { return Point3{10 * u, 10 * v, 0.02}; }));
+  EXPECT_EQ(find_cracks(repair_mesh(shell).surface).edges, 0U) << "of unlike counts";
 }
 
 TEST(Repair, WeldsNothingThatIsApartWhereZeroIsGiven) {
@@ -678,14 +744,6 @@ TEST(Repair, WeldsSheetsOfDifferentResolution) {
   EXPECT_EQ(repaired(r, "t_junctions"), 8U + 2U);
 }
 
-/// A sheet of nx x ny quads over the unit square, bent by `place`.
-template <typename Place>
-TriangleMesh unit_sheet(uint32_t nx, uint32_t ny, const Place& place) {
-  TriangleMesh mesh = sheet(nx, ny);
-  for (Point3& p : mesh.position) p = place(p[0] / nx, p[1] / ny);
-  return mesh;
-}
-
 /// Vertices numbered otherwise, triangles in another order.
 TriangleMesh shuffled(TriangleMesh mesh) {
   std::mt19937 random(5);
@@ -708,13 +766,6 @@ std::vector<Point3> sorted_places(const CleanSurface& surface) {
   std::vector<Point3> places = surface.position;
   std::sort(places.begin(), places.end());
   return places;
-}
-
-void expect_one_sheet(const RepairResult& r) {
-  EXPECT_EQ(r.cleaned.components, 1U);
-  EXPECT_EQ(r.cleaned.boundary_loops, 1U);
-  EXPECT_EQ(r.cleaned.euler_characteristic, 1);
-  EXPECT_EQ(r.cleaned.bow_tie_vertices, 0U);
 }
 
 // Where points of the two sides nearly met, up to a twentieth of an edge apart, the seam stayed open on both sides of

@@ -22,20 +22,31 @@ struct BorderEdge {
   bool operator<(const BorderEdge& o) const { return from != o.from ? from < o.from : to < o.to; }
 };
 
+constexpr double kGap = 0.1;  // of the shortest border edge at either place: folds and slits are wider
+
+constexpr double kLayers = 0.7;  // cosine between triangles that lie on each other, more or less
+
 class CrackFinder {
  public:
   explicit CrackFinder(const CleanSurface& surface)
       : place_(places(surface)), edge_(border_edges(surface)), shortest_(shortest_edges()), tree_(place_, ends()) {}
 
-  Cracks find() const {
-    Cracks cracks;
-    for (const BorderEdge& e : edge_) {
-      if (e.to < e.from) continue;
+  Cracks find() {
+    constexpr double kMost = 0.25;  // of the border; less of what opens so little may be the rims of thick cloth
+    look_along_borders();
+    Cracks cracks, acute;
+    for (std::size_t i = 0; i < edge_.size(); ++i) {
+      if (edge_[i].to < edge_[i].from) continue;
       ++cracks.of_edges;
-      const std::optional<double> gap = gap_beside(e);
+      const std::optional<Gap> gap = gap_beside(i);
       if (!gap) continue;
-      ++cracks.edges;
-      cracks.widest = std::max(cracks.widest, *gap);
+      Cracks& sum = gap->is_acute ? acute : cracks;
+      ++sum.edges;
+      sum.widest = std::max(sum.widest, gap->width);
+    }
+    if (acute.edges > kMost * cracks.of_edges) {
+      cracks.edges += acute.edges;
+      cracks.widest = std::max(cracks.widest, acute.widest);
     }
     return cracks;
   }
@@ -76,7 +87,6 @@ class CrackFinder {
   }
 
   std::vector<uint32_t> beside(uint32_t a) const {
-    constexpr double kGap = 0.1;  // of the shortest border edge at either place: folds and slits are wider
     std::vector<uint32_t> found;
     tree_.near_segment(place_[a], place_[a], kGap * shortest_[a], [&](uint32_t b) {
       if (b != a && distance(place_[a], place_[b]) <= kGap * std::min(shortest_[a], shortest_[b])) found.push_back(b);
@@ -85,23 +95,39 @@ class CrackFinder {
     return found;
   }
 
-  /// How far the edges beside this one are, if all of them go on where its triangle ends: the hems of two layers, that
+  /// Beside a border edge.
+  struct Gap {
+    double width;
+    bool is_acute;  ///< the triangles beyond are less than a right angle apart
+  };
+
+  /// The gap to the edges beside this one, if all of them go on where its triangle ends: the hems of two layers, that
   /// joining would glue together, are no crack.
-  std::optional<double> gap_beside(const BorderEdge& e) const {
-    std::optional<double> widest;
+  std::optional<Gap> gap_beside(std::size_t i) const {
+    const BorderEdge& e = edge_[i];
+    std::optional<Gap> widest;
     const std::vector<uint32_t> last = beside(e.to);
     for (const uint32_t from : beside(e.from)) {
       for (const uint32_t to : last) {
         if (from == e.from && to == e.to) continue;
         const auto [begin, end] = std::equal_range(edge_.begin(), edge_.end(), BorderEdge{from, to, 0});
         for (auto other = begin; other != end; ++other) {
-          if (dot(inwards(e), inwards(*other)) >= 0) return std::nullopt;
-          widest = std::max(widest.value_or(0),
-                            std::max(distance(place_[from], place_[e.from]), distance(place_[to], place_[e.to])));
+          const double cosine = cosine_between(e, *other);
+          if (cosine >= kLayers) return std::nullopt;
+          if (!widest) widest = Gap{0, false};
+          widest->is_acute = widest->is_acute || cosine >= 0;
+          widest->width = std::max(
+              widest->width, std::max(distance(place_[from], place_[e.from]), distance(place_[to], place_[e.to])));
         }
       }
     }
-    return widest;
+    return widest ? widest : gap_along(i);
+  }
+
+  /// Between the triangles at two edges beside each other; 1 where they lie on each other.
+  double cosine_between(const BorderEdge& e, const BorderEdge& other) const {
+    const Point3 a = inwards(e), b = inwards(other);
+    return dot(a, b) / (length(a) * length(b));
   }
 
   /// From the edge to its triangle's apex, square to the edge.
@@ -110,10 +136,78 @@ class CrackFinder {
     return way - along * (dot(way, along) / dot(along, along));
   }
 
+  // --- borders with other vertices -----------------------------------------------------------------------------------
+
+  static constexpr std::array<double, 3> kSample{0.25, 0.5, 0.75};  // along an edge
+
+  /// What of other borders is beside an edge.
+  struct Beside {
+    std::array<bool, kSample.size()> met{};  ///< at its samples
+    double cosine = -1;                      ///< the largest between its triangle and theirs
+  };
+
+  static double distance_from(const Point3& a, const Point3& b, const Point3& p) {
+    return distance(p, a + (b - a) * std::clamp(foot_on(a, b, p).at, 0.0, 1.0));
+  }
+
+  /// Asks every edge for the vertices and the samples of edges beside it.
+  void look_along_borders() {
+    of_edge_.resize(edge_.size());
+    nearest_.assign(place_.size(), std::numeric_limits<double>::max());
+    std::vector<Point3> at = place_;
+    std::vector<uint32_t> all = ends(), edge_of;
+    for (uint32_t i = 0; i < edge_.size(); ++i) {
+      const BorderEdge& e = edge_[i];
+      if (e.to < e.from) continue;
+      for (const double t : kSample) {
+        all.push_back(static_cast<uint32_t>(at.size()));
+        at.push_back(place_[e.from] + (place_[e.to] - place_[e.from]) * t);
+        edge_of.push_back(i);
+      }
+    }
+    const PointTree tree(at, std::move(all));
+    for (const BorderEdge& f : edge_) {
+      if (f.to < f.from) continue;
+      const Point3 &a = place_[f.from], &b = place_[f.to];
+      const double most = kGap * std::min(shortest_[f.from], shortest_[f.to]);
+      tree.near_segment(a, b, most, [&](uint32_t p) {
+        const double d = distance_from(a, b, at[p]);
+        if (d > most) return;
+        if (p >= place_.size()) {
+          const auto sample = p - static_cast<uint32_t>(place_.size());
+          note(f, d, edge_of[sample], sample % kSample.size());
+        } else if (p != f.from && p != f.to && d <= kGap * shortest_[p]) {
+          nearest_[p] = std::min(nearest_[p], d);
+        }
+      });
+    }
+  }
+
+  void note(const BorderEdge& f, double d, uint32_t i, std::size_t sample) {
+    const BorderEdge& e = edge_[i];
+    if ((e.from == f.from && e.to == f.to) || d > kGap * std::min(shortest_[e.from], shortest_[e.to])) return;
+    of_edge_[i].met[sample] = true;
+    of_edge_[i].cosine = std::max(of_edge_[i].cosine, cosine_between(e, f));
+  }
+
+  /// How far the ends of an edge are from borders that lie all along it with other vertices.
+  std::optional<Gap> gap_along(std::size_t i) const {
+    const auto& [met, cosine] = of_edge_[i];
+    if (cosine >= kLayers || std::find(met.begin(), met.end(), false) != met.end()) return std::nullopt;
+    double widest = 0;
+    for (const uint32_t end : {edge_[i].from, edge_[i].to}) {
+      if (nearest_[end] < std::numeric_limits<double>::max())
+        widest = std::max(widest, nearest_[end]);  // or it is joined
+    }
+    return Gap{widest, cosine >= 0};
+  }
+
   std::vector<Point3> place_;     // of points
   std::vector<BorderEdge> edge_;  // ascending
   std::vector<double> shortest_;  // per point: of its border edges
   PointTree tree_;                // of the points on the border
+  std::vector<Beside> of_edge_;
+  std::vector<double> nearest_;  // per point: how far the nearest edge of another border is
 };
 
 }  // namespace

@@ -30,11 +30,12 @@ struct RepairResult {
                                        const Progress& progress = {});
 
 /// Edges of the border that lie so near to others of it, beside their lengths, and between triangles that go on from
-/// each other, that the garment may be meant to hold together there.
+/// each other, that the garment may be meant to hold together there. A weld distance a little above the widest joins
+/// them.
 struct Cracks {
   uint32_t edges = 0;     ///< both sides of a crack
   uint32_t of_edges = 0;  ///< of the border
-  double widest = 0;      ///< [m] between the ends of two such edges
+  double widest = 0;      ///< [m] between the ends of two such edges, or an end and the edge beside it
 };
 [[nodiscard]] Cracks find_cracks(const CleanSurface& surface);
 
