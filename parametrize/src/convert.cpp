@@ -364,17 +364,64 @@ std::string warning_of_move(const Point3& way) {
   return text;
 }
 
+/// What to say when nearly all of a mesh is within a pixel, because a few of its vertices are far away.
+std::optional<std::string> warning_of_far_vertices(const TriangleMesh& mesh, const Point3& moved, double spacing) {
+  constexpr std::size_t kFewest = 8;
+  constexpr double kNearlyAll = 0.99;
+  std::vector<bool> is_used(mesh.position.size(), false);
+  for (const Triangle& t : mesh.triangle) {
+    for (const uint32_t v : t) is_used[v] = true;
+  }
+  std::vector<uint32_t> used;
+  for (uint32_t v = 0; v < is_used.size(); ++v) {
+    if (is_used[v]) used.push_back(v);
+  }
+  if (used.size() < kFewest) return std::nullopt;
+  Point3 median{};
+  const auto middle = used.begin() + static_cast<std::ptrdiff_t>(used.size() / 2);
+  for (std::size_t k = 0; k < 3; ++k) {
+    std::nth_element(used.begin(), middle, used.end(),
+                     [&](uint32_t a, uint32_t b) { return mesh.position[a][k] < mesh.position[b][k]; });
+    median[k] = mesh.position[*middle][k];
+  }
+  const auto away = [&](uint32_t v) { return distance(mesh.position[v], median); };
+  const auto nearer = [&](uint32_t a, uint32_t b) {
+    const double p = away(a), q = away(b);
+    return p != q ? p < q : a > b;
+  };
+  const auto last_near = used.begin() + static_cast<std::ptrdiff_t>(kNearlyAll * static_cast<double>(used.size() - 1));
+  std::nth_element(used.begin(), last_near, used.end(), nearer);
+  const auto is_far = [&](uint32_t v) { return 2 * away(v) >= spacing; };
+  const auto far = std::count_if(last_near, used.end(), is_far);
+  if (is_far(*last_near) || far == 0) return std::nullopt;
+  const uint32_t farthest = *std::max_element(last_near, used.end(), nearer);
+  const Point3 place = mesh.position[farthest] - moved;
+  char text[320];
+  std::snprintf(
+      text, sizeof text,
+      "vertex %u of the file, counted from 1, lies far from the others, at (%.9g, %.9g, %.9g) m%s: all the rest "
+      "is smaller than a pixel of %.3g m; remove it if it is a stray one",
+      farthest + 1, place[0], place[1], place[2],
+      far > 1 ? (", and " + std::to_string(far - 1) + " more do").c_str() : "", spacing);
+  return text;
+}
+
 ConvertResult convert_near_origin(TriangleMesh mesh, const ConvertOptions& options, const Progress& progress,
                                   Stages& stages, const StageFiles& files) {
   files.save(mesh);
   const std::optional<Bounds> bounds = bounds_of_faces(mesh);
   if (bounds) check_size(*bounds);
   const std::optional<Point3> way = bounds ? way_to_origin(*bounds) : std::nullopt;
-  if (!way) return convert_mesh(mesh, options, progress, stages, files);
-  for (Point3& p : mesh.position) p = p + *way;
+  if (way) {
+    for (Point3& p : mesh.position) p = p + *way;
+  }
   ConvertResult result = convert_mesh(mesh, options, progress, stages, files);
+  std::vector<std::string>& warnings = result.report.warnings;
+  const auto far = warning_of_far_vertices(mesh, way.value_or(Point3{0, 0, 0}), result.asset.spacing);
+  if (far) warnings.insert(warnings.begin(), *far);
+  if (!way) return result;
   result.report.moved = *way;
-  result.report.warnings.insert(result.report.warnings.begin(), warning_of_move(*way));
+  warnings.insert(warnings.begin(), warning_of_move(*way));
   return result;
 }
 

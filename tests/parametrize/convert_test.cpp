@@ -291,6 +291,16 @@ TEST(ConvertReport, WarnsOfAnImplausibleSize) {
   EXPECT_TRUE(convert(sheet(), small()).report.warnings.empty());
 }
 
+// The asset was four pixels by five, of a spike to nowhere, and nothing said so.
+TEST(ConvertReport, NamesAVertexThatIsLostFarAway) {
+  TriangleMesh mesh = patch("lost", 20, 20, [](double u, double v) { return Point3{u, -v, 0.1 * std::sin(3 * u)}; });
+  mesh.position[100] = {1e6, 0, 0};
+  const auto warnings = convert(mesh, small(Layout::panels)).report.warnings;
+  EXPECT_THAT(warnings, testing::Contains(HasSubstr("vertex 101 of the file")));
+  mesh.position[100] = {3, 0, 0};
+  EXPECT_THAT(convert(mesh, small(Layout::panels)).report.warnings, testing::Each(testing::Not(HasSubstr("vertex"))));
+}
+
 TEST(ConvertReport, WarnsOfFarMorePixelsThanWereAskedFor) {
   TriangleMesh crumbs = sheet();
   for (int i = 0; i < 100; ++i) {
