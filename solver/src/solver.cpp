@@ -117,7 +117,11 @@ std::unique_ptr<SolverBackend> make_backend(SimulationData data, const SolverSet
 }  // namespace
 
 Solver::Impl::Impl(std::span<const ClothDesc> cloths, const SolverSettings& settings, const BackendFactory& factory)
-    : settings_(settings), fine_(fineness(settings)), substeps_(settings.substeps) {
+    : settings_(settings),
+      fine_(fineness(settings)),
+      calm_step_(settings.frame_time / settings.substeps),
+      usual_substeps_(settings.substeps),
+      substeps_(settings.substeps) {
   check(settings);
   check_cloths(cloths);
   origin_ = choose_origin(cloths);
@@ -223,8 +227,12 @@ void Solver::Impl::set_time_step(double frame_time, uint32_t substeps) {
   changed.frame_time = frame_time;
   changed.substeps = substeps;
   check(changed);
-  scene_changed_ = scene_changed_ || frame_time != settings_.frame_time || substeps != settings_.substeps;
   settings_ = changed;
+  constexpr double kCalm = 1.25;  // a step that differs by less leaves cloth where it lies
+  const double step = frame_time / substeps;
+  if (step <= kCalm * calm_step_ && calm_step_ <= kCalm * step) return;
+  scene_changed_ = true;
+  calm_step_ = step;
 }
 
 void Solver::Impl::set_pins(uint32_t cloth, std::span<const Pin> pins) {

@@ -110,7 +110,9 @@ class Solver::Impl {
   [[nodiscard]] float stretch_limit(const Cloth& cloth) const;
   [[nodiscard]] FrameClock clock() const;
   [[nodiscard]] std::optional<ClothBox> box_of_pins(const Cloth& cloth) const;
+  [[nodiscard]] uint32_t even_substeps();
   [[nodiscard]] uint32_t substeps_factor();
+  void choose_compliance_step();
   [[nodiscard]] const Ride* ride_of(uint32_t cloth);
   [[nodiscard]] float way_seen_from(const Ride* ride, uint32_t collider) const;
   void measure_rides(uint32_t factor);
@@ -132,8 +134,14 @@ class Solver::Impl {
   std::vector<uint32_t> movers_;  ///< colliders that go on evenly in the next frame
   bool scene_changed_ = true;     ///< since the last step, other than by what moves evenly
   double time_ = 0;               ///< [s] at the start of the next frame
+  double step_length_ = 0;        ///< [s] of a substep, that the last frame's were to have without haste; 0: no frame
+  double calm_step_;              ///< [s] of a substep, about which steps may vary without waking cloth
+  uint32_t usual_substeps_;       ///< of the next frame without haste
   uint32_t substeps_;             ///< of the next frame
-  FrameInput frame_;              ///< of the last step, whose memory the next one uses again
+  double compliance_step_ = 0;    ///< [s] the length that compliances are of
+  double last_step_ = 0;          ///< [s] of the last frame's substeps
+  std::array<double, 2> measured_steps_{};  ///< [s] of the substeps in the last two frames, by motion_word
+  FrameInput frame_;                        ///< of the last step, whose memory the next one uses again
   std::unique_ptr<SolverBackend> backend_;
 };
 
