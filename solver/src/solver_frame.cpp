@@ -29,7 +29,8 @@ float longest_way(std::span<const shader::ColliderShape> shapes) {
   return way;
 }
 
-constexpr float kFastWay = 0.2F;  // spacings in a substep
+constexpr float kFastWay = 0.2F;    // spacings in a substep
+constexpr float kLimitSteps = 512;  // of 1: plans are made anew for another limit, which is not for every frame
 
 /// How many substeps in place of one a collider is to have.
 struct Haste {
@@ -118,12 +119,25 @@ void Solver::Impl::fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const {
   }
   frame.pulled_apart = pull_of_pins(cloth, 0) > frame.params.stretch_limit;
   if (frame.pulled_apart) {
-    constexpr float kFew = 4;      // spacings: what two pins so near tear open is not worth slack everywhere
-    constexpr float kSteps = 128;  // of 1: plans are made anew for another limit, which is not for every frame
+    constexpr float kFew = 4;  // spacings: what two pins so near tear open is not worth slack everywhere
     const float pull = pull_of_pins(cloth, kFew * cloth.asset->spacing * cloth.scale);
-    frame.params.stretch_limit = std::max(frame.params.stretch_limit, std::ceil(kSteps * pull) / kSteps);
+    frame.params.stretch_limit = std::max(frame.params.stretch_limit, std::ceil(kLimitSteps * pull) / kLimitSteps);
   }
+  ease_limit(cloth, frame);
   frame.slack_pins = has_pins_above(cloth) || sags_between_pins(cloth);
+}
+
+/// What was pulled apart and is let go draws itself together; attachments that were short at once would throw it.
+void Solver::Impl::ease_limit(Cloth& cloth, ClothFrame& frame) const {
+  constexpr double kHold = 0.25;  // [s]
+  constexpr float kEase = 0.05F;  // [1/s]
+  float& limit = frame.params.stretch_limit;
+  if (frame.pulled_apart) cloth.pulled_at = time_;
+  if (time_ - cloth.pulled_at > kHold) cloth.limit -= kEase * static_cast<float>(settings_.frame_time);
+  cloth.limit = std::max(cloth.limit, limit);
+  if (limit == cloth.limit) return;
+  limit = std::ceil(kLimitSteps * cloth.limit) / kLimitSteps;
+  frame.pulled_apart = true;
 }
 
 /// How many times as far as along the cloth two pins are from each other, at most. Attachments that were shorter would

@@ -86,6 +86,8 @@ class Solver::Impl {
     Ride ride;                   ///< in the next frame
     bool rides_on = false;       ///< it rode in the last frame
     std::array<Ride, 2> rides;   ///< in the last two, by the word that was measured into
+    float limit = 0;             ///< ClothParams::stretch_limit of the last frame, as it sinks
+    double pulled_at = 0;        ///< [s] when pins last pulled it apart
     bool hangs = false;          ///< every point has an attachment or is pinned
     float reach = 0;             ///< [m] of the longest attachment; without pins of the whole cloth
     uint64_t particles = 0, springs_per_sweep = 0;
@@ -100,6 +102,7 @@ class Solver::Impl {
 
   [[nodiscard]] const Cloth& cloth_at(uint32_t cloth) const;
   void fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const;
+  void ease_limit(Cloth& cloth, ClothFrame& frame) const;
   void change_pins(Cloth& cloth, ClothFrame& frame) const;
   [[nodiscard]] static float pull_of_pins(const Cloth& cloth, float least);
   [[nodiscard]] bool has_pins_above(const Cloth& cloth) const;

@@ -220,6 +220,32 @@ TEST(Pins, PulledApartALittleOpenNoRowOfSprings) {
   }
 }
 
+/// A banner that is pulled tight between two poles, by a tenth too far, and torn from one of them.
+TEST(Pins, LetGoOfStretchedClothGiveItNoMoreThanItHeld) {
+  const ClothDesc cloth = test::describe(make_sheet({.nx = 33, .ny = 33}), find_material_preset("denim")->material);
+  const EnergyMeter meter(cloth);
+  SolverSettings settings = test::cpu_settings();
+  settings.gravity = {};
+  Solver solver(std::vector{cloth}, settings);
+  const std::vector<Pin> left = test::pins_at_rest(*cloth.asset, "left");
+  for (int f = 0; f < 60; ++f) {
+    std::vector<Pin> pins = test::pins_at_rest(*cloth.asset, "right", {0.1F * static_cast<float>(f) / 59, 0, 0});
+    pins.insert(pins.end(), left.begin(), left.end());
+    solver.set_pins(0, pins);
+    solver.step();
+  }
+  const double held = meter.measure({}, test::positions_of(solver), test::velocities_of(solver)).elastic;
+  solver.set_pins(0, left);
+  double most = 0;
+  for (int f = 0; f < 60; ++f) {
+    solver.step();
+    most = std::max(most, meter.measure({}, test::positions_of(solver), test::velocities_of(solver)).kinetic);
+  }
+  EXPECT_LE(most, held);
+  EXPECT_GE(most, 0.01 * held) << "it did not draw together";
+  EXPECT_LE(measure_stretch(*cloth.asset, 1, test::positions_of(solver)).max, 1.1);
+}
+
 TEST(TimeStep, ThatChangesFromFrameToFrameLeavesVelocitiesAsTheyAre) {
   const ClothAsset asset = make_sheet(kSheet);
   SolverSettings settings = test::cpu_settings();
