@@ -391,8 +391,8 @@ bool Solver::Impl::is_calm(uint32_t c) {
 }
 
 void Solver::Impl::step() {
-  for (uint32_t c = 0; c < cloths_.size(); ++c)
-    if (cloths_[c].teleport) carry_over(c);
+  carry_over();
+  follow_cloths();
   frame_.shapes = shapes_;
   frame_.collider_numbers = collider_numbers_;
   frame_.cloths.resize(cloths_.size());

@@ -76,6 +76,8 @@ class Solver::Impl {
     std::vector<PinWay> pin_ways;                     ///< of the pins that are held, by number instead of pixel
     std::vector<Vec3> pin_targets;                    ///< of all pins in their order, for a frame
     std::optional<Transform> parent_from, parent_to;  ///< at the start and the end of the next frame
+    Transform parent_first;                           ///< its first one
+    Vec3 start_middle, middle;                        ///< [m, world] of its points: at the start, where last seen
     Vec3 inertia_scale{1, 1, 1};
     std::optional<SelfCollision> self_collision;
     SelfNumbers self;
@@ -107,7 +109,9 @@ class Solver::Impl {
   [[nodiscard]] static float pull_of_pins(const Cloth& cloth, float least);
   [[nodiscard]] bool has_pins_above(const Cloth& cloth) const;
   [[nodiscard]] static bool sags_between_pins(const Cloth& cloth);
-  void carry_over(uint32_t cloth);
+  void carry_over();
+  [[nodiscard]] Vec3 middle_of_told(const Cloth& cloth) const;
+  void follow_cloths();
   [[nodiscard]] InterData inter_data() const;
   [[nodiscard]] bool meets_others(const Cloth& cloth) const { return inter_.points > 0 && cloth.inter_collision; }
   [[nodiscard]] float stretch_limit(const Cloth& cloth) const;
@@ -126,8 +130,9 @@ class Solver::Impl {
   [[nodiscard]] bool is_calm(uint32_t cloth);
 
   SolverSettings settings_;
-  uint32_t fine_;  ///< ClothParams::fine
-  Vec3 origin_;
+  uint32_t fine_;                  ///< ClothParams::fine
+  Vec3 origin_;                    ///< [m] whole metres, near the cloths
+  std::vector<Vec3> places_seen_;  ///< [m] of the colliders when cloth was looked for
   std::vector<Cloth> cloths_;
   SelfNumbers inter_;                                           ///< of the cloths that collide with each other
   std::vector<Collider> colliders_from_, colliders_to_;         ///< at the start and the end of the next frame
