@@ -114,12 +114,16 @@ GridMesh last_state_mesh(const Simulation& simulation, const std::vector<ClothSn
   return all;
 }
 
+std::string counted(uint64_t count, const std::string& what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
 void print_check(const SimulateArguments& options, Simulation& simulation) {
   const Scene& scene = simulation.scene();
-  const SolverStatistics statistics = simulation.solver().statistics();
-  fmt::print("{}: good: {} {} with {} particles, {} colliders, {} frames at {} a second, {} substeps\n",
-             options.input.string(), scene.cloths.size(), scene.cloths.size() == 1 ? "cloth" : "cloths",
-             statistics.particles, scene.colliders.size(), scene.frames, scene.frame_rate, scene.substeps);
+  fmt::print("{}: good: {} with {}, {}, {} at {} a second, {}\n", options.input.string(),
+             counted(scene.cloths.size(), "cloth"), counted(simulation.solver().statistics().particles, "particle"),
+             counted(scene.colliders.size(), "collider"), counted(scene.frames, "frame"), scene.frame_rate,
+             counted(scene.substeps, "substep"));
 }
 
 std::unique_ptr<FrameWriter> make_writer(const std::filesystem::path& path, Simulation& simulation,
