@@ -293,6 +293,18 @@ TEST_F(Playing, APinThatSelectsNothingIsNamedByItsPath) {
   }
 }
 
+TEST_F(Playing, WhatTheSolverRefusesIsNamedByItsPath) {
+  for (const std::string key : {"self_collision", "inter_collision"}) {
+    try {
+      play("},{\"asset\":\"sheet.glb\",\"" + key + R"(":{"distance":5})");
+      FAIL();
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::invalid_data);
+      EXPECT_THAT(error.what(), HasSubstr("scene.json: cloths[1]: " + key + ": distance is 5"));
+    }
+  }
+}
+
 TEST_F(Playing, PinsFollowWhatTheySay) {
   Simulation simulation = play(R"(,"transform":{"translate":[0,2,0]},
     "motion":[{"time":0,"translate":[0,0,0]},{"time":1,"translate":[0,0,1]}],

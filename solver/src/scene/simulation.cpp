@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -69,6 +70,23 @@ void read_bodies(Scene& scene, const ReadSurface& read_surface) {
   }
 }
 
+/// Makes the solver; what it says of cloth 2 is of cloths[2] of the scene.
+Solver solver_of(const Scene& scene, std::span<const ClothDesc> cloths, const SolverSettings& settings,
+                 const MakeSolver& make_solver) {
+  try {
+    return make_solver ? make_solver(cloths, settings) : Solver(cloths, settings);
+  } catch (const Error& error) {
+    const std::string message = error.what();
+    for (size_t c = 0; c < cloths.size(); ++c) {
+      const std::string cloth = "cloth " + std::to_string(c) + ": ";
+      if (!message.starts_with(cloth)) continue;
+      throw Error(error.code() == ErrorCode::invalid_argument ? ErrorCode::invalid_data : error.code(),
+                  scene.path.string() + ": cloths[" + std::to_string(c) + "]: " + message.substr(cloth.size()));
+    }
+    throw;
+  }
+}
+
 }  // namespace
 
 TriangleSurface read_asset_surface(const std::filesystem::path& path) {
@@ -103,7 +121,7 @@ Simulation::Simulation(Scene scene, SolverSettings settings, const ReadSurface& 
     }
   }
   hands_.resize(cloths_.size());
-  solver_ = std::make_unique<Solver>(make_solver ? make_solver(cloths_, settings) : Solver(cloths_, settings));
+  solver_ = std::make_unique<Solver>(solver_of(scene_, cloths_, settings, make_solver));
   solver_->set_colliders(colliders_at(scene_, 0), true);
   if (scene_.wind) solver_->set_wind(*scene_.wind);
   for (uint32_t c = 0; c < scene_.cloths.size(); ++c) {
