@@ -27,6 +27,7 @@
 #include "render/picture_options.h"
 #include "render/picture_writers.h"
 #include "scene_input.h"
+#include "scene_warnings.h"
 #include "simulation_report.h"
 
 namespace geocloth {
@@ -126,6 +127,11 @@ void print_check(const SimulateArguments& options, Simulation& simulation) {
              counted(scene.substeps, "substep"));
 }
 
+void print_warnings(const SimulateArguments& options, const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings)
+    fmt::print(stderr, "geocloth simulate: {}: warning: {}\n", options.input.string(), warning);
+}
+
 std::unique_ptr<FrameWriter> make_writer(const std::filesystem::path& path, Simulation& simulation,
                                          const RenderOptions& pictures) {
   const std::string ending = CLI::detail::to_lower(path.extension().string());
@@ -164,6 +170,7 @@ void play(const SimulateArguments& options, Simulation& simulation) {
   std::vector<ClothSnapshot> state;
   SimulationRecorder recorder;
   ContactCheck contact(simulation);
+  std::vector<std::string> warnings = scene_warnings(simulation);
   for (uint32_t frame = 0;; ++frame) {
     if (read_every_frame || frame == frames) {
       read_frames(simulation, state);
@@ -179,7 +186,8 @@ void play(const SimulateArguments& options, Simulation& simulation) {
     if (report_file != nullptr) recorder.add_energy(simulation);
   }
 
-  if (report_file != nullptr) report_file->write(recorder.report(simulation, state, contact));
+  for (std::string& warning : contact.warnings(simulation)) warnings.push_back(std::move(warning));
+  if (report_file != nullptr) report_file->write(recorder.report(simulation, state, contact, warnings));
   if (last_state_file != nullptr) last_state_file->write(to_obj(last_state_mesh(simulation, state), false));
   for (const auto& file : files) file->close();
   for (const auto& writer : writers) writer->finish();
@@ -190,9 +198,7 @@ void play(const SimulateArguments& options, Simulation& simulation) {
     for (const std::filesystem::path& path : output_names(output, state.size())) fmt::print("{}\n", path.string());
   }
   fmt::print("{}\n", recorder.summary(simulation));
-  for (const std::string& warning : contact.warnings(simulation)) {
-    fmt::print(stderr, "geocloth simulate: {}: warning: {}\n", options.input.string(), warning);
-  }
+  print_warnings(options, warnings);
 }
 
 void run(const SimulateArguments& options) {
@@ -203,6 +209,7 @@ void run(const SimulateArguments& options) {
   });
   if (options.check) {
     print_check(options, simulation);
+    print_warnings(options, scene_warnings(simulation));
   } else {
     play(options, simulation);
   }

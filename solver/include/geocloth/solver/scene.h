@@ -114,6 +114,9 @@ struct Scene {
 [[nodiscard]] std::vector<uint32_t> select_pixels(const ClothAsset& asset, const Transform& transform,
                                                   const Where& where);
 
+/// For every pixel the first one of the connected part that it is of, over springs and copies; itself where not valid.
+[[nodiscard]] std::vector<uint32_t> connected_parts(const ClothAsset& asset);
+
 /// A scene being played: assets loaded, pins chosen, keyframes evaluated frame by frame.
 class Simulation {
  public:

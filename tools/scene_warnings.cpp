@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene_warnings.h"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+
+#include <fmt/format.h>
+
+namespace geocloth {
+namespace {
+
+/// [s] when the last frame ends.
+double end_of(const Scene& scene) {
+  return scene.frames / scene.frame_rate;
+}
+
+/// A connected part of a cloth.
+struct Part {
+  std::vector<uint32_t> pixel;
+  bool held = false;
+};
+
+/// By their first pixels.
+std::map<uint32_t, Part> parts_of(const ClothAsset& asset) {
+  const std::vector<uint32_t> part = connected_parts(asset);
+  std::map<uint32_t, Part> parts;
+  for (uint32_t p = 0; p < asset.pixel_count(); ++p)
+    if (asset.valid(p)) parts[part[p]].pixel.push_back(p);
+  return parts;
+}
+
+/// A vertex of the file that a pin of it would hold the part by.
+std::optional<uint32_t> vertex_of(const ClothAsset& asset, const Part& part) {
+  for (size_t v = 0; v < asset.binding.size(); ++v) {
+    const Binding& binding = asset.binding[v];
+    const auto largest = std::max_element(binding.weight.begin(), binding.weight.end()) - binding.weight.begin();
+    if (std::binary_search(part.pixel.begin(), part.pixel.end(), binding.pixel[static_cast<size_t>(largest)]))
+      return asset.source.source_vertex[v];
+  }
+  return std::nullopt;
+}
+
+/// Where other parts of a cloth hang by pins and these by none.
+void warn_of_loose_parts(const Simulation& simulation, size_t index, std::vector<std::string>& warnings) {
+  const Scene& scene = simulation.scene();
+  const ClothDesc& cloth = simulation.cloths()[index];
+  if (!(length(scene.gravity) > 0)) return;
+  std::map<uint32_t, Part> parts = parts_of(*cloth.asset);
+  if (parts.size() < 2) return;
+  std::vector<uint32_t> held;
+  for (const ScenePin& pin : scene.cloths[index].pins) {
+    if (pin.from >= end_of(scene)) continue;
+    const std::vector<uint32_t> pixels = select_pixels(*cloth.asset, cloth.transform, pin.where);
+    held.insert(held.end(), pixels.begin(), pixels.end());
+  }
+  if (held.empty()) return;
+  std::sort(held.begin(), held.end());
+  const Part* largest = nullptr;
+  size_t count = 0, points = 0;
+  for (auto& [first, part] : parts) {
+    part.held = std::any_of(part.pixel.begin(), part.pixel.end(),
+                            [&](uint32_t p) { return std::binary_search(held.begin(), held.end(), p); });
+    if (part.held) continue;
+    ++count;
+    points += part.pixel.size();
+    if (largest == nullptr || part.pixel.size() > largest->pixel.size()) largest = &part;
+  }
+  if (largest == nullptr) return;
+  const std::optional<uint32_t> vertex = vertex_of(*cloth.asset, *largest);
+  const Vec3 at = apply(cloth.transform, cloth.asset->rest_position[largest->pixel[largest->pixel.size() / 2]]);
+  const std::string place = fmt::format("{}at [{:.3g}, {:.3g}, {:.3g}]",
+                                        vertex ? fmt::format("near vertex {}, ", *vertex) : "", at.x, at.y, at.z);
+  const std::string what =
+      count == 1
+          ? fmt::format("a part of it ({} points, {}) is held by no pin and falls", points, place)
+          : fmt::format("{} parts of it ({} points; the largest {}) are held by no pin and fall", count, points, place);
+  const char* them = count == 1 ? "it" : "them";
+  warnings.push_back(
+      fmt::format("{}: {} where no collider carries {}; pin {} too, convert with --parts without {}, or with "
+                  "a coarser --resolution, by which small parts ride on the cloth beside them",
+                  name_of_cloth(scene, index), what, them, them, them));
+}
+
+}  // namespace
+
+std::string name_of_cloth(const Scene& scene, size_t cloth) {
+  return fmt::format("cloths[{}] ({})", cloth, scene.cloths[cloth].asset.filename().string());
+}
+
+std::vector<std::string> scene_warnings(const Simulation& simulation) {
+  std::vector<std::string> warnings;
+  for (size_t c = 0; c < simulation.cloths().size(); ++c) warn_of_loose_parts(simulation, c, warnings);
+  return warnings;
+}
+
+}  // namespace geocloth
