@@ -186,7 +186,8 @@ void play(const SimulateArguments& options, Simulation& simulation) {
     if (report_file != nullptr) recorder.add_energy(simulation);
   }
 
-  for (std::string& warning : contact.warnings(simulation)) warnings.push_back(std::move(warning));
+  for (const auto& more : {played_warnings(simulation), contact.warnings(simulation)})
+    warnings.insert(warnings.end(), more.begin(), more.end());
   if (report_file != nullptr) report_file->write(recorder.report(simulation, state, contact, warnings));
   if (last_state_file != nullptr) last_state_file->write(to_obj(last_state_mesh(simulation, state), false));
   for (const auto& file : files) file->close();

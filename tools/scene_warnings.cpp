@@ -82,6 +82,41 @@ void warn_of_loose_parts(const Simulation& simulation, size_t index, std::vector
                   name_of_cloth(scene, index), what, them, them, them));
 }
 
+/// Elements of an array of a cloth: the first of many.
+std::string list_of(const char* key, const std::vector<size_t>& indices) {
+  constexpr size_t kNamed = 3;
+  std::string list;
+  for (size_t i = 0; i < std::min(kNamed, indices.size()); ++i)
+    list += fmt::format("{}{}[{}]", i == 0 ? "" : ", ", key, indices[i]);
+  return indices.size() > kNamed ? fmt::format("{} and {} more", list, indices.size() - kNamed) : list;
+}
+
+/// What would come after the last frame.
+void warn_of_late_parts(const Scene& scene, size_t index, std::vector<std::string>& warnings) {
+  constexpr double kSameTime = 1e-9;  // [s] as for the cuts themselves
+  if (scene.frames == 0) return;      // nothing is asked for but the first state
+  const SceneCloth& cloth = scene.cloths[index];
+  const double last = (scene.frames - 1) / scene.frame_rate;
+  std::vector<size_t> cuts, pins;
+  for (size_t k = 0; k < cloth.cuts.size(); ++k)
+    if (cloth.cuts[k].time > last + kSameTime) cuts.push_back(k);
+  for (size_t k = 0; k < cloth.pins.size(); ++k)
+    if (cloth.pins[k].from >= end_of(scene)) pins.push_back(k);
+  const std::string name = name_of_cloth(scene, index);
+  if (!cuts.empty()) {
+    warnings.push_back(
+        fmt::format("{}: {} would come after the last frame, which begins at {:.6g} s, so nothing is cut; "
+                    "play more frames, or set an earlier \"time\"",
+                    name, list_of("cuts", cuts), last));
+  }
+  if (!pins.empty()) {
+    warnings.push_back(
+        fmt::format("{}: {} would take hold after the last frame, which ends at {:.6g} s; play more "
+                    "frames, or set an earlier \"from\"",
+                    name, list_of("pins", pins), end_of(scene)));
+  }
+}
+
 }  // namespace
 
 std::string name_of_cloth(const Scene& scene, size_t cloth) {
@@ -90,7 +125,25 @@ std::string name_of_cloth(const Scene& scene, size_t cloth) {
 
 std::vector<std::string> scene_warnings(const Simulation& simulation) {
   std::vector<std::string> warnings;
-  for (size_t c = 0; c < simulation.cloths().size(); ++c) warn_of_loose_parts(simulation, c, warnings);
+  for (size_t c = 0; c < simulation.cloths().size(); ++c) {
+    warn_of_loose_parts(simulation, c, warnings);
+    warn_of_late_parts(simulation.scene(), c, warnings);
+  }
+  return warnings;
+}
+
+std::vector<std::string> played_warnings(const Simulation& simulation) {
+  std::map<size_t, std::vector<size_t>> missed;  // by cloth
+  for (const Simulation::CutMade& made : simulation.cuts_made())
+    if (made.result == CutResult{}) missed[made.cloth].push_back(made.cut);
+  std::vector<std::string> warnings;
+  for (auto& [cloth, cuts] : missed) {
+    std::sort(cuts.begin(), cuts.end());
+    warnings.push_back(
+        fmt::format("{}: {} met no cloth, so nothing was cut; check where the cloth is at that \"time\", "
+                    "and the corners of the triangle",
+                    name_of_cloth(simulation.scene(), cloth), list_of("cuts", cuts)));
+  }
   return warnings;
 }
 

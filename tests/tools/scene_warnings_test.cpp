@@ -67,5 +67,37 @@ TEST_F(SceneWarnings, TellThatAPartHangsOnNoPin) {
               IsEmpty());
 }
 
+constexpr const char* kAway = R"("triangle":[[7,0,0],[8,0,0],[7,1,0]])";
+constexpr const char* kAcross = R"("triangle":[[-3,0.02,-2],[3,0.02,-2],[0,0.02,4]])";
+
+TEST_F(SceneWarnings, TellThatACutMetNothing) {
+  const std::string sheet = fmt::format(
+      R"({{"asset":"sheet.glb","pins":[{{"where":{{"top":0.1}}}}],"cuts":[{{"time":0.1,{}}},{{"time":0,{}}}]}})", kAway,
+      kAcross);
+  EXPECT_THAT(warnings(sheet, "", 1),
+              ElementsAre(AllOf(HasSubstr("cloths[0] (sheet.glb): cuts[0] met no cloth"), HasSubstr("triangle"))));
+}
+
+TEST_F(SceneWarnings, TellWhatComesAfterTheLastFrame) {
+  // 30 frames at 60 a second: the last one is from 0.48333 to 0.5 s.
+  const auto sheet = [](double cut, double pin) {
+    return fmt::format(
+        R"({{"asset":"sheet.glb","pins":[{{"where":{{"top":0.1}}}},{{"where":{{"vertices":[40]}},"from":{}}}],)"
+        R"("cuts":[{{"time":{},{}}}]}})",
+        pin, cut, kAcross);
+  };
+  EXPECT_THAT(warnings(sheet(0.48333333333, 0.49)), IsEmpty());
+  EXPECT_THAT(warnings(sheet(0.49, 0.1)),
+              ElementsAre(AllOf(HasSubstr("cloths[0] (sheet.glb): cuts[0] would come after the last frame"),
+                                HasSubstr("begins at 0.483333 s"))));
+  EXPECT_THAT(warnings(sheet(0.1, 0.5)),
+              ElementsAre(AllOf(HasSubstr("cloths[0] (sheet.glb): pins[1] would take hold after the last frame"),
+                                HasSubstr("ends at 0.5 s"))));
+  std::string many = fmt::format(R"({{"time":9,{}}})", kAcross);
+  for (int i = 0; i < 5; ++i) many += fmt::format(R"(,{{"time":9,{}}})", kAcross);
+  EXPECT_THAT(warnings(R"({"asset":"sheet.glb","cuts":[)" + many + "]}"),
+              ElementsAre(HasSubstr("cuts[0], cuts[1], cuts[2] and 3 more would come")));
+}
+
 }  // namespace
 }  // namespace geocloth::test

@@ -194,9 +194,10 @@ void Simulation::cut(double start) {
   constexpr double kSameTime = 1e-9;  // [s] what a time loses as a decimal
   const double before = frame_ > 1 ? start - 1 / scene_.frame_rate : -1;
   for (uint32_t c = 0; c < scene_.cloths.size(); ++c) {
-    for (size_t k = 0; k < scene_.cloths[c].cuts.size(); ++k) {
+    for (uint32_t k = 0; k < scene_.cloths[c].cuts.size(); ++k) {
       const SceneCut& cut = scene_.cloths[c].cuts[k];
-      if (cut.time > before + kSameTime && cut.time <= start + kSameTime) solver_->cut(c, cut.triangle);
+      if (cut.time > before + kSameTime && cut.time <= start + kSameTime)
+        cuts_made_.push_back({c, k, solver_->cut(c, cut.triangle)});
     }
     cloths_[c].asset = solver_->asset(c);
   }

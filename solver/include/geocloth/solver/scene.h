@@ -137,6 +137,13 @@ class Simulation {
   [[nodiscard]] std::vector<Collider> colliders() const;  ///< at time()
   [[nodiscard]] Solver& solver() { return *solver_; }
 
+  /// A cut of the scene that was made.
+  struct CutMade {
+    uint32_t cloth, cut;  ///< cut: of SceneCloth::cuts
+    CutResult result;
+  };
+  [[nodiscard]] const std::vector<CutMade>& cuts_made() const { return cuts_made_; }
+
   /// Pixels that the pins of the scene hold at time(), ascending, all copies included.
   [[nodiscard]] std::vector<uint32_t> held_pixels(uint32_t cloth) const;
   /// Pins beside those of the scene, and in place of them where both hold a pixel: a hand that drags the cloth. From
@@ -160,6 +167,7 @@ class Simulation {
   void take_hold(PinSet& set, double start);
 
   std::vector<PinSet> pins_;
+  std::vector<CutMade> cuts_made_;
   std::vector<std::vector<Pin>> hands_;  ///< per cloth
   std::unique_ptr<Solver> solver_;
   uint32_t frame_ = 0;
