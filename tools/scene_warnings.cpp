@@ -2,6 +2,7 @@
 #include "scene_warnings.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <optional>
 
@@ -117,6 +118,37 @@ void warn_of_late_parts(const Scene& scene, size_t index, std::vector<std::strin
   }
 }
 
+/// The frame, counted from 1, in which a time [s] comes.
+uint32_t frame_of(const Scene& scene, double time) {
+  auto frame = static_cast<uint32_t>(std::ceil(time * scene.frame_rate));
+  while (frame > 0 && (frame - 1) / scene.frame_rate >= time) --frame;
+  while (frame / scene.frame_rate < time) ++frame;
+  return frame;
+}
+
+/// Where only some of the pins jump with the collider that they follow, the cloth cannot.
+void warn_of_torn_jumps(const Scene& scene, size_t index, std::vector<std::string>& warnings) {
+  const std::vector<ScenePin>& pins = scene.cloths[index].pins;
+  for (const SceneCollider& collider : scene.colliders) {
+    for (const Keyframe& key : collider.motion) {
+      if (!key.teleport || !(key.time > 0) || key.time > end_of(scene)) continue;
+      const uint32_t frame = frame_of(scene, key.time);
+      const double start = (frame - 1) / scene.frame_rate, end = frame / scene.frame_rate;
+      const auto acting =
+          std::count_if(pins.begin(), pins.end(), [&](const auto& pin) { return pin.acts(start, end); });
+      const auto jumping = std::count_if(pins.begin(), pins.end(), [&](const auto& pin) {
+        return pin.acts(start, end) && pin.follow == collider.collider.name;
+      });
+      if (jumping == 0 || jumping == acting) continue;
+      warnings.push_back(
+          fmt::format("{}: {} of its {} pins follow \"{}\", which jumps at {:.6g} s, and pull the cloth "
+                      "open there; let all pins follow that collider, and the cloth jumps with it",
+                      name_of_cloth(scene, index), jumping, acting, collider.collider.name, key.time));
+      return;
+    }
+  }
+}
+
 }  // namespace
 
 std::string name_of_cloth(const Scene& scene, size_t cloth) {
@@ -128,6 +160,7 @@ std::vector<std::string> scene_warnings(const Simulation& simulation) {
   for (size_t c = 0; c < simulation.cloths().size(); ++c) {
     warn_of_loose_parts(simulation, c, warnings);
     warn_of_late_parts(simulation.scene(), c, warnings);
+    warn_of_torn_jumps(simulation.scene(), c, warnings);
   }
   return warnings;
 }

@@ -99,5 +99,19 @@ TEST_F(SceneWarnings, TellWhatComesAfterTheLastFrame) {
               ElementsAre(HasSubstr("cuts[0], cuts[1], cuts[2] and 3 more would come")));
 }
 
+TEST_F(SceneWarnings, TellThatOnlySomePinsJump) {
+  const std::string bar = R"(,"colliders":[{"name":"bar","shape":"sphere","center":[0,3,0],"radius":0.1,"motion":[
+      {"time":0},{"time":0.2,"translate":[3,0,0],"teleport":true}]}])";
+  const auto sheet = [](const std::string& second) {
+    return R"({"asset":"sheet.glb","pins":[{"where":{"vertices":[0]},"follow":"bar"},{"where":{"vertices":[8]},)" +
+           second + "}]}";
+  };
+  EXPECT_THAT(warnings(sheet(R"("follow":"bar")"), bar), IsEmpty());
+  EXPECT_THAT(warnings(sheet(R"("follow":"world")"), bar),
+              ElementsAre(AllOf(HasSubstr("cloths[0] (sheet.glb): 1 of its 2 pins follow \"bar\""),
+                                HasSubstr("jumps at 0.2 s"))));
+  EXPECT_THAT(warnings(sheet(R"("until":0.1)"), bar), IsEmpty());
+}
+
 }  // namespace
 }  // namespace geocloth::test

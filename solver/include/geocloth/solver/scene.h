@@ -46,6 +46,9 @@ struct ScenePin {
   double from = 0;               ///< [s] above 0: the points are taken hold of then, where they are
   double until = std::numeric_limits<double>::infinity();  ///< [s] they are let go
   float frequency = 0;                                     ///< [1/s] 0: held; above: soft, see Pin
+
+  /// In a frame [s].
+  [[nodiscard]] bool acts(double start, double end) const { return end > from && start < until; }
 };
 
 /// A cut by a triangle, see Solver::cut.
@@ -117,7 +120,8 @@ struct Scene {
 /// For every pixel the first one of the connected part that it is of, over springs and copies; itself where not valid.
 [[nodiscard]] std::vector<uint32_t> connected_parts(const ClothAsset& asset);
 
-/// A scene being played: assets loaded, pins chosen, keyframes evaluated frame by frame.
+/// A scene being played: assets loaded, pins chosen, keyframes evaluated frame by frame. A cloth all of whose pins
+/// follow one collider jumps with it (what hangs on the pins does).
 class Simulation {
  public:
   /// Reads the assets and meshes that the scene names. Settings' substeps, relaxation_steps, keep_momentum,
@@ -153,6 +157,7 @@ class Simulation {
  private:
   void cut(double start);
   void update_pins();
+  void jump(double start);
 
   Scene scene_;
   std::vector<ClothDesc> cloths_;
@@ -165,6 +170,8 @@ class Simulation {
     bool acts = false;
   };
   void take_hold(PinSet& set, double start);
+  [[nodiscard]] std::vector<Pin> pins_of(uint32_t cloth, double start, double own_time) const;
+  [[nodiscard]] const SceneCollider* jumps_with(uint32_t cloth, double start) const;
 
   std::vector<PinSet> pins_;
   std::vector<CutMade> cuts_made_;
