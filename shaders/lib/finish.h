@@ -15,8 +15,8 @@
 namespace geocloth::shader {
 #endif
 
-const float kGripped = 0.1f;         // [spacings] no farther off what a collider keeps away a point lies on it
-const float kStill = 0.01f;          // [spacings] how far a collider goes in a substep that holds what lies on it
+const float kGripped = 0.1f;        // [spacings] no farther off what a collider keeps away a point lies on it
+const float kStill = 0.01f;         // [spacings] how far a collider goes in a substep that holds what lies on it
 const float kFrictionHolds = 0.1f;  // [spacings] how far friction of 1 holds a point that lies on a collider
 
 inline PointState way_held(PointState point) {
@@ -67,8 +67,8 @@ inline bool is_left(ColliderSet set, ClothParams params, uint substep, vec3 star
   return false;
 }
 
-// [m] How far a point that lies on a collider at rest is held by friction. Ties know nothing of it: what they move along a
-// surface in every frame creeps there, and cloth that lies on a body trembles.
+// [m] How far a point that lies on a collider at rest is held by friction. Ties know nothing of it: what they move
+// along a surface in every frame creeps there, and cloth that lies on a body trembles.
 inline float held_by_friction(ColliderSet set, ClothParams params, uint substep, vec3 start) {
   precise float reach = params.thickness + kGripped * params.spacing;
   float friction = 0.0f;

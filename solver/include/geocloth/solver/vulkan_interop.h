@@ -53,8 +53,8 @@ struct VulkanClothImages {
 /// @throws Error(unsupported) for a solver on the cpu backend
 [[nodiscard]] VulkanClothImages vulkan_images(Solver& solver, uint32_t cloth);
 
-/// [m] What is to be added to the positions of all cloths, so that single precision reaches far from the world's origin:
-/// whole metres, that follow the cloths. To be asked for after every step().
+/// [m] What is to be added to the positions of all cloths, so that single precision reaches far from the world's
+/// origin: whole metres, that follow the cloths. To be asked for after every step().
 /// @throws Error(unsupported) for a solver on the cpu backend
 [[nodiscard]] Vec3 vulkan_origin(Solver& solver);
 
