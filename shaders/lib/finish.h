@@ -5,7 +5,7 @@
 // Applications", section 4.4) move what starts in contact in the same way before a step.
 //
 //   hold_way   previous = the way, carry = the place      between them positions move freely
-//   give_way   back by friction, out of colliders, near thin ones back; previous and carry = what the way says
+//   give_way   out of colliders, without friction, near thin ones back; previous and carry = what the way says
 #ifndef GEOCLOTH_LIB_FINISH_H
 #define GEOCLOTH_LIB_FINISH_H
 
@@ -14,10 +14,6 @@
 #ifdef __cplusplus
 namespace geocloth::shader {
 #endif
-
-const float kGripped = 0.1f;        // [spacings] no farther off what a collider keeps away a point lies on it
-const float kStill = 0.01f;         // [spacings] how far a collider goes in a substep that holds what lies on it
-const float kFrictionHolds = 0.1f;  // [spacings] how far friction of 1 holds a point that lies on a collider
 
 inline PointState way_held(PointState point) {
   PointState r;
@@ -67,38 +63,9 @@ inline bool is_left(ColliderSet set, ClothParams params, uint substep, vec3 star
   return false;
 }
 
-// [m] How far a point that lies on a collider at rest is held by friction. Ties know nothing of it: what they move
-// along a surface in every frame creeps there, and cloth that lies on a body trembles.
-inline float held_by_friction(ColliderSet set, ClothParams params, uint substep, vec3 start) {
-  precise float reach = params.thickness + kGripped * params.spacing;
-  float friction = 0.0f;
-  for (uint i = 0u; i < params.collider_count; ++i) {
-    ColliderShape shape = collider_shape(set, i);
-    float own = sqrt(params.friction * shape.friction);
-    if (own <= friction || shape.way > kStill * params.spacing) continue;
-    vec3 local = to_local(collider_pose(set, substep + 1u, i), start);
-    if (nearest_of_shape(set, shape, local).distance < reach) friction = own;
-  }
-  precise float held = friction * (kFrictionHolds * params.spacing);
-  return held;
-}
-
-// What is left of a way from `start` when so much of it is taken away.
-inline vec3 braked(vec3 start, vec3 moved, float brake) {
-  if (brake <= 0.0f) return moved;
-  precise vec3 way = moved - start;
-  float went = length3(way);
-  if (went <= brake) return start;
-  precise float kept = 1.0f - brake * (1.0f / went);
-  precise vec3 position = start + way * kept;
-  return position;
-}
-
 inline PointState way_given(ColliderSet set, ClothParams params, uint substep, PointState held) {
-  vec3 start = held.carry;
-  vec3 moved = braked(start, held.position, held_by_friction(set, params, substep, start));
-  if (is_left(set, params, substep, start, moved)) return arrived(start, held.previous);
-  return arrived(kept_out(set, params, substep, start, moved), held.previous);
+  if (is_left(set, params, substep, held.carry, held.position)) return arrived(held.carry, held.previous);
+  return arrived(kept_out(set, params, substep, held.carry, held.position), held.previous);
 }
 
 #ifdef __cplusplus
