@@ -71,11 +71,6 @@ Vec3 vec3_of(const vec4& v) {
   return {v.x, v.y, v.z};
 }
 
-Vec3 middle_of(const ClothAsset& asset, const std::vector<vec4>& position) {
-  const ClothBox box = box_of(asset, position);
-  return box.empty() ? Vec3{} : 0.5F * box.low + 0.5F * box.high;
-}
-
 std::vector<Vec3> places_of(const std::vector<Collider>& colliders) {
   std::vector<Vec3> places;
   for (const Collider& collider : colliders) places.push_back(collider.pose.translate);
@@ -155,7 +150,7 @@ Solver::Impl::Impl(std::span<const ClothDesc> cloths, const SolverSettings& sett
     cloth.displaced_in = clock().dt;
     cloth.row_of_pixel = rows_of_pixels(*desc.asset);
     cloth.particles = count_valid_pixels(*desc.asset);
-    cloth.middle = cloth.start_middle = middle_of(*desc.asset, uploaded.position) + origin_;
+    cloth.middle = cloth.start_middle = box_of(*desc.asset, uploaded.position).middle() + origin_;
     cloth.springs_per_sweep = uploaded.springs_per_sweep;
     cloth.self = uploaded.self.numbers;
     for (const vec4& p : uploaded.position) cloth.free_inverse_mass.push_back(p.w);
@@ -365,18 +360,14 @@ void Solver::Impl::follow_cloths() {
     if (colliders_went && cloth.pins.empty() && !cloth.parent_to) {
       std::vector<vec4> position;
       backend_->read_positions(c, position);
-      const Vec3 middle = middle_of(*cloth.asset, position) + origin_;
+      const Vec3 middle = box_of(*cloth.asset, position).middle() + origin_;
       if (is_finite(middle)) cloth.middle = middle;
     }
     middles.add(middle_of_told(cloth));
   }
-  const auto whole_metres = [](float low, float high, float origin) {
-    const float away = 0.5F * low + 0.5F * high - origin;
-    return std::abs(away) > kFar ? std::round(away) : 0.F;
-  };
-  const Vec3 by{whole_metres(middles.low.x, middles.high.x, origin_.x),
-                whole_metres(middles.low.y, middles.high.y, origin_.y),
-                whole_metres(middles.low.z, middles.high.z, origin_.z)};
+  const auto whole_metres = [](float away) { return std::abs(away) > kFar ? std::round(away) : 0.F; };
+  const Vec3 away = middles.middle() - origin_;
+  const Vec3 by{whole_metres(away.x), whole_metres(away.y), whole_metres(away.z)};
   if (by == Vec3{}) return;
   backend_->shift(by);
   origin_ = origin_ + by;
@@ -451,7 +442,7 @@ void Solver::Impl::write_state(uint32_t cloth, std::span<const Vec3> positions, 
     check_position(positions[p], cloth_name(cloth) + ": pixel " + std::to_string(p));
     box.add(positions[p]);
   }
-  if (!box.empty()) cloths_[cloth].middle = 0.5F * box.low + 0.5F * box.high;
+  if (!box.empty()) cloths_[cloth].middle = box.middle();
   follow_cloths();
   const auto dt = static_cast<float>(c.displaced_in);
   std::vector<vec4> position(asset.pixel_count(), {0, 0, 0, 0}), previous(asset.pixel_count(), {0, 0, 0, 0});

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "check_input.h"
 #include "colliders/ways.h"
 #include "rest/self_points.h"
 #include "rest/upload.h"
@@ -262,12 +263,13 @@ void Solver::Impl::measure_rides(uint32_t factor) {
 /// speed by that, and steps that go to and fro would shake it.
 uint32_t Solver::Impl::even_substeps() {
   constexpr double kChange = 1.05;
-  constexpr uint32_t kMost = 4, kLargest = 256;  // times as many or as few; of a frame
+  constexpr uint32_t kMost = 4;  // times as many or as few
   const double wanted = settings_.frame_time / settings_.substeps;
   if (!(step_length_ > 0)) step_length_ = wanted;
   step_length_ = std::clamp(wanted, step_length_ / kChange, step_length_ * kChange);
   if (step_length_ == wanted) return settings_.substeps;
-  const double fewest = std::max(1U, settings_.substeps / kMost), most = std::min(kLargest, kMost * settings_.substeps);
+  const double fewest = std::max(1U, settings_.substeps / kMost),
+               most = std::min(kMostSubsteps, kMost * settings_.substeps);
   return static_cast<uint32_t>(std::clamp(std::round(settings_.frame_time / step_length_), fewest, most));
 }
 
@@ -282,7 +284,7 @@ void Solver::Impl::choose_compliance_step() {
 /// More than one where a collider that may meet a cloth is too fast for it. What is told by pins and not by where the
 /// cloth is, which only the device knows.
 uint32_t Solver::Impl::substeps_factor() {
-  constexpr uint32_t kMost = 32, kLargest = 256;
+  constexpr uint32_t kMost = 32;
   constexpr double kShortest = 1.0 / 16000;  // [s] for a few frames; see kShortStep
   constexpr float kNearly = 0.5F;            // of a fast way: from here on it is known whether the cloth rides
   const auto most =
@@ -320,7 +322,7 @@ uint32_t Solver::Impl::substeps_factor() {
     cloth.rides_on = ride != nullptr && cloth.ride.carrier;
     if (cloth.rides_on) cloth.ride.way = longest;
   }
-  return std::max(1U, std::min(factor, kLargest / usual_substeps_));
+  return std::max(1U, std::min(factor, kMostSubsteps / usual_substeps_));
 }
 
 void Solver::Impl::find_movers() {
