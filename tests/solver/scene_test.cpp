@@ -174,6 +174,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{"TimeGoesBack", "\"time\": 2", "\"time\": -2", "must be later than the key before"},
         BadScene{"Version", "\"version\": 1", "\"version\": 2", "only version 1"},
         BadScene{"SelfCollision", "\"self_collision\": false", "\"self_collision\": 1", "self_collision: must be"},
+        BadScene{"InterCollision", "\"self_collision\": false", "\"inter_collision\": 1", "inter_collision: must be"},
         BadScene{"SelfDistance", "\"self_collision\": false", "\"self_collision\": { \"distance\": 0 }",
                  "self_collision: distance"},
         BadScene{"NegativeSelfDistance", "\"self_collision\": false", "\"self_collision\": { \"distance\": -0.01 }",
