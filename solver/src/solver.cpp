@@ -72,8 +72,8 @@ Vec3 vec3_of(const vec4& v) {
 }
 
 std::vector<Vec3> places_of(const std::vector<Collider>& colliders) {
-  std::vector<Vec3> places;
-  for (const Collider& collider : colliders) places.push_back(collider.pose.translate);
+  std::vector<Vec3> places(colliders.size());
+  std::ranges::transform(colliders, places.begin(), [](const Collider& c) { return c.pose.translate; });
   return places;
 }
 
