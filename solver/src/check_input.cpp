@@ -130,7 +130,7 @@ void check(const SolverSettings& s) {
   const std::string where = "settings";
   check_at_least(s.threads, 1, where, "threads", 1024);
   check_above(s.frame_time, 0, where, "frame_time", 10);
-  check_at_least(s.substeps, 1, where, "substeps", 256);
+  check_at_least(s.substeps, 1, where, "substeps", kMostSubsteps);
   check_at_least(s.relaxation_steps, 1, where, "relaxation_steps", 256);
   check_gravity(s.gravity, where);
   check_at_least(s.sleep_speed, 0, where, "sleep_speed", 1e4);

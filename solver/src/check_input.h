@@ -11,6 +11,9 @@ namespace geocloth {
 /// Positions and lengths beyond this [m] are refused: their squares would leave the range of single precision.
 inline constexpr float kLargestLength = 1e6F;
 
+/// Of a frame.
+inline constexpr uint32_t kMostSubsteps = 256;
+
 /// Every field in its documented range. `where` begins the message, e.g. "cloth 2" or "colliders[0] \"ball\"".
 /// @throws Error(invalid_argument) naming the field, its value and its range
 void check(const SolverSettings& settings);

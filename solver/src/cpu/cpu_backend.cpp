@@ -118,6 +118,17 @@ class CpuBackend final : public SolverBackend {
     cloths_[cloth].normals_stale = true;
   }
 
+  void shift(const Vec3& by) override {
+    for (Cloth& cloth : cloths_) {
+      cpu::ClothState& state = cloth.state;
+      for (size_t i = 0; i < state.pixel_count(); ++i) {
+        const shader::vec3 way{by.x, by.y, by.z};
+        state.position.set(i, state.position.at(i) - way);
+        state.previous.set(i, state.previous.at(i) - way);
+      }
+    }
+  }
+
   void replace_topology(uint32_t cloth, ClothData data) override {
     data_.cloths[cloth] = data;
     data_.cloths[cloth].position = {};

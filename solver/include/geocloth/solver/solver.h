@@ -73,7 +73,8 @@ struct SolverSettings {
   SolverPath path = SolverPath::automatic;
   /// [m/s] A cloth none of whose points has been faster for `sleep_time` is asleep: it stays as it is and costs
   /// nothing, until a collider moves so that it may touch it, a pin of it or its parent moves, or it is cut, written
-  /// to, or anything is set to another value. Wind keeps cloth awake. 0: never. Speeds are known two frames late.
+  /// to, or anything is set to another value (a substep's length to one that differs by a quarter). Wind keeps cloth
+  /// awake. 0: never. Speeds are known two frames late.
   float sleep_speed = 0;
   float sleep_time = 0.5F;    ///< [s] >= 0
   bool check_copies = false;  ///< measure the copy gap and the penetration after every substep (slower)
@@ -151,8 +152,10 @@ class Solver {
   /// without the springs, cells, copies and triangles of the source mesh that cuts have taken away.
   [[nodiscard]] std::shared_ptr<const ClothAsset> asset(uint32_t cloth) const;
 
-  /// Frames from now on are so long, of so many substeps; velocities stay. Where colliders are so fast that they would
-  /// stretch the cloth open in a substep, a frame has up to four times as many, up to 32 times for small ones. @throws
+  /// Frames from now on are so long, of so many substeps; velocities stay. From frame to frame a substep gets at most a
+  /// twentieth longer or shorter, so that cloth is not shaken where frames vary: until it is as long as asked for,
+  /// there are more or fewer of them, four times as many at most. Where colliders are so fast that they would stretch
+  /// the cloth open in a substep, a frame has up to four times as many, up to 32 times for small ones. @throws
   /// Error(invalid_argument)
   void set_time_step(double frame_time, uint32_t substeps);
   /// Advances by one frame: on Vulkan it only submits.
