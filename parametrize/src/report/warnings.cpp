@@ -89,6 +89,21 @@ void warn_of_uneven_springs(const Quality& q, double spacing, std::vector<std::s
                 size_in_words(spacing) + "); give a larger --resolution, or leave such parts out with --parts");
 }
 
+/// Loose pieces are carried even where they are more than what may go unnoticed.
+void warn_of_carried(const ConvertReport& report, std::vector<std::string>& out) {
+  constexpr double kUnnoticed = 0.01;  // share of the area
+  double share = 0;
+  uint32_t pieces = 0;
+  for (const CarriedPart& part : report.carried) {
+    if (part.faces == 0) continue;  // a hole
+    share += part.area_share;
+    ++pieces;
+  }
+  if (share <= kUnnoticed) return;
+  out.push_back(std::to_string(pieces) + " small pieces, " + percent(share) +
+                " of the area, have no pixels: they ride on the cloth beside them, and their weight is not counted");
+}
+
 /// Pixels take memory whether there is cloth in them or not.
 void warn_of_empty_image(const ClothAsset& asset, std::vector<std::string>& out) {
   constexpr double kMostlyEmpty = 0.35;
@@ -158,6 +173,7 @@ std::vector<std::string> plain_warnings(const ConvertReport& report, const Cloth
     out.push_back("the image is coarse for this mesh (it is up to " + size_in_words(q.max_error * size) +
                   " off); give a larger --resolution");
   }
+  warn_of_carried(report, out);
   constexpr double kLargestBindingError = 1e-6;
   if (q.binding_error > kLargestBindingError) {
     out.push_back("single precision moves vertices by up to " + rounded(q.binding_error) +
