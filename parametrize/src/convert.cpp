@@ -302,6 +302,7 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& optio
   }
 
   report.parts = measure_parts(mesh, carried.represented, result.flat);
+  report.uncut_corners = count_uncut_corners(result.flat);
   const double side = options.flatten.spacing > 0 ? 0.0 : static_cast<double>(options.flatten.resolution);
   report.warnings = plain_warnings(report, result.asset, side * side);
   if (!panels_failed.empty() && result.asset.layout == Layout::square) {

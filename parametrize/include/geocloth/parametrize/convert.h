@@ -65,6 +65,7 @@ struct ConvertReport {
   std::vector<CarriedPart> carried;
   std::optional<MirrorPlane> mirror;  ///< of the surface, where left and right are to be cut alike
   std::vector<PartShape> parts;       ///< as in the file
+  uint32_t uncut_corners = 0;         ///< where nothing but corners keeps the charts from lying flat
   Topology represented;
   Topology welded;
   Quality quality;
