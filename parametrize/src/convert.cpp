@@ -241,6 +241,19 @@ std::optional<std::string> warning_of_cracks(const Cracks& cracks) {
   return text;
 }
 
+/// What looks like trimmings and is cloth for itself.
+std::optional<std::string> warning_of_loose_pieces(const LoosePiecesLeft& loose) {
+  if (loose.count == 0) return std::nullopt;
+  char text[320];
+  std::snprintf(text, sizeof text,
+                "%u small %s, up to %.3g m across, %s attached to nothing and will fall or float by %s: merge %s with "
+                "the cloth in a modelling program, or leave %s out with --parts",
+                loose.count, loose.count == 1 ? "piece" : "pieces", loose.across, loose.count == 1 ? "is" : "are",
+                loose.count == 1 ? "itself" : "themselves", loose.count == 1 ? "it" : "them",
+                loose.count == 1 ? "it" : "them");
+  return text;
+}
+
 ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& options, const Progress& progress,
                            Stages& stages, const StageFiles& files) {
   ConvertResult result;
@@ -289,6 +302,7 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& optio
   }
 
   report.parts = measure_parts(mesh, carried.represented, result.flat);
+  report.uncut_corners = count_uncut_corners(result.flat);
   const double side = options.flatten.spacing > 0 ? 0.0 : static_cast<double>(options.flatten.resolution);
   report.warnings = plain_warnings(report, result.asset, side * side);
   if (!panels_failed.empty() && result.asset.layout == Layout::square) {
@@ -301,6 +315,9 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& optio
   const double spacing = result.asset.spacing;
   if (options.flatten.spacing > 0 && std::abs(spacing / options.flatten.spacing - 1) > kOtherSpacing) {
     report.warnings.push_back(warning_of_spacing(spacing, options.flatten.spacing));
+  }
+  if (const auto warning = warning_of_loose_pieces(find_loose_pieces(carried.represented))) {
+    report.warnings.push_back(*warning);
   }
   if (const auto warning = warning_of_cracks(find_cracks(repaired.surface))) report.warnings.push_back(*warning);
   report.warnings.insert(report.warnings.begin(), mesh.left_out.begin(), mesh.left_out.end());

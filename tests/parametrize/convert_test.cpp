@@ -323,7 +323,8 @@ TEST(ConvertReport, WarnsOfSpringsThatStripsOfAPixelsWidthMakeUneven) {
   EXPECT_THAT(warnings(), testing::ElementsAre(HasSubstr("30 degrees")));
   result.report.quality.shear_deg_p95 = 3;
   result.report.quality.spring_p99_over_p1 = 2.5;
-  EXPECT_THAT(warnings(), testing::ElementsAre(HasSubstr("2.5 times the shortest")));
+  EXPECT_THAT(warnings(), testing::ElementsAre(testing::AllOf(HasSubstr("2.5 times the shortest"),
+                                                              HasSubstr("strips, holes or layers"))));
   result.report.quality.spring_p99_over_p1 = 1.4;
   result.report.quality.max_error = 0.02;
   EXPECT_THAT(warnings(), testing::ElementsAre(HasSubstr("--resolution")));
@@ -343,6 +344,72 @@ TEST(ConvertReport, WarnsOfAnImageThatIsMostlyEmpty) {
   result.asset.height *= 4;
   result.asset.chart.resize(result.asset.pixel_count(), kNoChart);
   EXPECT_THAT(plain_warnings(result.report, result.asset, 0), testing::ElementsAre(HasSubstr("--layout uv")));
+}
+
+/// A picture of an image, for warnings that look at nothing else. @param is_cloth  of a pixel
+ConvertResult image_of(bool (*is_cloth)(uint32_t x, uint32_t y)) {
+  ConvertResult result = convert(sheet(), small(Layout::panels));
+  ClothAsset& asset = result.asset;
+  asset.width = asset.height = 60;
+  asset.chart.assign(asset.pixel_count(), kNoChart);
+  for (uint32_t i = 0; i < asset.pixel_count(); ++i) {
+    if (is_cloth(i % asset.width, i / asset.width)) asset.chart[i] = 0;
+  }
+  return result;
+}
+
+// A star, a net and a straight belt that lay askew were all told that a long piece winds through their image.
+TEST(ConvertReport, SaysWhyAnImageIsMostlyEmpty) {
+  const auto warnings = [](bool (*is_cloth)(uint32_t x, uint32_t y), uint32_t loops) {
+    ConvertResult result = image_of(is_cloth);
+    result.report.represented.boundary_loops = loops;
+    return plain_warnings(result.report, result.asset, 0);
+  };
+  const auto band = [](uint32_t x, uint32_t y) { return x < y + 6 && y < x + 6; };
+  EXPECT_THAT(warnings(band, 1), testing::ElementsAre(HasSubstr("boxes around them")));
+  EXPECT_THAT(warnings(band, 400), testing::ElementsAre(HasSubstr("a net")));
+  EXPECT_THAT(warnings([](uint32_t x, uint32_t y) { return y % 10 < 3 || x == (y / 10 % 2 == 0 ? 59U : 0U); }, 1),
+              testing::ElementsAre(HasSubstr("winds through it")));
+}
+
+// Pleats were told that they are strips or holes, and a garment of loose sequins to take more pixels, where more of
+// them would have come loose.
+TEST(ConvertReport, SaysWhatMakesSpringsUneven) {
+  ConvertOptions options = small(Layout::panels);
+  options.flatten.resolution = 48;
+  constexpr uint32_t kFolds = 40;
+  const TriangleMesh curtain = patch("curtain", 2 * kFolds, 40, [](double u, double v) {
+    return Point3{u, -v, std::lround(u * 2 * kFolds) % 2 == 1 ? 0.02 : 0.0};
+  });
+  EXPECT_THAT(convert(curtain, options).report.warnings,
+              testing::Contains(testing::AllOf(HasSubstr("folds or bends"), testing::Not(HasSubstr("--parts")))));
+
+  TriangleMesh sequins = sheet();
+  for (int i = 0; i < 10; ++i) {
+    sequins = joined(sequins, sheet({0.1 * i, -0.5, 0.2}, {0.045, 0, 0}, {0, -0.045, 0}));
+  }
+  options.flatten.resolution = 32;
+  ConvertResult result = convert(sequins, options);
+  result.report.quality.spring_p99_over_p1 = 2.5;
+  EXPECT_THAT(
+      plain_warnings(result.report, result.asset, 0),
+      testing::ElementsAre(testing::AllOf(HasSubstr("hardly larger"), testing::Not(HasSubstr("--resolution")))));
+}
+
+// A folded tie was called not developable: it is, away from its corners, and the layout is at fault.
+TEST(ConvertReport, TellsCornersWithoutACutFromClothThatIsRound) {
+  FlatSurface flat;
+  flat.position = {{0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}};
+  flat.triangle = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 1}};
+  EXPECT_EQ(count_uncut_corners(flat), 1U);
+  EXPECT_EQ(count_uncut_corners(convert(sphere(), small()).flat), 0U);
+  ConvertResult result = convert(sheet(), small(Layout::panels));
+  result.report.quality.anisotropy_p95 = 1.5;
+  EXPECT_THAT(plain_warnings(result.report, result.asset, 0), testing::ElementsAre(HasSubstr("not developable")));
+  result.report.uncut_corners = 4;
+  EXPECT_THAT(plain_warnings(result.report, result.asset, 0),
+              testing::ElementsAre(
+                  testing::AllOf(HasSubstr("4 are left without"), testing::Not(HasSubstr("not developable")))));
 }
 
 TEST(ConvertReport, WarnsOfASpacingThatTheClothHasNoRoomFor) {

@@ -214,6 +214,28 @@ TEST(Develop, LevelClothLiesStraight) {
 }
 
 // The optimiser reaches the closed form: a flat sheet, distorted, comes back isometric.
+// The middles of two triangles lie across the diagonal of their rectangle, which counted as the long way of a ribbon: a
+// blanket of one face lay askew in an image twice its size, with teeth along all hems.
+TEST(Develop, ARectangleOfTwoTrianglesLiesStraight) {
+  for (const bool level : {true, false}) {
+    for (const double length : {1.0, 1.4, 30.0}) {
+      CleanSurface sheet = test::disk(2, 2);
+      for (Point3& p : sheet.position) {
+        p = level ? Point3{length * p[0], 0, -p[1]} : Point3{length * p[0], p[1], 0};
+      }
+      const DevelopedSurface developed = develop(cut_to_disks(sheet));
+      Point2 low{1e9, 1e9}, high{-1e9, -1e9};
+      for (const Point2& p : developed.uv) {
+        for (size_t k = 0; k < 2; ++k) {
+          low[k] = std::min(low[k], p[k]);
+          high[k] = std::max(high[k], p[k]);
+        }
+      }
+      EXPECT_NEAR((high[0] - low[0]) * (high[1] - low[1]), length, 1e-3 * length) << level << ' ' << length;
+    }
+  }
+}
+
 TEST(SymmetricDirichletTest, AFlatSheetComesBackIsometric) {
   const CleanSurface sheet = test::disk(15, 11);
   std::vector<Point2> uv;

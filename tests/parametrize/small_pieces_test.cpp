@@ -14,7 +14,11 @@
 namespace geocloth {
 namespace {
 
+using testing::Contains;
+using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
 
 constexpr uint32_t kCells = 10;
 
@@ -78,6 +82,26 @@ std::vector<Vec3> bound(const ClothAsset& asset, const std::vector<Vec3>& positi
   return out;
 }
 
+/// The sheet rolled up.
+Vec3 roll(const Vec3& p) {
+  constexpr float kRadius = 0.2F;
+  const float angle = p.x / kRadius, r = kRadius - p.y;
+  return Vec3{r * std::sin(angle), kRadius - r * std::cos(angle), p.z};
+}
+
+/// How far what is not the sheet is from where it would be if it were one with it while it rolls up.
+float largest_slip(const ClothAsset& asset) {
+  std::vector<Vec3> rolled = asset.rest_position;
+  for (Vec3& p : rolled) p = roll(p);
+  const std::vector<Vec3> moved = bound(asset, rolled);
+  float slip = 0;
+  for (size_t i = 0; i < moved.size(); ++i) {
+    if (asset.source.source_vertex[i] < (kCells + 1) * (kCells + 1)) continue;
+    slip = std::max(slip, length(moved[i] - roll(asset.source.position[i])));
+  }
+  return slip;
+}
+
 // A button of 3 mm on pixels of 30 mm: no cloth of its own, but reported.
 TEST(SmallPieces, AButtonUnderAPixelIsCarriedAndReported) {
   TriangleMesh mesh = sheet();
@@ -108,14 +132,87 @@ TEST(SmallPieces, ASquareRepresentsAButtonUnderAPixel) {
   EXPECT_EQ(report.welded.euler_characteristic, report.cleaned.euler_characteristic);
 }
 
-// With pixels of 1 mm the same button has room: everything is represented.
-TEST(SmallPieces, AButtonOverAPixelIsCloth) {
+// A thing of 10 cm on a sheet of 1 m is cloth. It is sewn to nothing, and the user is told.
+TEST(SmallPieces, WhatIsMoreThanATwentiethOfTheGarmentIsCloth) {
   TriangleMesh mesh = sheet();
   add_button(mesh, 0.52, 0.37, 0.06);
   close_mesh(mesh);
   const ConvertReport report = convert_at(mesh, 32).report;
   EXPECT_TRUE(report.carried.empty());
   EXPECT_EQ(report.welded.components, 2U);
+  EXPECT_THAT(report.warnings, Contains(HasSubstr("1 small piece, up to 0.104 m across, is attached to nothing")));
+}
+
+/// Adds a level square.
+void add_square(TriangleMesh& mesh, double x, double y, double z, double side) {
+  const auto first = static_cast<uint32_t>(mesh.position.size());
+  mesh.position.insert(mesh.position.end(), {{x, y, z}, {x, y, z + side}, {x + side, y, z + side}, {x + side, y, z}});
+  mesh.triangle.push_back({first, first + 1, first + 2});
+  mesh.triangle.push_back({first, first + 2, first + 3});
+}
+
+// Buttons of a few pixels were cloths of their own, sewn to nothing: they stayed in mid-air when the shirt fell.
+TEST(SmallPieces, AButtonOfSomePixelsRidesOnTheCloth) {
+  for (const bool closed : {true, false}) {
+    TriangleMesh mesh = sheet();
+    if (closed) {
+      add_button(mesh, 0.52, 0.37, 0.03);
+    } else {
+      add_square(mesh, 0.52, 0.004, 0.37, 0.03);
+    }
+    close_mesh(mesh);
+    const ConvertResult result = convert_at(mesh, 128);
+    const ConvertReport& report = result.report;
+    ASSERT_EQ(report.carried.size(), 1U);
+    EXPECT_GT(report.carried[0].area_share * 128 * 128, 10);
+    EXPECT_THAT(report.carried[0].why, HasSubstr("attached to nothing"));
+    EXPECT_EQ(report.represented.components, 1U);
+    EXPECT_EQ(report.welded.components, 1U);
+    EXPECT_THAT(report.warnings, IsEmpty());
+    EXPECT_LT(largest_slip(result.asset), 0.004F);
+  }
+}
+
+// What is off the cloth by more than twice its own size, or 3 % of the garment, is none of its trimmings.
+TEST(SmallPieces, WhatDoesNotLieOnTheClothDoesNotRide) {
+  struct Place {
+    double height, side;
+  };
+  for (const Place& place : {Place{0.1, 0.03}, Place{0.015, 0.005}}) {
+    TriangleMesh mesh = sheet();
+    add_square(mesh, 0.52, place.height, 0.37, place.side);
+    add_square(mesh, 0.22, place.height, 0.37, place.side);
+    close_mesh(mesh);
+    const ConvertReport report = convert_at(mesh, 256).report;
+    EXPECT_TRUE(report.carried.empty());
+    EXPECT_EQ(report.welded.components, 3U);
+    EXPECT_THAT(report.warnings, Contains(HasSubstr("2 small pieces")));
+  }
+}
+
+// A pocket that is not sewn on is cloth, as large as it is.
+TEST(SmallPieces, APocketDoesNotRide) {
+  TriangleMesh mesh = sheet();
+  add_square(mesh, 0.52, 0.004, 0.37, 0.3);
+  close_mesh(mesh);
+  for (const uint32_t resolution : {8U, 64U}) {
+    const ConvertReport report = convert_at(mesh, resolution).report;
+    EXPECT_TRUE(report.carried.empty());
+    EXPECT_EQ(report.welded.components, 2U);
+    EXPECT_THAT(report.warnings, Not(Contains(HasSubstr("attached to nothing"))));
+  }
+}
+
+// Of 600 sequins of half a pixel 400 were carried, and the rest became cloths of a pixel each.
+TEST(SmallPieces, OfEqualSequinsAllAreCarried) {
+  TriangleMesh mesh = sheet();
+  constexpr uint32_t kSequins = 100;
+  for (uint32_t i = 0; i < kSequins; ++i) add_square(mesh, 0.03 + 0.1 * (i % 10), 0.002, 0.02 + 0.1 * (i / 10), 0.02);
+  close_mesh(mesh);
+  const ConvertReport report = convert_at(mesh, 32).report;
+  EXPECT_EQ(report.carried.size(), kSequins);
+  EXPECT_EQ(report.welded.components, 1U);
+  EXPECT_THAT(report.warnings, ElementsAre(HasSubstr("100 small pieces, 3.8 % of the area, have no pixels")));
 }
 
 // The button moves with the cloth beside it and keeps its shape while the cloth rolls up.
@@ -183,19 +280,7 @@ TEST(SmallPieces, AThreadOnTheClothIsCarriedAndFollowsIt) {
     EXPECT_GT(report.carried[0].area_share * 32 * 32, 1);
     EXPECT_EQ(report.cleaned.components, 2U);
     EXPECT_EQ(report.welded.components, 1U);
-    const ClothAsset& asset = result.asset;
-    constexpr float kRadius = 0.2F;
-    const auto roll = [](const Vec3& p) {
-      const float angle = p.x / kRadius, r = kRadius - p.y;
-      return Vec3{r * std::sin(angle), kRadius - r * std::cos(angle), p.z};
-    };
-    std::vector<Vec3> rolled = asset.rest_position;
-    for (Vec3& p : rolled) p = roll(p);
-    const std::vector<Vec3> moved = bound(asset, rolled);
-    for (size_t i = 0; i < moved.size(); ++i) {
-      if (asset.source.source_vertex[i] < (kCells + 1) * (kCells + 1)) continue;
-      EXPECT_LT(length(moved[i] - roll(asset.source.position[i])), 0.006F);
-    }
+    EXPECT_LT(largest_slip(result.asset), 0.006F);
   }
 }
 

@@ -23,8 +23,9 @@
 namespace geocloth {
 namespace {
 
-constexpr double kLevel = 0.1;  // strength below which a panel counts as level
-constexpr double kSlender = 6;  // ratio of the spreads along and across
+constexpr double kLevel = 0.1;               // strength below which a panel counts as level
+constexpr double kSlender = 6;               // ratio of the spreads along and across
+constexpr double kLargeTriangle = 1.0 / 16;  // share of the panel
 constexpr double kShearPrice = 6;
 constexpr uint32_t kThreadSteps = 8;
 constexpr int kThreadRounds = 2;
@@ -33,11 +34,33 @@ double along(const Point2& a, const Point2& b) {
   return a[0] * b[0] + a[1] * b[1];
 }
 
+/// What a triangle spreads about its middle. The middles alone will not do for a few: those of a rectangle's two
+/// triangles lie across its diagonal.
+Point3 spread_of(const std::array<Point2, 3>& uv, double area) {
+  const Point2 middle{(uv[0][0] + uv[1][0] + uv[2][0]) / 3, (uv[0][1] + uv[1][1] + uv[2][1]) / 3};
+  Point3 square{0, 0, 0};
+  for (const Point2& p : uv) {
+    const double x = p[0] - middle[0], y = p[1] - middle[1];
+    square = square + Point3{x * x, x * y, y * y} * (area / 12);
+  }
+  return square;
+}
+
 GrainSum sum_of(const Chart& c) {
   GrainSum sum;
-  for (const Triangle& t : c.triangle)
-    sum.add(grain_of_triangle({c.position[t[0]], c.position[t[1]], c.position[t[2]]},
-                              {c.uv[t[0]], c.uv[t[1]], c.uv[t[2]]}));
+  std::vector<double> area;
+  area.reserve(c.triangle.size());
+  for (const Triangle& t : c.triangle) {
+    const GrainSum one =
+        grain_of_triangle({c.position[t[0]], c.position[t[1]], c.position[t[2]]}, {c.uv[t[0]], c.uv[t[1]], c.uv[t[2]]});
+    sum.add(one);
+    area.push_back(one.area);
+  }
+  for (size_t i = 0; i < area.size(); ++i) {
+    const Triangle& t = c.triangle[i];
+    if (area[i] < kLargeTriangle * sum.area) continue;
+    sum.square = sum.square + spread_of({c.uv[t[0]], c.uv[t[1]], c.uv[t[2]]}, area[i]);
+  }
   return sum;
 }
 

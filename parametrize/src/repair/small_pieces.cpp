@@ -2,6 +2,9 @@
 // A button of 8 mm has no place on a grid of 10 mm: whatever its pixels were, they would be too small for the
 // simulation's time step. So such a piece is no cloth of its own; it rides on the cloth beside it (bind_source), and
 // the report says so. A buttonhole of 8 mm is no hole of the grid either: the grid is closed there.
+//
+// A button of 20 mm has its pixels, but is sewn to nothing in a mesh: as a cloth it would stay where it is while the
+// shirt moves away. So what is small beside the garment and lies on it all over rides on it too, whatever the pixels.
 #include "repair/small_pieces.h"
 
 #include <algorithm>
@@ -9,11 +12,14 @@
 #include <cstdio>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "mesh/half_edges.h"
 #include "mesh/point_math.h"
+#include "mesh/triangle_tree.h"
 #include "repair/narrow_pieces.h"
+#include "repair/sewn_groups.h"
 
 namespace geocloth {
 namespace {
@@ -21,8 +27,24 @@ namespace {
 constexpr double kMostCarried = 0.01;  // share of the area
 constexpr double kLongestHole = 3;     // [pixels] around it: less than a pixel's own outline
 
+// Loose pieces that are small beside the garment:
+constexpr double kSmallAcross = 0.05;  // share of the garment's diagonal
+constexpr double kFewPixels = 3;       // or as far across in pixels
+constexpr double kSmallArea = 0.01;    // share of the area
+constexpr double kMostSmall = 0.25;    // share of the area that they are together: more is no trimming
+constexpr double kOffBySize = 2;       // how far they are off the cloth at most, in their own diagonals
+constexpr double kOff = 0.03;          // and as a share of the garment's
+
+constexpr double kMuchSmaller = 0.02;  // share of the largest piece's area that is no garment beside it
+
 double area_of(const CleanSurface& surface, const Triangle& t) {
   return triangle_area(surface.position[t[0]], surface.position[t[1]], surface.position[t[2]]);
+}
+
+std::vector<double> component_areas(const CleanSurface& clean) {
+  std::vector<double> area(clean.component_count, 0);
+  for (size_t t = 0; t < clean.triangle.size(); ++t) area[clean.component[t]] += area_of(clean, clean.triangle[t]);
+  return area;
 }
 
 std::string rounded(double value) {
@@ -44,22 +66,75 @@ std::string of_part(const TriangleMesh& mesh, uint32_t part) {
   return part < mesh.part.size() && !mesh.part[part].name.empty() ? " of '" + mesh.part[part].name + "'" : "";
 }
 
-/// A component to leave out, and why.
+/// Components to leave out as one piece, and why.
 struct LeftOut {
-  uint32_t component;
+  std::vector<uint32_t> component;
   std::string why;
 };
 
-/// Those of an area below a pixel's, ascending by area. @param left  [m^2] that may be left out, less what this takes
-std::vector<LeftOut> too_small(const std::vector<double>& area, double pixel, double& left) {
+/// Components that are sewn together, as one.
+struct LoosePiece {
+  std::vector<uint32_t> component;
+  double area = 0;
+  Point3 low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
+};
+
+/// What of a surface is a garment, and what is loose and small beside it.
+struct LoosePieces {
+  std::vector<LoosePiece> small;
+  std::vector<uint8_t> is_small;  ///< per component
+  bool have_garment = false;      ///< most of the surface is not small
+  double diagonal = 0;            ///< [m] of the whole
+};
+
+std::vector<LoosePiece> loose_pieces(const CleanSurface& clean, const std::vector<double>& area) {
+  std::vector<LoosePiece> piece(clean.component_count);
+  const SewnGroups sewn(clean);
+  for (uint32_t c = 0; c < clean.component_count; ++c) {
+    piece[sewn.group(c)].component.push_back(c);
+    piece[sewn.group(c)].area += area[c];
+  }
+  for (size_t t = 0; t < clean.triangle.size(); ++t) {
+    LoosePiece& of = piece[sewn.group(clean.component[t])];
+    for (const uint32_t v : clean.triangle[t]) {
+      for (size_t k = 0; k < 3; ++k) {
+        of.low[k] = std::min(of.low[k], clean.position[v][k]);
+        of.high[k] = std::max(of.high[k], clean.position[v][k]);
+      }
+    }
+  }
+  std::erase_if(piece, [](const LoosePiece& p) { return p.component.empty(); });
+  return piece;
+}
+
+LoosePieces find_small_ones(const CleanSurface& clean, const std::vector<double>& area, double spacing) {
+  LoosePieces result{{}, std::vector<uint8_t>(clean.component_count, 0), false, bounding_diagonal(clean.position)};
+  const double total = std::accumulate(area.begin(), area.end(), 0.0);
+  const double across = std::max(kSmallAcross * result.diagonal, kFewPixels * spacing);
+  double small = 0;
+  for (LoosePiece& p : loose_pieces(clean, area)) {
+    if (distance(p.low, p.high) > across || p.area > kSmallArea * total) continue;
+    for (const uint32_t c : p.component) result.is_small[c] = 1;
+    small += p.area;
+    result.small.push_back(std::move(p));
+  }
+  result.have_garment = small <= kMostSmall * total;
+  return result;
+}
+
+/// Those of an area below a pixel's, ascending by area. Of equal sequins all are left out or none: beside a garment
+/// loose ones are, also beyond what may be left out usually.
+/// @param left  [m^2] that may be left out, less what this takes
+std::vector<LeftOut> too_small(const std::vector<double>& area, const LoosePieces& loose, double pixel, double& left) {
   std::vector<uint32_t> order(area.size());
   std::iota(order.begin(), order.end(), 0U);
   std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return area[a] < area[b]; });
   std::vector<LeftOut> result;
   for (const uint32_t c : order) {
-    if (result.size() + 1 == order.size() || area[c] >= pixel || area[c] > left) break;
+    if (result.size() + 1 == order.size() || area[c] >= pixel) break;
+    if (area[c] > left && !(loose.have_garment && loose.is_small[c] != 0)) continue;
     left -= area[c];
-    result.push_back({c, "its area is " + rounded(area[c] / pixel) + " of a pixel's"});
+    result.push_back({{c}, "its area is " + rounded(area[c] / pixel) + " of a pixel's"});
   }
   return result;
 }
@@ -67,7 +142,7 @@ std::vector<LeftOut> too_small(const std::vector<double>& area, double pixel, do
 /// Those that are too narrow for one, ascending by area, as far as there is room.
 void add_narrow(const CleanSurface& clean, double spacing, double left, std::vector<LeftOut>& left_out) {
   std::vector<uint8_t> is_left_out(clean.component_count, 0);
-  for (const LeftOut& l : left_out) is_left_out[l.component] = 1;
+  for (const LeftOut& l : left_out) is_left_out[l.component[0]] = 1;
   std::vector<NarrowPieces> narrow = find_narrow_pieces(clean, spacing, left, is_left_out);
   std::stable_sort(narrow.begin(), narrow.end(),
                    [](const NarrowPieces& a, const NarrowPieces& b) { return a.area < b.area; });
@@ -76,15 +151,55 @@ void add_narrow(const CleanSurface& clean, double spacing, double left, std::vec
     left -= pieces.area;
     for (const uint32_t c : pieces.component) {
       left_out.push_back(
-          {c, "it is a strip " + rounded(pieces.width / spacing) + " of a pixel wide where it is widest"});
+          {{c}, "it is a strip " + rounded(pieces.width / spacing) + " of a pixel wide where it is widest"});
     }
+  }
+}
+
+/// Those that lie on the garment all over.
+void add_riding(const CleanSurface& clean, const LoosePieces& loose, std::vector<LeftOut>& left_out) {
+  std::vector<uint8_t> is_left_out(clean.component_count, 0);
+  for (const LeftOut& l : left_out) is_left_out[l.component[0]] = 1;
+  const auto is_gone = [&](uint32_t c) { return is_left_out[c] != 0; };
+  std::vector<LoosePiece> small = loose.small;
+  for (LoosePiece& p : small) std::erase_if(p.component, is_gone);
+  std::erase_if(small, [](const LoosePiece& p) { return p.component.empty(); });
+  if (!loose.have_garment || small.empty()) return;
+  std::vector<Triangle> garment;
+  std::vector<std::vector<uint32_t>> vertices(clean.component_count);
+  for (size_t t = 0; t < clean.triangle.size(); ++t) {
+    const uint32_t c = clean.component[t];
+    if (is_gone(c)) continue;
+    if (loose.is_small[c] == 0) {
+      garment.push_back(clean.triangle[t]);
+    } else {
+      for (const uint32_t v : clean.triangle[t]) vertices[c].push_back(v);
+    }
+  }
+  if (garment.empty()) return;
+  const TriangleTree tree(clean.position, garment);
+  std::optional<TriangleTree::Place> found;
+  for (LoosePiece& p : small) {
+    const double across = distance(p.low, p.high), most_off = std::min(kOffBySize * across, kOff * loose.diagonal);
+    const bool on_cloth = std::all_of(p.component.begin(), p.component.end(), [&](uint32_t c) {
+      return std::all_of(vertices[c].begin(), vertices[c].end(), [&](uint32_t v) {
+        found = tree.nearest(clean.position[v], found);
+        return distance(found->point, clean.position[v]) <= most_off;
+      });
+    });
+    if (!on_cloth) continue;
+    left_out.push_back({std::move(p.component), "it is attached to nothing, lies on other cloth and is " +
+                                                    rounded(100 * across / loose.diagonal) +
+                                                    " % of the garment across"});
   }
 }
 
 /// The surface without some components; points stay, vertices and components are numbered anew.
 CleanSurface without(const CleanSurface& clean, const std::vector<LeftOut>& left_out) {
   std::vector<uint32_t> component(clean.component_count, 0), vertex(clean.position.size(), kNone);
-  for (const LeftOut& l : left_out) component[l.component] = kNone;
+  for (const LeftOut& l : left_out) {
+    for (const uint32_t c : l.component) component[c] = kNone;
+  }
   CleanSurface rest;
   rest.point_count = clean.point_count;
   rest.source_point = clean.source_point;
@@ -112,18 +227,24 @@ CleanSurface without(const CleanSurface& clean, const std::vector<LeftOut>& left
 
 void leave_out_small_pieces(const TriangleMesh& mesh, const CleanSurface& clean, double spacing,
                             CarriedSurface& result) {
-  std::vector<double> area(clean.component_count, 0);
-  for (size_t t = 0; t < clean.triangle.size(); ++t) area[clean.component[t]] += area_of(clean, clean.triangle[t]);
+  const std::vector<double> area = component_areas(clean);
   const double total = std::accumulate(area.begin(), area.end(), 0.0);
   double left = kMostCarried * total;
-  std::vector<LeftOut> left_out = too_small(area, spacing * spacing, left);
+  const LoosePieces loose = find_small_ones(clean, area, spacing);
+  std::vector<LeftOut> left_out = too_small(area, loose, spacing * spacing, left);
   add_narrow(clean, spacing, left, left_out);
+  result.too_small = left_out.size();
+  add_riding(clean, loose, left_out);
   if (left_out.empty()) return;
 
   std::vector<uint32_t> number(clean.component_count, kNone);
   for (LeftOut& l : left_out) {
-    number[l.component] = static_cast<uint32_t>(result.carried.size());
-    result.carried.push_back({0, 0, area[l.component] / total, std::move(l.why)});
+    double share = 0;
+    for (const uint32_t c : l.component) {
+      number[c] = static_cast<uint32_t>(result.carried.size());
+      share += area[c] / total;
+    }
+    result.carried.push_back({0, 0, share, std::move(l.why)});
   }
   for (size_t t = 0; t < clean.triangle.size(); ++t) {
     const uint32_t c = number[clean.component[t]];
@@ -224,7 +345,7 @@ void close_small_holes(const TriangleMesh& mesh, double spacing, CarriedSurface&
   double total = 0;
   for (const Triangle& t : surface.triangle) total += area_of(surface, t);
   double left = kMostCarried * total;
-  for (const CarriedPart& piece : result.carried) left -= piece.area_share * total;
+  for (size_t i = 0; i < result.too_small; ++i) left -= result.carried[i].area_share * total;
   std::vector<std::vector<uint32_t>> loops = border_loops(surface);
   std::stable_sort(loops.begin(), loops.end(),
                    [&](const auto& a, const auto& b) { return length_around(surface, a) < length_around(surface, b); });
@@ -251,8 +372,21 @@ void close_small_holes(const TriangleMesh& mesh, double spacing, CarriedSurface&
 
 }  // namespace
 
+LoosePiecesLeft find_loose_pieces(const CleanSurface& clean) {
+  LoosePiecesLeft result;
+  const std::vector<LoosePiece> piece = loose_pieces(clean, component_areas(clean));
+  double largest = 0;
+  for (const LoosePiece& p : piece) largest = std::max(largest, p.area);
+  for (const LoosePiece& p : piece) {
+    if (p.area > kMuchSmaller * largest) continue;
+    ++result.count;
+    result.across = std::max(result.across, distance(p.low, p.high));
+  }
+  return result;
+}
+
 CarriedSurface carry_nothing(const CleanSurface& clean) {
-  return {clean, {}, std::vector<uint32_t>(clean.point_count, kNone)};
+  return {clean, {}, 0, std::vector<uint32_t>(clean.point_count, kNone)};
 }
 
 CarriedSurface carry_small_pieces(const TriangleMesh& mesh, const CleanSurface& clean, const FlattenOptions& options) {

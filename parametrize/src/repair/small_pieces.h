@@ -7,20 +7,30 @@
 
 namespace geocloth {
 
-/// A clean surface and what of it the image leaves out because it is smaller than a pixel.
+/// A clean surface and what of it the image leaves out because it is smaller than a pixel, or lies loose on the rest.
 struct CarriedSurface {
   CleanSurface represented;          ///< what the image has to reproduce; points are those of the clean surface
   std::vector<CarriedPart> carried;  ///< what was left out, or closed
+  size_t too_small = 0;              ///< how many of them, the first, are too small for pixels
   std::vector<uint32_t>
       piece_of_point;  ///< per point: the carried piece that it is in and nothing else, kNone otherwise
 };
+
+/// Pieces that are sewn to nothing, beside one that is fifty times as large.
+struct LoosePiecesLeft {
+  uint32_t count = 0;
+  double across = 0;  ///< [m] the widest
+};
+[[nodiscard]] LoosePiecesLeft find_loose_pieces(const CleanSurface& clean);
 
 /// The whole surface is to be represented.
 [[nodiscard]] CarriedSurface carry_nothing(const CleanSurface& clean);
 
 /// Leaves out the pieces (connected manifold components) whose area is below that of a pixel, and then the strips of
 /// narrow_pieces.h, the smallest first, as long as they make up 1 % of the area together at most and something remains;
-/// and closes holes that are less than a pixel long and three pixels around.
+/// and closes holes that are less than a pixel long and three pixels around. Where most of the surface is a garment,
+/// loose pieces below a pixel are left out even if they are more, and so are those that are up to a twentieth of the
+/// garment or three pixels across and lie on it all over, as buttons do.
 /// Spacing and pixel are those that the options ask for.
 /// @param mesh  the file's mesh, for the names of its parts
 [[nodiscard]] CarriedSurface carry_small_pieces(const TriangleMesh& mesh, const CleanSurface& clean,

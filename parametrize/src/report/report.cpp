@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "geocloth/parametrize/convert.h"
+#include "report/border_pixels.h"
 
 namespace geocloth {
 namespace {
@@ -36,17 +37,7 @@ void count_border(const ClothAsset& asset, ImageSummary& image) {
   for (const uint32_t i : asset.splits.pixel) is_split[i] = 1;
   uint32_t border = 0, free = 0;
   for (uint32_t i = 0; i < asset.pixel_count(); ++i) {
-    if (!asset.valid(i)) continue;
-    const int64_t x = i % asset.width, y = i / asset.width;
-    const auto missing = [&](int64_t nx, int64_t ny) {
-      if (nx < 0 || ny < 0 || nx >= asset.width || ny >= asset.height) return true;
-      return asset.chart[static_cast<std::size_t>(ny * asset.width + nx)] != asset.chart[i];
-    };
-    bool complete = true;
-    for (const int64_t dy : {-1, 0, 1}) {
-      for (const int64_t dx : {-1, 0, 1}) complete = complete && !missing(x + dx, y + dy);
-    }
-    if (complete) continue;
+    if (!asset.valid(i) || !on_border(asset, i)) continue;
     ++border;
     if (is_split[i] == 0) ++free;
   }

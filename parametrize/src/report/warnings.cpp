@@ -7,9 +7,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 
 #include "develop/map_stretch.h"
+#include "mesh/half_edges.h"
 #include "mesh/point_math.h"
+#include "report/border_pixels.h"
 
 namespace geocloth {
 namespace {
@@ -59,44 +62,155 @@ std::string where_stretched(const std::vector<PartShape>& parts) {
   return text;
 }
 
-void warn_of_stretch(const ConvertReport& report, const ClothAsset& asset, std::vector<std::string>& out) {
+/// Away from its corners a bag or a folded tie is developable.
+std::string why_stretched(const ConvertReport& report) {
+  if (report.uncut_corners == 0) {
+    return ": the garment is not developable there (woven cloth would need a dart), and its springs are that uneven";
+  }
+  return ": the layout has cuts to too few of the garment's corners (" + std::to_string(report.uncut_corners) +
+         " are left without), and springs around them are that uneven";
+}
+
+bool is_stretched(const ConvertReport& report, const ClothAsset& asset) {
   // What a square does to shapes is known; it is worth a word where it is extreme.
   constexpr double kLargestAnisotropy = 1.15, kLargestDirichlet = 4.03, kLargestInSquare = 5;
   const Quality& q = report.quality;
+  if (asset.layout == Layout::square) return q.anisotropy_p95 > kLargestInSquare;
+  return q.anisotropy_p95 > kLargestAnisotropy || q.symmetric_dirichlet > kLargestDirichlet;
+}
+
+void warn_of_stretch(const ConvertReport& report, const ClothAsset& asset, std::vector<std::string>& out) {
+  if (!is_stretched(report, asset)) return;
   const bool square = asset.layout == Layout::square;
-  if (square ? q.anisotropy_p95 <= kLargestInSquare
-             : q.anisotropy_p95 <= kLargestAnisotropy && q.symmetric_dirichlet <= kLargestDirichlet) {
-    return;
-  }
   double stretched = 0;
   for (const PartShape& part : report.parts) stretched += part.stretched_share * part.area_share;
   out.push_back(percent(stretched) + " of the area is stretched or squeezed by more than 10 % in the image" +
                 where_stretched(report.parts) +
-                (square ? ": a square cannot keep shapes (--layout panels does)"
-                        : ": the garment is not developable there (woven cloth would need a dart), and its springs are "
-                          "that uneven"));
+                (square ? ": a square cannot keep shapes (--layout panels does)" : why_stretched(report)));
 }
 
-/// Cells at outlines: they are uneven where strips, holes or teeth are not much wider than a pixel.
-void warn_of_uneven_springs(const Quality& q, double spacing, std::vector<std::string>& out) {
+/// What most of the uneven cells lie in.
+enum class Uneven { crumbs, outlines, folds };
+
+/// Cells at outlines are uneven where strips, holes or teeth are not much wider than a pixel, those inside where pixels
+/// are too few for the folds between them.
+Uneven find_uneven(const ClothAsset& asset) {
+  constexpr double kLong = 1.3, kSine = 0.2;  // of the angle off a right one
+  constexpr uint32_t kCrumb = 16;             // [pixels] of a chart
+  std::vector<uint32_t> pixels(asset.chart_count, 0);
+  for (uint32_t i = 0; i < asset.pixel_count(); ++i) {
+    if (asset.valid(i)) ++pixels[asset.chart[i]];
+  }
+  const double h = asset.spacing;
+  uint32_t crumbs = 0, outlines = 0, folds = 0;
+  for (uint32_t i = 0; i < asset.pixel_count(); ++i) {
+    if ((asset.spring_mask[i] & kSpringRight) == 0 || (asset.spring_mask[i] & kSpringDown) == 0) continue;
+    const Vec3 weft = asset.rest_position[i + 1] - asset.rest_position[i];
+    const Vec3 warp = asset.rest_position[i + asset.width] - asset.rest_position[i];
+    const double x = length(weft), y = length(warp);
+    const bool even =
+        std::max(x, y) <= kLong * h && std::min(x, y) * kLong >= h && std::abs(dot(weft, warp)) <= kSine * x * y;
+    if (even) continue;
+    if (pixels[asset.chart[i]] <= kCrumb) {
+      ++crumbs;
+    } else if (on_border(asset, i) || on_border(asset, i + 1) || on_border(asset, i + asset.width)) {
+      ++outlines;
+    } else {
+      ++folds;
+    }
+  }
+  if (crumbs > std::max(outlines, folds)) return Uneven::crumbs;
+  return folds > outlines ? Uneven::folds : Uneven::outlines;
+}
+
+void warn_of_uneven_springs(const ConvertReport& report, const ClothAsset& asset, std::vector<std::string>& out) {
   // From here on the motion of the cloth shows it (tools/report/targets.cpp calls these missed).
   constexpr double kLargestRatio = 2, kLargestAngle = 12;
+  constexpr double kKeptFolds = 80;  // [dB] so near is no image that cuts folds short
+  const Quality& q = report.quality;
   if (q.spring_p99_over_p1 <= kLargestRatio && q.shear_deg_p95 <= kLargestAngle) return;
+  const char* of_what = "strips, holes or layers that are not much wider than";
+  const char* remedy = "give a larger --resolution, or leave such parts out with --parts";
+  switch (find_uneven(asset)) {
+    case Uneven::outlines:
+      break;
+    case Uneven::crumbs:
+      of_what = "pieces that are hardly larger than";
+      remedy = "leave them out with --parts, or merge them with the cloth in a modelling program";
+      break;
+    case Uneven::folds:
+      if (is_stretched(report, asset) && q.psnr_db > kKeptFolds) return;  // which was said
+      of_what = "folds or bends that are not much wider than";
+      remedy = "give a larger --resolution";
+      break;
+  }
   out.push_back("springs are uneven (the longest are " + rounded(q.spring_p99_over_p1) +
                 " times the shortest, and a twentieth of the places is " + rounded(q.shear_deg_p95) +
-                " degrees or more off a right angle): the garment has strips, holes or layers that are not much wider "
-                "than a spring (" +
-                size_in_words(spacing) + "); give a larger --resolution, or leave such parts out with --parts");
+                " degrees or more off a right angle): the garment has " + of_what + " a spring (" +
+                size_in_words(double{asset.spacing}) + "); " + remedy);
+}
+
+/// Loose pieces are carried even where they are more than what may go unnoticed.
+void warn_of_carried(const ConvertReport& report, std::vector<std::string>& out) {
+  constexpr double kUnnoticed = 0.01;  // share of the area
+  double share = 0;
+  uint32_t pieces = 0;
+  for (const CarriedPart& part : report.carried) {
+    if (part.faces == 0) continue;  // a hole
+    share += part.area_share;
+    ++pieces;
+  }
+  if (share <= kUnnoticed) return;
+  out.push_back(std::to_string(pieces) + " small pieces, " + percent(share) +
+                " of the area, have no pixels: they ride on the cloth beside them, and their weight is not counted");
+}
+
+/// Whether the largest chart is a strip, and much longer than the box around it.
+bool winds(const ClothAsset& asset) {
+  struct ChartBox {
+    uint32_t pixels = 0, border = 0, left = UINT32_MAX, right = 0, top = UINT32_MAX, bottom = 0;
+  };
+  std::vector<ChartBox> charts(asset.chart_count);
+  for (uint32_t i = 0; i < asset.pixel_count(); ++i) {
+    if (!asset.valid(i)) continue;
+    const uint32_t x = i % asset.width, y = i / asset.width;
+    ChartBox& c = charts[asset.chart[i]];
+    ++c.pixels;
+    c.border += on_border(asset, i) ? 1U : 0U;
+    c.left = std::min(c.left, x);
+    c.right = std::max(c.right, x);
+    c.top = std::min(c.top, y);
+    c.bottom = std::max(c.bottom, y);
+  }
+  const auto largest =
+      std::max_element(charts.begin(), charts.end(), [](const auto& a, const auto& b) { return a.pixels < b.pixels; });
+  if (largest == charts.end() || largest->pixels == 0) return false;
+  constexpr double kMuchLonger = 2.5;
+  return largest->border / 2.0 >
+         kMuchLonger * std::hypot(largest->right - largest->left + 1.0, largest->bottom - largest->top + 1.0);
+}
+
+std::string why_empty(const ConvertReport& report, const ClothAsset& asset) {
+  constexpr uint32_t kNet = 50;  // holes
+  if (report.represented.boundary_loops > report.represented.components + kNet) {
+    return "it is a net that is cut open along its threads; a whole sheet takes less, with a texture that is clear "
+           "where the holes are";
+  }
+  if (winds(asset)) {
+    return "a long piece winds through it; where its texture coordinates lay it out in shorter pieces, --layout uv "
+           "takes those";
+  }
+  return "the pieces do not fill the boxes around them; where texture coordinates lay them out in smaller ones, "
+         "--layout uv takes those";
 }
 
 /// Pixels take memory whether there is cloth in them or not.
-void warn_of_empty_image(const ClothAsset& asset, std::vector<std::string>& out) {
+void warn_of_empty_image(const ConvertReport& report, const ClothAsset& asset, std::vector<std::string>& out) {
   constexpr double kMostlyEmpty = 0.35;
   const double filled = static_cast<double>(count_valid_pixels(asset)) / std::max(asset.pixel_count(), 1U);
   if (filled >= kMostlyEmpty) return;
   out.push_back("only " + percent(filled) +
-                " of the image is cloth, the rest takes memory for nothing: a long piece winds through it; where its "
-                "texture coordinates lay it out in shorter pieces, --layout uv takes those");
+                " of the image is cloth, the rest takes memory for nothing: " + why_empty(report, asset));
 }
 
 }  // namespace
@@ -130,6 +244,31 @@ std::vector<PartShape> measure_parts(const TriangleMesh& mesh, const CleanSurfac
   return parts;
 }
 
+uint32_t count_uncut_corners(const FlatSurface& flat) {
+  constexpr double kCorner = 0.5, kMost = 0.5;  // [radians] of the curvature at a point; share of all
+  std::vector<double> curvature(flat.position.size(), 2 * std::numbers::pi);
+  const std::vector<uint32_t> opposite = opposite_half_edges(flat.triangle);
+  std::vector<uint8_t> inside(flat.position.size(), 1);
+  for (uint32_t h = 0; h < opposite.size(); ++h) {
+    const uint32_t v = tail(flat.triangle, h), next = head(flat.triangle, h);
+    if (opposite[h] == kNone) inside[v] = inside[next] = 0;
+    const Point3 a = flat.position[next] - flat.position[v];
+    const Point3 b = flat.position[tail(flat.triangle, previous_half_edge(h))] - flat.position[v];
+    curvature[v] -= std::atan2(length(cross(a, b)), dot(a, b));
+  }
+  uint32_t corners = 0;
+  double in_corners = 0, all = 0;
+  for (size_t v = 0; v < curvature.size(); ++v) {
+    if (inside[v] == 0) continue;
+    const double c = std::abs(curvature[v]);
+    all += c;
+    if (c < kCorner) continue;
+    in_corners += c;
+    ++corners;
+  }
+  return in_corners > kMost * all ? corners : 0;
+}
+
 std::vector<std::string> plain_warnings(const ConvertReport& report, const ClothAsset& asset, double wanted_pixels) {
   std::vector<std::string> out;
   const double size = report.cleaned_bbox_diagonal;
@@ -151,13 +290,14 @@ std::vector<std::string> plain_warnings(const ConvertReport& report, const Cloth
   }
   warn_of_stretch(report, asset, out);
   const bool square = asset.layout == Layout::square;
-  if (!square) warn_of_uneven_springs(q, asset.spacing, out);
+  if (!square) warn_of_uneven_springs(report, asset, out);
   // A square has few pixels wherever it squeezes: what is said of shapes above is true of places too.
   constexpr double kCoarseDecibel = 50, kFarOff = 0.01;
   if (q.psnr_db < kCoarseDecibel || (!square && q.max_error > kFarOff)) {
     out.push_back("the image is coarse for this mesh (it is up to " + size_in_words(q.max_error * size) +
                   " off); give a larger --resolution");
   }
+  warn_of_carried(report, out);
   constexpr double kLargestBindingError = 1e-6;
   if (q.binding_error > kLargestBindingError) {
     out.push_back("single precision moves vertices by up to " + rounded(q.binding_error) +
@@ -171,7 +311,7 @@ std::vector<std::string> plain_warnings(const ConvertReport& report, const Cloth
         "modelling "
         "program");
   }
-  if (!square) warn_of_empty_image(asset, out);
+  if (!square) warn_of_empty_image(report, asset, out);
   constexpr double kShortSpring = 0.05;
   if (q.spring_min < kShortSpring) {
     out.push_back("the shortest spring is " + rounded(q.spring_min) + " of the nominal " +

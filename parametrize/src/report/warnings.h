@@ -12,6 +12,9 @@ namespace geocloth {
 [[nodiscard]] std::vector<PartShape> measure_parts(const TriangleMesh& mesh, const CleanSurface& clean,
                                                    const FlatSurface& flat);
 
+/// Corners of the surface that no cut ends at, if most of the curvature inside of the charts is in them: else 0.
+[[nodiscard]] uint32_t count_uncut_corners(const FlatSurface& flat);
+
 /// What a user should know of a conversion that came out valid: one sentence each, with the remedy where there is one.
 /// @param wanted_pixels  that the user asked for; 0: asked for a spacing
 [[nodiscard]] std::vector<std::string> plain_warnings(const ConvertReport& report, const ClothAsset& asset,

@@ -24,8 +24,8 @@ struct ConvertOptions {
 /// The files that ConvertOptions::stages names.
 [[nodiscard]] std::vector<std::filesystem::path> stage_files(const std::filesystem::path& folder);
 
-/// A piece that is too small for a pixel at the chosen spacing and rides on the cloth beside it, or a hole that is too
-/// small and is closed in the image.
+/// A piece that is too small for a pixel at the chosen spacing, or lies loose on the cloth as a button does, and rides
+/// on the cloth beside it; or a hole that is too small and is closed in the image.
 struct CarriedPart {
   uint32_t part = 0;      ///< of the file (SourceMesh::part)
   uint32_t faces = 0;     ///< triangles left out; 0 for a hole
@@ -65,6 +65,7 @@ struct ConvertReport {
   std::vector<CarriedPart> carried;
   std::optional<MirrorPlane> mirror;  ///< of the surface, where left and right are to be cut alike
   std::vector<PartShape> parts;       ///< as in the file
+  uint32_t uncut_corners = 0;         ///< where nothing but corners keeps the charts from lying flat
   Topology represented;
   Topology welded;
   Quality quality;
