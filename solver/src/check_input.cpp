@@ -59,11 +59,7 @@ void check_rotation(const Quat& q, const std::string& where) {
 
 struct ShapeCheck {
   const std::string& where;
-  void operator()(const Plane& s) const {
-    check_vector(s.point, kLargestLength, where, "point");
-    const double n = length(s.normal);
-    if (!(std::abs(n - 1) < 1e-3)) refuse(where, "the length of normal", n, "1");
-  }
+  void operator()(const Plane& s) const { check(s, where); }
   void operator()(const Sphere& s) const {
     check_vector(s.center, kLargestLength, where, "center");
     check_above(s.radius, 0, where, "radius", kLargestLength);
@@ -86,7 +82,21 @@ struct ShapeCheck {
   }
   void operator()(const Convex& s) const {
     if (s.planes.empty()) throw Error(ErrorCode::invalid_argument, where + ": has no planes; see convex_hull");
+    if (s.planes.size() > kMostConvexPlanes) {
+      throw Error(ErrorCode::invalid_argument, where + ": has " + std::to_string(s.planes.size()) +
+                                                   " planes; it may have " + std::to_string(kMostConvexPlanes) +
+                                                   ": see convex_hull, or make it a body of triangles");
+    }
     for (const Plane& plane : s.planes) (*this)(plane);
+    for (const auto& triangle : s.surface.triangle)
+      for (const uint32_t i : triangle) {
+        if (i >= s.surface.position.size()) {
+          throw Error(ErrorCode::invalid_argument, where + ": a triangle of its surface refers to position " +
+                                                       std::to_string(i) + ", but there are " +
+                                                       std::to_string(s.surface.position.size()));
+        }
+        check_vector(s.surface.position[i], kLargestLength, where, "a position of its surface");
+      }
   }
   void operator()(const MeshSolid& s) const {
     if (!s.field) throw Error(ErrorCode::invalid_argument, where + ": has no field; see make_distance_field");
@@ -171,6 +181,12 @@ void check_parent(const Transform& pose, const Vec3& inertia_scale, const std::s
   for (const float s : {inertia_scale.x, inertia_scale.y, inertia_scale.z}) {
     check_at_least(s, 0, where, "inertia_scale", 1);
   }
+}
+
+void check(const Plane& p, const std::string& where) {
+  check_vector(p.point, kLargestLength, where, "point");
+  const double n = length(p.normal);
+  if (!(std::abs(n - 1) < 1e-3)) refuse(where, "the length of normal", n, "1");
 }
 
 void check(const Collider& c, const std::string& where) {

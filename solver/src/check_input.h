@@ -17,6 +17,7 @@ void check(const SolverSettings& settings);
 void check(const Material& material, const std::string& where);
 void check(const Transform& transform, const std::string& where);
 void check(const Collider& collider, const std::string& where);
+void check(const Plane& plane, const std::string& where);
 void check(const Wind& wind, const std::string& where);
 /// [m] between points; below 0: the default.
 void check_distance(float distance, const std::string& where);
