@@ -17,6 +17,18 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+// Far below anything that is cloth: from less, inverses, squares and their products would leave single precision.
+constexpr double kLightest = 1e-6;       ///< [kg/m^2]
+constexpr double kSoftest = 1e-9;        ///< [N/m]
+constexpr double kLimpest = 1e-12;       ///< [N m]
+constexpr double kSmallestScale = 1e-6;  ///< of a transform
+constexpr double kShortestStep = 1e-7;   ///< [s] of a substep
+
+/// Of 1e-6 a float is a little less.
+bool is_at_least(double value, double low) {
+  return value >= low || value == static_cast<double>(static_cast<float>(low));
+}
+
 std::string number(double value) {
   std::array<char, 32> text{};
   const int length = std::snprintf(text.data(), text.size(), "%.9g", value);
@@ -28,7 +40,7 @@ std::string number(double value) {
 }
 
 void check_at_least(double value, double low, const std::string& where, const char* field, double high = kInfinity) {
-  if (std::isfinite(value) && value >= low && value <= high) return;
+  if (std::isfinite(value) && is_at_least(value, low) && value <= high) return;
   refuse(where, field, value,
          std::isfinite(high) ? "between " + number(low) + " and " + number(high)
                              : "a finite number of at least " + number(low));
@@ -38,6 +50,11 @@ void check_above(double value, double low, const std::string& where, const char*
   if (std::isfinite(value) && value > low && value <= high) return;
   refuse(where, field, value,
          "a finite number above " + number(low) + (std::isfinite(high) ? " and up to " + number(high) : ""));
+}
+
+void check_none_or(double value, double low, const std::string& where, const char* field, double high) {
+  if (value == 0 || (std::isfinite(value) && is_at_least(value, low) && value <= high)) return;
+  refuse(where, field, value, "0 or between " + number(low) + " and " + number(high));
 }
 
 void check_vector(const Vec3& v, float largest, const std::string& where, const char* field) {
@@ -141,6 +158,10 @@ void check(const SolverSettings& s) {
   check_at_least(s.threads, 1, where, "threads", 1024);
   check_above(s.frame_time, 0, where, "frame_time", 10);
   check_at_least(s.substeps, 1, where, "substeps", 256);
+  if (!(s.frame_time / s.substeps >= kShortestStep)) {
+    refuse(where, "a substep, frame_time / substeps,", s.frame_time / s.substeps,
+           "at least " + number(kShortestStep) + " s");
+  }
   check_at_least(s.relaxation_steps, 1, where, "relaxation_steps", 256);
   check_gravity(s.gravity, where);
   check_at_least(s.sleep_speed, 0, where, "sleep_speed", 1e4);
@@ -148,13 +169,13 @@ void check(const SolverSettings& s) {
 }
 
 void check(const Material& m, const std::string& where) {
-  check_above(m.areal_density, 0, where, "areal_density", 1e4);
-  check_above(m.stretch_warp, 0, where, "stretch_warp", 1e12);
-  check_above(m.stretch_weft, 0, where, "stretch_weft", 1e12);
-  check_at_least(m.shear, 0, where, "shear", 1e12);
-  check_at_least(m.bend_warp, 0, where, "bend_warp", 1e6);
-  check_at_least(m.bend_weft, 0, where, "bend_weft", 1e6);
-  if (!(m.bend_bias < 0 && std::isfinite(m.bend_bias))) check_at_least(m.bend_bias, 0, where, "bend_bias", 1e6);
+  check_at_least(m.areal_density, kLightest, where, "areal_density", 1e4);
+  check_at_least(m.stretch_warp, kSoftest, where, "stretch_warp", 1e12);
+  check_at_least(m.stretch_weft, kSoftest, where, "stretch_weft", 1e12);
+  check_none_or(m.shear, kSoftest, where, "shear", 1e12);
+  check_none_or(m.bend_warp, kLimpest, where, "bend_warp", 1e6);
+  check_none_or(m.bend_weft, kLimpest, where, "bend_weft", 1e6);
+  if (!(m.bend_bias < 0 && std::isfinite(m.bend_bias))) check_none_or(m.bend_bias, kLimpest, where, "bend_bias", 1e6);
   check_at_least(m.damping, 0, where, "damping");
   check_at_least(m.thickness, 0, where, "thickness", 1);
   check_at_least(m.friction, 0, where, "friction", 1e3);
@@ -168,7 +189,7 @@ void check(const Material& m, const std::string& where) {
 void check(const Transform& t, const std::string& where) {
   check_vector(t.translate, kLargestLength, where, "translate");
   check_rotation(t.rotate, where);
-  check_above(t.scale, 0, where, "scale", 1e6);
+  check_at_least(t.scale, kSmallestScale, where, "scale", 1e6);
 }
 
 void check_distance(float distance, const std::string& where) {

@@ -62,7 +62,7 @@ struct SolverSettings {
   Backend backend = Backend::automatic;
   std::string device = {};        ///< part of a device's name; empty: by backend
   uint32_t threads = 1;           ///< cpu backend; the result does not depend on it
-  double frame_time = 1.0 / 60;   ///< [s] > 0
+  double frame_time = 1.0 / 60;   ///< [s] up to 10; a substep must be 1e-7 at least
   uint32_t substeps = 16;         ///< per frame, 1..256; more is stiffer and loses less energy
   uint32_t relaxation_steps = 1;  ///< sweeps over all constraints per substep, 1..256
   /// Springs pull along where they were when the substep began, on positions of twice the digits: free cloth keeps its
