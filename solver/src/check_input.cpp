@@ -18,11 +18,12 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Far below anything that is cloth: from less, inverses, squares and their products would leave single precision.
-constexpr double kLightest = 1e-6;       ///< [kg/m^2]
-constexpr double kSoftest = 1e-9;        ///< [N/m]
-constexpr double kLimpest = 1e-12;       ///< [N m]
-constexpr double kSmallestScale = 1e-6;  ///< of a transform
-constexpr double kShortestStep = 1e-7;   ///< [s] of a substep
+constexpr double kLightest = 1e-6;         ///< [kg/m^2]
+constexpr double kSoftest = 1e-9;          ///< [N/m]
+constexpr double kLimpest = 1e-12;         ///< [N m]
+constexpr double kSmallestScale = 1e-6;    ///< of a transform
+constexpr double kSmallestSpacing = 1e-9;  ///< [m] of a distance field
+constexpr double kShortestStep = 1e-7;     ///< [s] of a substep
 
 /// Of 1e-6 a float is a little less.
 bool is_at_least(double value, double low) {
@@ -74,8 +75,30 @@ void check_rotation(const Quat& q, const std::string& where) {
   if (!(std::abs(n - 1) < 1e-3)) refuse(where, "the length of the quaternion `rotate`", n, "1");
 }
 
+void check_field(const DistanceField& f, const std::string& where) {
+  const double nodes = static_cast<double>(f.size[0]) * f.size[1] * f.size[2];  // exact where a vector could be as long
+  if (*std::min_element(f.size.begin(), f.size.end()) < 2 || static_cast<double>(f.distance.size()) != nodes) {
+    std::string size;
+    for (const uint32_t n : f.size) size += (size.empty() ? "" : " x ") + std::to_string(n);
+    throw Error(ErrorCode::invalid_argument,
+                where + ": its field has " + std::to_string(f.distance.size()) + " distances for " + size +
+                    " nodes; it must have one for each, and 2 nodes along each side; see make_distance_field");
+  }
+  check_at_least(f.spacing, kSmallestSpacing, where, "the field's spacing", kLargestLength);
+  check_at_least(f.margin, 0, where, "the field's margin", kLargestLength);
+  check_vector(f.low, kLargestLength, where, "the field's low");
+  const auto high = [&](float low, uint32_t n) { return low + f.spacing * static_cast<float>(n - 1); };
+  check_vector({high(f.low.x, f.size[0]), high(f.low.y, f.size[1]), high(f.low.z, f.size[2])}, kLargestLength, where,
+               "the field's last node");
+  constexpr float kFarthest = 4 * kLargestLength;  // no node is farther from a surface in the grid
+  const auto bad =
+      std::find_if(f.distance.begin(), f.distance.end(), [](float d) { return !(std::abs(d) <= kFarthest); });
+  if (bad != f.distance.end()) refuse(where, "a distance of the field", *bad, "within +-" + number(kFarthest));
+}
+
 struct ShapeCheck {
   const std::string& where;
+  bool known;
   void operator()(const Plane& s) const { check(s, where); }
   void operator()(const Sphere& s) const {
     check_vector(s.center, kLargestLength, where, "center");
@@ -117,6 +140,7 @@ struct ShapeCheck {
   }
   void operator()(const MeshSolid& s) const {
     if (!s.field) throw Error(ErrorCode::invalid_argument, where + ": has no field; see make_distance_field");
+    if (!known) check_field(*s.field, where);
   }
 };
 
@@ -210,9 +234,9 @@ void check(const Plane& p, const std::string& where) {
   if (!(std::abs(n - 1) < 1e-3)) refuse(where, "the length of normal", n, "1");
 }
 
-void check(const Collider& c, const std::string& where) {
+void check(const Collider& c, const std::string& where, bool known) {
   const std::string name = where + (c.name.empty() ? "" : " \"" + c.name + "\"");
-  std::visit(ShapeCheck{name}, c.shape);
+  std::visit(ShapeCheck{name, known}, c.shape);
   check_at_least(c.friction, 0, name, "friction", 1e3);
   check_vector(c.pose.translate, kLargestLength, name, "pose.translate");
   check_rotation(c.pose.rotate, name);

@@ -16,7 +16,8 @@ inline constexpr float kLargestLength = 1e6F;
 void check(const SolverSettings& settings);
 void check(const Material& material, const std::string& where);
 void check(const Transform& transform, const std::string& where);
-void check(const Collider& collider, const std::string& where);
+/// @param known  its field was checked before: half a million distances are not looked at again
+void check(const Collider& collider, const std::string& where, bool known = false);
 void check(const Plane& plane, const std::string& where);
 void check(const Wind& wind, const std::string& where);
 /// [m] between points; below 0: the default.

@@ -76,6 +76,12 @@ bool same_shape(const shader::ColliderShape& a, const shader::ColliderShape& b) 
   return std::bit_cast<Words>(a) == std::bit_cast<Words>(b);
 }
 
+bool has_same_field(const Collider& a, const Collider& b) {
+  const auto* p = std::get_if<MeshSolid>(&a.shape);
+  const auto* q = std::get_if<MeshSolid>(&b.shape);
+  return p != nullptr && q != nullptr && p->field == q->field;
+}
+
 uint32_t fineness(const SolverSettings& settings) {
   if (settings.keep_momentum) return shader::kFineMomentum;
   return settings.frame_time / settings.substeps < kShortStep ? shader::kFineOffsets : shader::kFineOff;
@@ -173,7 +179,10 @@ const Solver::Impl::Cloth& Solver::Impl::cloth_at(uint32_t cloth) const {
 }
 
 void Solver::Impl::set_colliders(std::span<const Collider> colliders, bool teleport) {
-  for (size_t i = 0; i < colliders.size(); ++i) check(colliders[i], "colliders[" + std::to_string(i) + "]");
+  for (size_t i = 0; i < colliders.size(); ++i) {
+    const bool known = i < colliders_to_.size() && has_same_field(colliders[i], colliders_to_[i]);
+    check(colliders[i], "colliders[" + std::to_string(i) + "]", known);
+  }
   const std::vector<Collider> asked_before =
       std::exchange(colliders_to_, std::vector<Collider>(colliders.begin(), colliders.end()));
   for (Collider& c : colliders_to_) {

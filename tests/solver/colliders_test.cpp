@@ -512,6 +512,56 @@ TEST(DistanceField, HolesAndOverlapsDoNotTurnItInsideOut) {
   EXPECT_GT(signed_distance(body, {0, 0.4F, 0}), 0.05);
 }
 
+// One made by hand was taken as it was: without distances the program ended, with others cloth was not a number.
+TEST(DistanceField, OneMadeByHandIsChecked) {
+  Solver solver(std::vector{test::describe(make_sheet({.nx = 5, .ny = 5}))}, test::cpu_settings());
+  const auto set = [&](const DistanceField& field) {
+    const Collider body{"body", MeshSolid{std::make_shared<const DistanceField>(field)}, 0.3F, {}};
+    for (int frame = 0; frame < 2; ++frame) {  // it is looked at once
+      solver.set_colliders({&body, 1});
+      solver.step();
+    }
+  };
+  DistanceField good;
+  good.size = {2, 3, 4};
+  good.low = {-1, -1, -1};
+  good.spacing = 0.6F;
+  good.margin = 0.1F;
+  good.distance.assign(24, -0.01F);
+  EXPECT_NO_THROW(set(good));
+  EXPECT_TRUE(test::all_finite(test::positions_of(solver)));
+  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN(), kInfinity = std::numeric_limits<float>::infinity();
+  const auto refused = [&](const char* what, const auto& spoil) {
+    DistanceField field = good;
+    spoil(field);
+    EXPECT_THROW(set(field), Error) << what;
+  };
+  refused("nothing", [](DistanceField& f) { f = {}; });
+  refused("no distances", [](DistanceField& f) {
+    f.size = {1000, 1000, 1000};
+    f.distance.clear();
+  });
+  refused("one too few", [](DistanceField& f) { f.distance.pop_back(); });
+  refused("product beyond 64 bits", [](DistanceField& f) {
+    f.size = {1U << 31, 1U << 31, 4};
+    f.distance.clear();
+  });
+  refused("one node", [](DistanceField& f) { f.size = {1, 6, 4}; });
+  for (const float bad : {kNaN, kInfinity, -1.F}) {
+    refused("spacing", [&](DistanceField& f) { f.spacing = bad; });
+    refused("margin", [&](DistanceField& f) { f.margin = bad; });
+  }
+  refused("spacing 0", [](DistanceField& f) { f.spacing = 0; });
+  refused("spacing 1e-40", [](DistanceField& f) { f.spacing = 1e-40F; });
+  for (const float bad : {kNaN, kInfinity, 1e30F}) {
+    refused("low", [&](DistanceField& f) { f.low.y = bad; });
+    refused("distance", [&](DistanceField& f) { f.distance[23] = bad; });
+  }
+  refused("spacing 1e6", [](DistanceField& f) { f.spacing = 1e6F; });
+  EXPECT_NO_THROW(set(good));
+  EXPECT_TRUE(test::all_finite(test::positions_of(solver)));
+}
+
 TEST(DistanceField, WhatEnclosesNothingIsRefused) {
   EXPECT_THROW(static_cast<void>(make_distance_field({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}}, 1000)), Error);
   EXPECT_THROW(static_cast<void>(make_distance_field({{{0, 0, 0}}, {{0, 1, 2}}}, 1000)), Error);

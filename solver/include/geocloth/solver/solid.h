@@ -43,14 +43,14 @@ inline constexpr size_t kMostJoinedPlanes = 64;
 [[nodiscard]] Convex convex_of_planes(std::span<const Plane> planes);
 
 /// Signed distance to the surface of a body, negative inside, at the nodes of a regular grid that holds it with room
-/// around; linear in between.
+/// around; linear in between. Not to be changed once a solver has it.
 struct DistanceField {
-  std::array<uint32_t, 3> size{};  ///< nodes along x, y, z
-  Vec3 low;                        ///< [m] of the first node
-  float spacing = 0;               ///< [m]
-  float margin = 0;                ///< [m] no surface is nearer to the grid's sides
-  std::vector<float> distance;     ///< [m] x fastest, then y
-  TriangleSurface surface;         ///< that was sampled
+  std::array<uint32_t, 3> size{};  ///< nodes along x, y, z; >= 2
+  Vec3 low;                        ///< [m] of the first node; no node is farther out than 1e6 along an axis
+  float spacing = 0;               ///< [m] >= 1e-9
+  float margin = 0;                ///< [m] >= 0; no surface is nearer to the grid's sides
+  std::vector<float> distance;     ///< [m] one for each node, within +-4e6; x fastest, then y
+  TriangleSurface surface;         ///< that was sampled; the solver does not look at it
 };
 /// Inside is where the surface winds around (generalised winding number), so holes, overlaps and several parts are
 /// fine.
