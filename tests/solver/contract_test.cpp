@@ -257,6 +257,31 @@ TEST(Guards, EveryValueAtTheEndOfItsRangeStaysANumber) {
           }
 }
 
+// They read past what they were given.
+TEST(Refusals, MeasuresOfAnotherNumberOfPixels) {
+  const ClothAsset asset = make_sheet({.nx = 5, .ny = 5});
+  const ClothDesc cloth = test::describe(asset);
+  const std::vector<Vec3> few(3), all(25), many(26);
+  const EnergyMeter meter(cloth);
+  const auto refused = [](const auto& measure) {
+    try {
+      measure();
+      ADD_FAILURE();
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::invalid_argument);
+    }
+  };
+  for (const std::vector<Vec3>& other : {few, many}) {
+    refused([&] { static_cast<void>(measure_stretch(asset, 1, other)); });
+    refused([&] { static_cast<void>(hash_state(asset, other)); });
+    refused([&] { static_cast<void>(meter.measure({}, other, all)); });
+    refused([&] { static_cast<void>(meter.measure({}, all, other)); });
+  }
+  refused([&] { static_cast<void>(meter.measure({}, all, all, std::vector<uint32_t>{25})); });
+  refused([&] { static_cast<void>(measure_energy(ClothDesc{}, {}, all, all)); });
+  EXPECT_NO_THROW(static_cast<void>(meter.measure({}, all, all, std::vector<uint32_t>{24})));
+}
+
 // `--backend cpu --device ...` ran on the cpu whatever it was told, and the cpu's own name was that of no device.
 TEST(Refusals, TheCpuIsADeviceWithAName) {
   const std::string name = enumerate_devices().front().name;

@@ -184,6 +184,7 @@ class Solver {
 struct StretchStatistics {
   double max = 0, p99 = 0, mean = 0;  ///< of length / rest length over the valid structural springs
 };
+/// @throws Error(invalid_argument) unless there is one position for each pixel
 [[nodiscard]] StretchStatistics measure_stretch(const ClothAsset& asset, float scale, std::span<const Vec3> positions);
 
 struct Energy {
@@ -195,12 +196,15 @@ struct Energy {
 /// Measures the energy of a cloth in many states: what it is made of is worked out once.
 class EnergyMeter {
  public:
+  /// @throws Error(invalid_argument) without an asset
   explicit EnergyMeter(const ClothDesc& cloth);
   ~EnergyMeter();
   EnergyMeter(EnergyMeter&&) noexcept;
   EnergyMeter& operator=(EnergyMeter&&) noexcept;
 
   /// @param held  pixels that pins hold, see Solver::held_pixels: cloth is clamped at the second row of them
+  /// @throws Error(invalid_argument) unless there are one position and one velocity for each pixel, and for a held one
+  /// that is out of range
   [[nodiscard]] Energy measure(const Vec3& gravity, std::span<const Vec3> positions, std::span<const Vec3> velocities,
                                std::span<const uint32_t> held = {}) const;
 
@@ -213,6 +217,7 @@ class EnergyMeter {
                                     std::span<const Vec3> velocities, std::span<const uint32_t> held = {});
 
 /// 64-bit FNV-1a of the bits of the positions of the valid pixels: equal states, equal hashes.
+/// @throws Error(invalid_argument) unless there is one position for each pixel
 [[nodiscard]] uint64_t hash_state(const ClothAsset& asset, std::span<const Vec3> positions);
 
 }  // namespace geocloth
