@@ -238,10 +238,12 @@ void Solver::Impl::set_time_step(double frame_time, uint32_t substeps) {
 
 void Solver::Impl::set_pins(uint32_t cloth, std::span<const Pin> pins) {
   const Cloth& c = cloth_at(cloth);
+  const bool placed = c.placed_at == time_;
   std::map<uint32_t, PinState> next;
   const auto add = [&](uint32_t pixel, const Pin& pin) {
     const auto before = c.pins.find(pixel);
-    next[pixel] = {before == c.pins.end() ? pin.target : before->second.target, pin.target, pin.frequency};
+    const bool anew = placed || before == c.pins.end();
+    next[pixel] = {anew ? pin.target : before->second.target, pin.target, pin.frequency};
   };
   for (const Pin& pin : pins) {
     const std::string where = cloth_name(cloth) + ": pin of pixel " + std::to_string(pin.pixel);
@@ -289,19 +291,23 @@ void Solver::Impl::set_parent(uint32_t cloth, const Transform& pose, const Vec3&
   c.teleport = c.teleport || teleport;
 }
 
-/// Moves a cloth as it is, with its velocities, from its parent's old pose to the new one.
+/// Moves a cloth as it is, with its velocities, from its parent's old pose to the new one. Pins that were set to other
+/// places come from there too: soft ones draw by the speed of their targets.
 void Solver::Impl::carry_over(uint32_t cloth) {
   Cloth& c = cloths_[cloth];
   const Transform& from = *c.parent_from;
   const Transform& to = *c.parent_to;
   const Quat turn = to.rotate * conjugate(from.rotate);
+  const auto carried = [&](const Vec3& p) { return rotate(turn, p - from.translate) + to.translate; };
+  for (auto& [pixel, pin] : c.pins)
+    if (pin.from != pin.target) pin.from = carried(pin.from);
   std::vector<vec4> position, previous;
   backend_->read_positions(cloth, position);
   backend_->read_previous(cloth, previous);
   for (uint32_t p = 0; p < position.size(); ++p) {
     if (!c.asset->valid(p)) continue;
     const Vec3 x = vec3_of(position[p]);
-    const Vec3 moved = rotate(turn, x + origin_ - from.translate) + to.translate - origin_;
+    const Vec3 moved = carried(x + origin_) - origin_;
     const Vec3 before = moved - rotate(turn, x - vec3_of(previous[p]));
     position[p] = {moved.x, moved.y, moved.z, position[p].w};
     previous[p] = {before.x, before.y, before.z, previous[p].w};
@@ -392,8 +398,15 @@ void Solver::Impl::write_state(uint32_t cloth, std::span<const Vec3> positions, 
     position[p] = {x.x, x.y, x.z, c.holds(p) ? 0.F : c.free_inverse_mass[p]};
     previous[p] = {before.x, before.y, before.z, 0};
   }
-  cloths_[cloth].disturbed = true;
-  cloths_[cloth].rides = {};
+  Cloth& written = cloths_[cloth];
+  written.disturbed = true;
+  written.rides = {};
+  if (written.teleport) {  // the state is where the parent has jumped to, and so are the pins
+    written.teleport = false;
+    written.parent_from = written.parent_to;
+    written.placed_at = time_;
+    for (auto& [pixel, pin] : written.pins) pin.from = pin.target;
+  }
   backend_->write_state(cloth, position, previous);
 }
 

@@ -134,7 +134,8 @@ class Solver {
   /// moves evenly from the pose of the last call. The cloth trails behind: by inertia_scale 1 it feels all of the
   /// motion, by 0 it is taken along as if the parent stood still; each axis of the parent, shift and turn, by itself.
   /// Damping acts relative to the parent. The first call places the parent; teleport takes cloth and parent there
-  /// without a jerk, as they are (waits for the device).
+  /// without a jerk, as they are (waits for the device). A state that is written after that, before the next step,
+  /// stays where it is: the parent is there by then.
   void set_parent(uint32_t cloth, const Transform& pose, const Vec3& inertia_scale = {1, 1, 1}, bool teleport = false);
 
   /// Cuts a cloth, as it is now, where it meets a triangle: springs and bends that cross it are severed, cells that it
