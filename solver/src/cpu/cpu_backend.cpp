@@ -108,6 +108,7 @@ class CpuBackend final : public SolverBackend {
   void write_state(uint32_t cloth, std::span<const vec4> position, std::span<const vec4> previous) override {
     cpu::ClothState& state = cloths_[cloth].state;
     state.forget();
+    cloths_[cloth].sweep.forget();
     for (uint32_t k = 0; k < position.size(); ++k) {
       const uint32_t i = cloths_[cloth].rows.pixel(k);
       state.position.set(i, {position[k].x, position[k].y, position[k].z});
