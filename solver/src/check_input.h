@@ -19,7 +19,9 @@ inline constexpr uint32_t kMostSubsteps = 256;
 void check(const SolverSettings& settings);
 void check(const Material& material, const std::string& where);
 void check(const Transform& transform, const std::string& where);
-void check(const Collider& collider, const std::string& where);
+/// @param known  its field was checked before: half a million distances are not looked at again
+void check(const Collider& collider, const std::string& where, bool known = false);
+void check(const Plane& plane, const std::string& where);
 void check(const Wind& wind, const std::string& where);
 /// [m] between points; below 0: the default.
 void check_distance(float distance, const std::string& where);

@@ -82,6 +82,12 @@ bool same_shape(const shader::ColliderShape& a, const shader::ColliderShape& b) 
   return std::bit_cast<Words>(a) == std::bit_cast<Words>(b);
 }
 
+bool has_same_field(const Collider& a, const Collider& b) {
+  const auto* p = std::get_if<MeshSolid>(&a.shape);
+  const auto* q = std::get_if<MeshSolid>(&b.shape);
+  return p != nullptr && q != nullptr && p->field == q->field;
+}
+
 uint32_t fineness(const SolverSettings& settings) {
   if (settings.keep_momentum) return shader::kFineMomentum;
   return settings.frame_time / settings.substeps < kShortStep ? shader::kFineOffsets : shader::kFineOff;
@@ -183,7 +189,10 @@ const Solver::Impl::Cloth& Solver::Impl::cloth_at(uint32_t cloth) const {
 }
 
 void Solver::Impl::set_colliders(std::span<const Collider> colliders, bool teleport) {
-  for (size_t i = 0; i < colliders.size(); ++i) check(colliders[i], "colliders[" + std::to_string(i) + "]");
+  for (size_t i = 0; i < colliders.size(); ++i) {
+    const bool known = i < colliders_to_.size() && has_same_field(colliders[i], colliders_to_[i]);
+    check(colliders[i], "colliders[" + std::to_string(i) + "]", known);
+  }
   const std::vector<Collider> asked_before =
       std::exchange(colliders_to_, std::vector<Collider>(colliders.begin(), colliders.end()));
   for (Collider& c : colliders_to_) {
@@ -243,10 +252,12 @@ void Solver::Impl::set_time_step(double frame_time, uint32_t substeps) {
 
 void Solver::Impl::set_pins(uint32_t cloth, std::span<const Pin> pins) {
   const Cloth& c = cloth_at(cloth);
+  const bool placed = c.placed_at == time_;
   std::map<uint32_t, PinState> next;
   const auto add = [&](uint32_t pixel, const Pin& pin) {
     const auto before = c.pins.find(pixel);
-    next[pixel] = {before == c.pins.end() ? pin.target : before->second.target, pin.target, pin.frequency};
+    const bool anew = placed || before == c.pins.end();
+    next[pixel] = {anew ? pin.target : before->second.target, pin.target, pin.frequency};
   };
   for (const Pin& pin : pins) {
     const std::string where = cloth_name(cloth) + ": pin of pixel " + std::to_string(pin.pixel);
@@ -294,7 +305,8 @@ void Solver::Impl::set_parent(uint32_t cloth, const Transform& pose, const Vec3&
   c.teleport = c.teleport || teleport;
 }
 
-/// Moves the cloths of parents that jump as they are, with their velocities, from the old poses to the new ones.
+/// Moves the cloths of parents that jump as they are, with their velocities, from the old poses to the new ones. Pins
+/// that were set to other places come from there too: soft ones draw by the speed of their targets.
 void Solver::Impl::carry_over() {
   struct State {
     uint32_t cloth;
@@ -315,6 +327,8 @@ void Solver::Impl::carry_over() {
     const Transform& from = *c.parent_from;
     const Transform& to = *c.parent_to;
     const Quat turn = to.rotate * conjugate(from.rotate);
+    for (auto& [pixel, pin] : c.pins)
+      if (pin.from != pin.target) pin.from = rotate(turn, pin.from - from.translate) + to.translate;
     for (uint32_t p = 0; p < state.position.size(); ++p) {
       if (!c.asset->valid(p)) continue;
       vec4 &position = state.position[p], &previous = state.previous[p];
@@ -461,8 +475,15 @@ void Solver::Impl::write_state(uint32_t cloth, std::span<const Vec3> positions, 
     position[p] = {x.x, x.y, x.z, c.holds(p) ? 0.F : c.free_inverse_mass[p]};
     previous[p] = {before.x, before.y, before.z, 0};
   }
-  cloths_[cloth].disturbed = true;
-  cloths_[cloth].rides = {};
+  Cloth& written = cloths_[cloth];
+  written.disturbed = true;
+  written.rides = {};
+  if (written.teleport) {  // the state is where the parent has jumped to, and so are the pins
+    written.teleport = false;
+    written.parent_from = written.parent_to;
+    written.placed_at = time_;
+    for (auto& [pixel, pin] : written.pins) pin.from = pin.target;
+  }
   backend_->write_state(cloth, position, previous);
 }
 

@@ -84,6 +84,7 @@ class Solver::Impl {
     std::optional<InterCollision> inter_collision;
     bool collide_cells = false;  ///< a collider was met that may slip through between pixels
     bool teleport = false;       ///< the parent jumps before the next frame
+    double placed_at = -1;       ///< [s] time_ when a state was written where the parent had jumped to
     bool meets_fast = false;     ///< in the next frame, if a collider is fast that may meet it
     Ride ride;                   ///< in the next frame
     bool rides_on = false;       ///< it rode in the last frame

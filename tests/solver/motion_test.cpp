@@ -115,6 +115,85 @@ TEST(Teleport, TakesClothParentAndPinsAlongWithoutAJerk) {
   }
 }
 
+// A soft pin has the speed of its target: from the old place to the new one in a frame, it threw the cloth away.
+TEST(Teleport, TakesSoftPinsAlong) {
+  const ClothAsset asset = make_sheet(kSheet);
+  const Transform away{{50, 3, -7}, quat_from_euler_deg({0, 90, 0}), 1};
+  const auto soft_pins = [&](const Transform& at) {
+    std::vector<Pin> pins = test::pins_at_rest(asset, "corners");
+    for (Pin& pin : pins) pin = {pin.pixel, apply(at, pin.target), 8.F};
+    return pins;
+  };
+  enum class Way { pins_last, pins_first, new_pins, written, written_before_pins };
+  const auto play = [&](Way way, bool jump) {
+    Solver solver(std::vector{test::describe(asset)}, test::cpu_settings());
+    solver.set_parent(0, {});
+    solver.set_pins(0, soft_pins({}));
+    solver.set_wind({.velocity = {0, 0, 3}});  // out of its plane, which cloth without it would leave by rounding alone
+    test::run(solver, 30);
+    solver.set_wind({});
+    test::run(solver, 30);
+    const Transform to = jump ? away : Transform{};
+    std::vector<Vec3> x = test::positions_of(solver);
+    for (Vec3& p : x) p = apply(to, p);
+    const std::vector<Vec3> still(x.size());
+    if (way == Way::pins_first) solver.set_pins(0, soft_pins(to));
+    solver.set_parent(0, to, {1, 1, 1}, true);
+    if (way == Way::written_before_pins) solver.write_state(0, x, still);
+    if (way == Way::new_pins) solver.set_pins(0, {});
+    if (way != Way::pins_first) solver.set_pins(0, soft_pins(to));
+    if (way == Way::written) solver.write_state(0, x, still);
+    float fastest = 0;
+    for (int frame = 0; frame < 30; ++frame) {
+      solver.step();
+      for (const Vec3& v : test::velocities_of(solver)) fastest = std::max(fastest, length(v));
+    }
+    EXPECT_LT(fastest, 2) << static_cast<int>(way);
+    x = test::positions_of(solver);
+    for (Vec3& p : x) p = rotate(conjugate(to.rotate), p - to.translate);
+    return x;
+  };
+  for (const Way way : {Way::pins_last, Way::pins_first, Way::new_pins, Way::written, Way::written_before_pins}) {
+    const std::vector<Vec3> stayed = play(way, false), jumped = play(way, true);
+    for (uint32_t p = 0; p < stayed.size(); ++p) {
+      if (!asset.valid(p)) continue;
+      EXPECT_NEAR(length(jumped[p] - stayed[p]), 0, 5e-3) << static_cast<int>(way);
+    }
+  }
+}
+
+// A respawn: the jump was made once more, with the state that had been written at its end.
+TEST(Teleport, StateThatIsWrittenAfterItStaysWhereItIs) {
+  const ClothAsset asset = make_sheet(kSheet);
+  SolverSettings settings = test::cpu_settings();
+  settings.gravity = {};
+  Solver solver(std::vector{test::describe(asset)}, settings);
+  solver.set_parent(0, {});
+  solver.step();
+  std::vector<Vec3> x = test::positions_of(solver);
+  const std::vector<Vec3> still(x.size());
+  for (Vec3& p : x) p.x += 50;
+  solver.set_parent(0, {{50, 0, 0}, {}, 1}, {1, 1, 1}, true);
+  solver.write_state(0, x, still);
+  const auto expect_there = [&](float shift) {
+    const std::vector<Vec3> now = test::positions_of(solver);
+    for (uint32_t p = 0; p < now.size(); ++p) {
+      if (!asset.valid(p)) continue;
+      EXPECT_NEAR(length(now[p] - x[p] - Vec3{shift, 0, 0}), 0, 1e-4);
+    }
+    for (const Vec3& v : test::velocities_of(solver)) EXPECT_LT(length(v), 1e-2F);
+  };
+  solver.step();
+  expect_there(0);
+  solver.step();
+  expect_there(0);
+  // One after it takes the state along.
+  solver.write_state(0, x, still);
+  solver.set_parent(0, {{60, 0, 0}, {}, 1}, {1, 1, 1}, true);
+  solver.step();
+  expect_there(10);
+}
+
 TEST(Teleport, OfAColliderPushesNothing) {
   const ClothAsset asset = make_sheet(kSheet);
   SolverSettings settings = test::cpu_settings();

@@ -107,13 +107,13 @@ class CpuBackend final : public SolverBackend {
 
   void write_state(uint32_t cloth, std::span<const vec4> position, std::span<const vec4> previous) override {
     cpu::ClothState& state = cloths_[cloth].state;
+    state.forget();
+    cloths_[cloth].sweep.forget();
     for (uint32_t k = 0; k < position.size(); ++k) {
       const uint32_t i = cloths_[cloth].rows.pixel(k);
       state.position.set(i, {position[k].x, position[k].y, position[k].z});
       state.set_packed_mass(i, position[k].w);
       state.previous.set(i, {previous[k].x, previous[k].y, previous[k].z});
-      state.carry.set(i, {0, 0, 0});
-      if (data_.fine) state.offset.set(i, {0, 0, 0});
     }
     cloths_[cloth].normals_stale = true;
   }

@@ -65,6 +65,10 @@ void SweepRunner::make_scratch(uint32_t threads) {
   line_scratch_.assign(line_floats, 0.F);
 }
 
+void SweepRunner::forget() {
+  for (Floats* values : {&scratch_, &line_scratch_, &anchors_}) std::fill(values->begin(), values->end(), 0.F);
+}
+
 void SweepRunner::run_cell_rows(const SweepFrame& frame, const PassContext& context, uint32_t group) const {
   const uint32_t height = frame.state->data.height, odd = shader::cell_corner(group, 0, 0).y;
   const uint32_t rows = (height - odd) / 2;

@@ -43,6 +43,9 @@ class SweepRunner {
 
   /// Without the plans, which are the pool's.
   [[nodiscard]] size_t memory_bytes() const { return line_scratch_.capacity() * sizeof(float); }
+  /// Forgets all that frames have left: lanes beside the cloth are worked on too, and a number that is not finite stays
+  /// one there.
+  void forget();
 
  private:
   /// What the constants in the plan follow from, besides the cloth itself.
