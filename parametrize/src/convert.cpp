@@ -17,12 +17,14 @@
 #include "develop/develop.h"
 #include "fit/fit_image.h"
 #include "fit/relax_samples.h"
+#include "flatten/open_holes.h"
 #include "flatten/uv_layout.h"
 #include "geocloth/asset/error.h"
 #include "geocloth/asset/grid_mesh.h"
 #include "geocloth/parametrize/parts.h"
 #include "mesh/point_math.h"
 #include "repair/canonical_order.h"
+#include "repair/filled_holes.h"
 #include "repair/small_pieces.h"
 #include "report/stage_files.h"
 #include "report/verify.h"
@@ -134,8 +136,82 @@ std::vector<CutSurface> all_cuts(const CleanSurface& clean, const CutOptions& op
   return cuts;
 }
 
+/// The options with which as many pixels lie on the cloth itself as were asked for. Of the pixels in a polygon those on
+/// its outline are no part of the hole (Pick 1899).
+FlattenOptions beside_fillings(const CleanSurface& clean, const FilledSurface& filled, FlattenOptions options) {
+  if (options.spacing > 0) return options;
+  double area = 0;
+  for (const Triangle& t : clean.triangle) {
+    area += triangle_area(clean.position[t[0]], clean.position[t[1]], clean.position[t[2]]);
+  }
+  const double side = options.resolution, wanted = side * side, holes = static_cast<double>(filled.rim.size());
+  const double half = filled.around / 2;
+  const double per_metre = (-half + std::sqrt(half * half + 4 * area * (wanted + holes))) / (2 * area);
+  const double inside = filled.area * per_metre * per_metre - half * per_metre + holes;
+  const auto resolution = static_cast<uint32_t>(std::lround(std::sqrt(wanted + std::max(inside, 0.0))));
+  options.resolution = std::min(resolution, kMaxResolution);
+  return options;
+}
+
+/// A surface cut open, in the ways that cut_options wants.
+struct Cuts {
+  CutOptions options;
+  std::vector<CutSurface> surface;
+};
+
+Cuts cut_open(const CleanSurface& surface, const FlattenOptions& options, const std::optional<MirrorPlane>& mirror,
+              const Progress& progress, Stages& stages) {
+  Cuts cuts{cut_options(surface, options, mirror), {}};
+  cuts.surface = stages.run("cut", [&] { return all_cuts(surface, cuts.options, progress); });
+  return cuts;
+}
+
+FlatSurface lay_flat(const CleanSurface& surface, const Cuts& cuts, const FlattenOptions& options,
+                     const Progress& progress, Stages& stages, const StageFiles& files) {
+  files.save(cuts.surface.front());
+  return stages.run("flatten", [&] {
+    FlattenOptions with_wishes = options;
+    with_wishes.prefer = cuts.options.prefer;
+    return flatten(surface, cuts.surface, with_wishes, progress);
+  });
+}
+
+/// The surface laid flat with its holes, most of which cost no cut; nothing when that cannot be. Those that a cut meets
+/// anyway, and those that have no room in the image, are cut open like other borders.
+std::optional<FlatSurface> flatten_filled(const CleanSurface& clean, const FlattenOptions& options,
+                                          const std::optional<MirrorPlane>& mirror, const Progress& progress,
+                                          Stages& stages, const StageFiles& files) {
+  constexpr int kFlattenings = 2;
+  const auto kept = static_cast<uint32_t>(clean.triangle.size());
+  std::vector<uint32_t> left_open;
+  std::size_t holes = 0;
+  for (int tries = 0; tries < kFlattenings;) {
+    const FilledSurface filled = fill_holes(clean, left_open);
+    if (left_open.empty()) holes = filled.rim.size();
+    if (filled.rim.empty() || 2 * filled.rim.size() < holes) return std::nullopt;
+    const FlattenOptions beside = beside_fillings(clean, filled, options);
+    const Cuts cuts = cut_open(filled.surface, beside, mirror, progress, stages);
+    std::vector<uint32_t> stuck;
+    for (const CutSurface& cut : cuts.surface) {
+      const std::vector<uint32_t> met = holes_on_cuts(cut, kept, filled.hole);
+      stuck.insert(stuck.end(), met.begin(), met.end());
+    }
+    if (stuck.empty()) {
+      FlatSurface flat = lay_flat(filled.surface, cuts, beside, progress, stages, files);
+      stuck = open_holes(flat, kept, filled.hole);
+      if (stuck.empty()) return flat;
+      ++tries;
+    }
+    for (const uint32_t hole : stuck) left_open.push_back(filled.rim[hole]);
+    std::sort(left_open.begin(), left_open.end());
+  }
+  return std::nullopt;
+}
+
 /// From the surface that the image is to reproduce to a verified asset.
-void lay_out(const TriangleMesh& mesh, const CarriedSurface& carried, const FlattenOptions& options,
+/// @param fill  whether holes are to cost no cut. @returns whether there is something laid out: not if `fill` and there
+///   are no such holes
+bool lay_out(const TriangleMesh& mesh, const CarriedSurface& carried, const FlattenOptions& options, bool fill,
              const Progress& progress, Stages& stages, const StageFiles& files, ConvertResult& result) {
   const CleanSurface& clean = carried.represented;
   ConvertReport& report = result.report;
@@ -145,14 +221,14 @@ void lay_out(const TriangleMesh& mesh, const CarriedSurface& carried, const Flat
   if (options.layout == Layout::panels) {
     report.mirror = stages.run("mirror", [&] { return find_mirror_plane(clean.position, clean.triangle); });
   }
-  const CutOptions how_to_cut = cut_options(clean, options, report.mirror);
-  const std::vector<CutSurface> cuts = stages.run("cut", [&] { return all_cuts(clean, how_to_cut, progress); });
-  files.save(cuts.front());
-  result.flat = stages.run("flatten", [&] {
-    FlattenOptions with_wishes = options;
-    with_wishes.prefer = how_to_cut.prefer;
-    return flatten(clean, cuts, with_wishes, progress);
-  });
+  if (fill) {
+    std::optional<FlatSurface> filled = flatten_filled(clean, options, report.mirror, progress, stages, files);
+    if (!filled) return false;
+    result.flat = std::move(*filled);
+  } else {
+    const Cuts cuts = cut_open(clean, options, report.mirror, progress, stages);
+    result.flat = lay_flat(clean, cuts, options, progress, stages, files);
+  }
   const FlatSurface& flat = result.flat;
   files.save(flat);
 
@@ -179,6 +255,20 @@ void lay_out(const TriangleMesh& mesh, const CarriedSurface& carried, const Flat
     verify(mesh, clean, flat, raster, asset, report);
     return report.welded;
   });
+  return true;
+}
+
+/// The same; in panels with holes that cost no cut, if that can be.
+void lay_out_with_holes(const TriangleMesh& mesh, const CarriedSurface& carried, const FlattenOptions& options,
+                        const Progress& progress, Stages& stages, const StageFiles& files, ConvertResult& result) {
+  if (options.layout == Layout::panels) {
+    try {
+      if (lay_out(mesh, carried, options, true, progress, stages, files, result)) return;
+    } catch (const Error& e) {
+      if (e.code() != ErrorCode::verification && e.code() != ErrorCode::limit) throw;
+    }
+  }
+  lay_out(mesh, carried, options, false, progress, stages, files, result);
 }
 
 struct Attempt {
@@ -272,7 +362,7 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& optio
                  : carry_nothing(repaired.surface);
     });
     try {
-      lay_out(mesh, carried, attempts[i].options, progress, stages, files, result);
+      lay_out_with_holes(mesh, carried, attempts[i].options, progress, stages, files, result);
       finer = attempts[i].options.layout == Layout::panels &&
               (attempts[i].options.resolution > options.flatten.resolution ||
                attempts[i].options.spacing < options.flatten.spacing);

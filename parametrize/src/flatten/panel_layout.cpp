@@ -312,17 +312,6 @@ FlatChart make_chart(Laid& laid, size_t c, const std::vector<Pixel>& chain) {
   return chart;
 }
 
-/// Metres per pixel of every chart, by its areas in space and in the plane.
-void set_spacing(FlatSurface& flat) {
-  std::vector<double> in_space(flat.charts.size(), 0), in_plane(flat.charts.size(), 0);
-  for (size_t t = 0; t < flat.triangle.size(); ++t) {
-    const Triangle& k = flat.triangle[t];
-    in_space[flat.chart[t]] += triangle_area(flat.position[k[0]], flat.position[k[1]], flat.position[k[2]]);
-    in_plane[flat.chart[t]] += signed_area_twice(flat.uv[k[0]], flat.uv[k[1]], flat.uv[k[2]]) / 2;
-  }
-  for (size_t c = 0; c < flat.charts.size(); ++c) flat.charts[c].spacing = std::sqrt(in_space[c] / in_plane[c]);
-}
-
 /// The side of a pixel before anything is cut, when only the area is known.
 double rough_spacing(const CutSurface& cut, const FlattenOptions& options) {
   if (options.spacing > 0) return options.spacing;
@@ -436,6 +425,16 @@ FlatSurface lay_out_developed(DevelopedSurface developed, const FlattenOptions& 
   set_spacing(flat);
   packing ? arrange_charts(flat, *packing) : pack_charts(flat);
   return flat;
+}
+
+void set_spacing(FlatSurface& flat) {
+  std::vector<double> in_space(flat.charts.size(), 0), in_plane(flat.charts.size(), 0);
+  for (size_t t = 0; t < flat.triangle.size(); ++t) {
+    const Triangle& k = flat.triangle[t];
+    in_space[flat.chart[t]] += triangle_area(flat.position[k[0]], flat.position[k[1]], flat.position[k[2]]);
+    in_plane[flat.chart[t]] += signed_area_twice(flat.uv[k[0]], flat.uv[k[1]], flat.uv[k[2]]) / 2;
+  }
+  for (size_t c = 0; c < flat.charts.size(); ++c) flat.charts[c].spacing = std::sqrt(in_space[c] / in_plane[c]);
 }
 
 }  // namespace geocloth
