@@ -79,7 +79,8 @@ Playback open_gltf(const RenderArguments& options) {
     if (error.code() != ErrorCode::unsupported) throw;
   }
   Cache cache = read_gltf_cache(options.input);
-  return play_vertices(cache.cloths, std::move(cache.frames), frame_rate(options, cache.frame_rate));
+  return play_vertices(std::move(cache.cloths), std::move(cache.frames), frame_rate(options, cache.frame_rate),
+                       cache.open_from);
 }
 
 Playback open_playback(const RenderArguments& options) {

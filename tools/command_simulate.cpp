@@ -27,6 +27,7 @@
 #include "render/picture_options.h"
 #include "render/picture_writers.h"
 #include "scene_input.h"
+#include "scene_warnings.h"
 #include "simulation_report.h"
 
 namespace geocloth {
@@ -114,12 +115,21 @@ GridMesh last_state_mesh(const Simulation& simulation, const std::vector<ClothSn
   return all;
 }
 
+std::string counted(uint64_t count, const std::string& what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
 void print_check(const SimulateArguments& options, Simulation& simulation) {
   const Scene& scene = simulation.scene();
-  const SolverStatistics statistics = simulation.solver().statistics();
-  fmt::print("{}: good: {} {} with {} particles, {} colliders, {} frames at {} a second, {} substeps\n",
-             options.input.string(), scene.cloths.size(), scene.cloths.size() == 1 ? "cloth" : "cloths",
-             statistics.particles, scene.colliders.size(), scene.frames, scene.frame_rate, scene.substeps);
+  fmt::print("{}: good: {} with {}, {}, {} at {} a second, {}\n", options.input.string(),
+             counted(scene.cloths.size(), "cloth"), counted(simulation.solver().statistics().particles, "particle"),
+             counted(scene.colliders.size(), "collider"), counted(scene.frames, "frame"), scene.frame_rate,
+             counted(scene.substeps, "substep"));
+}
+
+void print_warnings(const SimulateArguments& options, const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings)
+    fmt::print(stderr, "geocloth simulate: {}: warning: {}\n", options.input.string(), warning);
 }
 
 std::unique_ptr<FrameWriter> make_writer(const std::filesystem::path& path, Simulation& simulation,
@@ -160,6 +170,7 @@ void play(const SimulateArguments& options, Simulation& simulation) {
   std::vector<ClothSnapshot> state;
   SimulationRecorder recorder;
   ContactCheck contact(simulation);
+  std::vector<std::string> warnings = scene_warnings(simulation);
   for (uint32_t frame = 0;; ++frame) {
     if (read_every_frame || frame == frames) {
       read_frames(simulation, state);
@@ -175,7 +186,9 @@ void play(const SimulateArguments& options, Simulation& simulation) {
     if (report_file != nullptr) recorder.add_energy(simulation);
   }
 
-  if (report_file != nullptr) report_file->write(recorder.report(simulation, state, contact));
+  for (const auto& more : {played_warnings(simulation), contact.warnings(simulation)})
+    warnings.insert(warnings.end(), more.begin(), more.end());
+  if (report_file != nullptr) report_file->write(recorder.report(simulation, state, contact, warnings));
   if (last_state_file != nullptr) last_state_file->write(to_obj(last_state_mesh(simulation, state), false));
   for (const auto& file : files) file->close();
   for (const auto& writer : writers) writer->finish();
@@ -186,9 +199,7 @@ void play(const SimulateArguments& options, Simulation& simulation) {
     for (const std::filesystem::path& path : output_names(output, state.size())) fmt::print("{}\n", path.string());
   }
   fmt::print("{}\n", recorder.summary(simulation));
-  for (const std::string& warning : contact.warnings(simulation)) {
-    fmt::print(stderr, "geocloth simulate: {}: warning: {}\n", options.input.string(), warning);
-  }
+  print_warnings(options, warnings);
 }
 
 void run(const SimulateArguments& options) {
@@ -199,6 +210,7 @@ void run(const SimulateArguments& options) {
   });
   if (options.check) {
     print_check(options, simulation);
+    print_warnings(options, scene_warnings(simulation));
   } else {
     play(options, simulation);
   }

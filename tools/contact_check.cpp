@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "scene_warnings.h"
+
 namespace geocloth {
 namespace {
 
@@ -44,10 +46,6 @@ float depth_between(std::span<const Triangle> triangles, std::span<const Vec3> x
     }
   }
   return deepest;
-}
-
-std::string name_of(const Simulation& simulation, size_t cloth) {
-  return fmt::format("cloths[{}] ({})", cloth, simulation.scene().cloths[cloth].asset.filename().string());
 }
 
 std::string name_of_collider(const Simulation& simulation, size_t collider) {
@@ -109,7 +107,8 @@ std::vector<std::string> ContactCheck::warnings(const Simulation& simulation) co
     result.push_back(fmt::format(
         "{}: {} of its {} points begin inside {}, up to {:.2g} m deep, and are pushed out at once, which tears at the "
         "cloth; check that both have the same scale and pose, or move one of them",
-        name_of(simulation, s.cloth), s.points, s.points_of_cloth, name_of_collider(simulation, s.collider), s.depth));
+        name_of_cloth(simulation.scene(), s.cloth), s.points, s.points_of_cloth,
+        name_of_collider(simulation, s.collider), s.depth));
   }
   for (size_t i = 0; i < between_.size(); ++i) {
     constexpr double kMore = 1.25, kDigits = 2000;  // of the depth; half millimetres
@@ -118,10 +117,11 @@ std::vector<std::string> ContactCheck::warnings(const Simulation& simulation) co
     const bool is_torn = std::any_of(start_.begin(), start_.end(), [&](const Start& s) { return s.cloth == i; });
     if (is_torn || depth <= static_cast<double>(kVisible * cloth.asset->spacing * cloth.transform.scale)) continue;
     const double thickness = std::ceil((static_cast<double>(cloth.material.thickness) + kMore * depth) * kDigits);
-    result.push_back(fmt::format(
-        "{}: {} shows through, up to {:.2g} m, between the garment's vertices, which stay outside; a "
-        "material with \"thickness\": {} would keep it covered",
-        name_of(simulation, i), name_of_collider(simulation, between_[i].collider), depth, thickness / kDigits));
+    result.push_back(
+        fmt::format("{}: {} shows through, up to {:.2g} m, between the garment's vertices, which stay outside; a "
+                    "material with \"thickness\": {} would keep it covered",
+                    name_of_cloth(simulation.scene(), i), name_of_collider(simulation, between_[i].collider), depth,
+                    thickness / kDigits));
   }
   return result;
 }

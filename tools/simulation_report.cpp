@@ -93,7 +93,7 @@ void SimulationRecorder::add_energy(Simulation& simulation) {
 }
 
 std::string SimulationRecorder::report(Simulation& simulation, std::span<const ClothSnapshot> cloths,
-                                       const ContactCheck& contact) const {
+                                       const ContactCheck& contact, std::span<const std::string> warnings) const {
   const SolverStatistics statistics = simulation.solver().statistics();
   const Scene& scene = simulation.scene();
   const double frames = std::max<double>(1, static_cast<double>(frame_seconds_.size()));
@@ -134,7 +134,7 @@ std::string SimulationRecorder::report(Simulation& simulation, std::span<const C
                                       {"energy", energy},
                                       {"non_finite", non_finite},
                                       {"state_hash", state_hash(simulation, cloths)},
-                                      {"warnings", contact.warnings(simulation)}};
+                                      {"warnings", std::vector(warnings.begin(), warnings.end())}};
   return report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 

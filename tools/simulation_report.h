@@ -27,10 +27,11 @@ class SimulationRecorder {
   void add_energy(Simulation& simulation);
 
   /// The report as JSON text with the keys that users rely on.
-  /// @param cloths   the state after the last frame
-  /// @param contact  of all frames
+  /// @param cloths    the state after the last frame
+  /// @param contact   of all frames
+  /// @param warnings  everything that was warned of
   [[nodiscard]] std::string report(Simulation& simulation, std::span<const ClothSnapshot> cloths,
-                                   const ContactCheck& contact) const;
+                                   const ContactCheck& contact, std::span<const std::string> warnings) const;
   /// One line for people.
   [[nodiscard]] std::string summary(Simulation& simulation) const;
 

@@ -81,7 +81,6 @@ struct ClothData {
 struct SimulationData {
   std::vector<ClothData> cloths;
   InterData inter;
-  Vec3 origin;  ///< [m] world position of the solver's coordinate origin; whole multiples of 4 m, zero near the world's
   uint32_t relaxation_steps = 1;
   bool fine = false;     ///< ClothParams::fine is not kFineOff, in every frame
   bool check = false;    ///< measure after every substep
@@ -119,7 +118,7 @@ struct FrameInput {
   uint32_t motion_word = 0;     ///< 0 or 1 by turns
 };
 
-/// What differs between the ways to run the passes. Positions are relative to SimulationData::origin everywhere.
+/// What differs between the ways to run the passes. Positions are relative to the solver's origin everywhere.
 class SolverBackend {
  public:
   SolverBackend() = default;
@@ -141,6 +140,9 @@ class SolverBackend {
   /// Replaces positions (w included), previous positions; clears carry and offsets; recomputes the normals.
   virtual void write_state(uint32_t cloth, std::span<const shader::vec4> position,
                            std::span<const shader::vec4> previous) = 0;
+
+  /// Subtracts whole metres from all positions and previous positions of all cloths; waits.
+  virtual void shift(const Vec3& by) = 0;
 
   /// Replaces springs, cells, bends over seams and the split-vertex table by those of the same cloth after a cut, which
   /// has fewer of each; waits. Positions stay.

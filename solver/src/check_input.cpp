@@ -17,6 +17,19 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+// Far below anything that is cloth: from less, inverses, squares and their products would leave single precision.
+constexpr double kLightest = 1e-6;         ///< [kg/m^2]
+constexpr double kSoftest = 1e-9;          ///< [N/m]
+constexpr double kLimpest = 1e-12;         ///< [N m]
+constexpr double kSmallestScale = 1e-6;    ///< of a transform
+constexpr double kSmallestSpacing = 1e-9;  ///< [m] of a distance field
+constexpr double kShortestStep = 1e-7;     ///< [s] of a substep
+
+/// Of 1e-6 a float is a little less.
+bool is_at_least(double value, double low) {
+  return value >= low || value == static_cast<double>(static_cast<float>(low));
+}
+
 std::string number(double value) {
   std::array<char, 32> text{};
   const int length = std::snprintf(text.data(), text.size(), "%.9g", value);
@@ -28,7 +41,7 @@ std::string number(double value) {
 }
 
 void check_at_least(double value, double low, const std::string& where, const char* field, double high = kInfinity) {
-  if (std::isfinite(value) && value >= low && value <= high) return;
+  if (std::isfinite(value) && is_at_least(value, low) && value <= high) return;
   refuse(where, field, value,
          std::isfinite(high) ? "between " + number(low) + " and " + number(high)
                              : "a finite number of at least " + number(low));
@@ -38,6 +51,11 @@ void check_above(double value, double low, const std::string& where, const char*
   if (std::isfinite(value) && value > low && value <= high) return;
   refuse(where, field, value,
          "a finite number above " + number(low) + (std::isfinite(high) ? " and up to " + number(high) : ""));
+}
+
+void check_none_or(double value, double low, const std::string& where, const char* field, double high) {
+  if (value == 0 || (std::isfinite(value) && is_at_least(value, low) && value <= high)) return;
+  refuse(where, field, value, "0 or between " + number(low) + " and " + number(high));
 }
 
 void check_vector(const Vec3& v, float largest, const std::string& where, const char* field) {
@@ -57,13 +75,31 @@ void check_rotation(const Quat& q, const std::string& where) {
   if (!(std::abs(n - 1) < 1e-3)) refuse(where, "the length of the quaternion `rotate`", n, "1");
 }
 
+void check_field(const DistanceField& f, const std::string& where) {
+  const double nodes = static_cast<double>(f.size[0]) * f.size[1] * f.size[2];  // exact where a vector could be as long
+  if (*std::min_element(f.size.begin(), f.size.end()) < 2 || static_cast<double>(f.distance.size()) != nodes) {
+    std::string size;
+    for (const uint32_t n : f.size) size += (size.empty() ? "" : " x ") + std::to_string(n);
+    throw Error(ErrorCode::invalid_argument,
+                where + ": its field has " + std::to_string(f.distance.size()) + " distances for " + size +
+                    " nodes; it must have one for each, and 2 nodes along each side; see make_distance_field");
+  }
+  check_at_least(f.spacing, kSmallestSpacing, where, "the field's spacing", kLargestLength);
+  check_at_least(f.margin, 0, where, "the field's margin", kLargestLength);
+  check_vector(f.low, kLargestLength, where, "the field's low");
+  const auto high = [&](float low, uint32_t n) { return low + f.spacing * static_cast<float>(n - 1); };
+  check_vector({high(f.low.x, f.size[0]), high(f.low.y, f.size[1]), high(f.low.z, f.size[2])}, kLargestLength, where,
+               "the field's last node");
+  constexpr float kFarthest = 4 * kLargestLength;  // no node is farther from a surface in the grid
+  const auto bad =
+      std::find_if(f.distance.begin(), f.distance.end(), [](float d) { return !(std::abs(d) <= kFarthest); });
+  if (bad != f.distance.end()) refuse(where, "a distance of the field", *bad, "within +-" + number(kFarthest));
+}
+
 struct ShapeCheck {
   const std::string& where;
-  void operator()(const Plane& s) const {
-    check_vector(s.point, kLargestLength, where, "point");
-    const double n = length(s.normal);
-    if (!(std::abs(n - 1) < 1e-3)) refuse(where, "the length of normal", n, "1");
-  }
+  bool known;
+  void operator()(const Plane& s) const { check(s, where); }
   void operator()(const Sphere& s) const {
     check_vector(s.center, kLargestLength, where, "center");
     check_above(s.radius, 0, where, "radius", kLargestLength);
@@ -86,10 +122,25 @@ struct ShapeCheck {
   }
   void operator()(const Convex& s) const {
     if (s.planes.empty()) throw Error(ErrorCode::invalid_argument, where + ": has no planes; see convex_hull");
+    if (s.planes.size() > kMostConvexPlanes) {
+      throw Error(ErrorCode::invalid_argument, where + ": has " + std::to_string(s.planes.size()) +
+                                                   " planes; it may have " + std::to_string(kMostConvexPlanes) +
+                                                   ": see convex_hull, or make it a body of triangles");
+    }
     for (const Plane& plane : s.planes) (*this)(plane);
+    for (const auto& triangle : s.surface.triangle)
+      for (const uint32_t i : triangle) {
+        if (i >= s.surface.position.size()) {
+          throw Error(ErrorCode::invalid_argument, where + ": a triangle of its surface refers to position " +
+                                                       std::to_string(i) + ", but there are " +
+                                                       std::to_string(s.surface.position.size()));
+        }
+        check_vector(s.surface.position[i], kLargestLength, where, "a position of its surface");
+      }
   }
   void operator()(const MeshSolid& s) const {
     if (!s.field) throw Error(ErrorCode::invalid_argument, where + ": has no field; see make_distance_field");
+    if (!known) check_field(*s.field, where);
   }
 };
 
@@ -130,7 +181,11 @@ void check(const SolverSettings& s) {
   const std::string where = "settings";
   check_at_least(s.threads, 1, where, "threads", 1024);
   check_above(s.frame_time, 0, where, "frame_time", 10);
-  check_at_least(s.substeps, 1, where, "substeps", 256);
+  check_at_least(s.substeps, 1, where, "substeps", kMostSubsteps);
+  if (!(s.frame_time / s.substeps >= kShortestStep)) {
+    refuse(where, "a substep, frame_time / substeps,", s.frame_time / s.substeps,
+           "at least " + number(kShortestStep) + " s");
+  }
   check_at_least(s.relaxation_steps, 1, where, "relaxation_steps", 256);
   check_gravity(s.gravity, where);
   check_at_least(s.sleep_speed, 0, where, "sleep_speed", 1e4);
@@ -138,13 +193,13 @@ void check(const SolverSettings& s) {
 }
 
 void check(const Material& m, const std::string& where) {
-  check_above(m.areal_density, 0, where, "areal_density", 1e4);
-  check_above(m.stretch_warp, 0, where, "stretch_warp", 1e12);
-  check_above(m.stretch_weft, 0, where, "stretch_weft", 1e12);
-  check_at_least(m.shear, 0, where, "shear", 1e12);
-  check_at_least(m.bend_warp, 0, where, "bend_warp", 1e6);
-  check_at_least(m.bend_weft, 0, where, "bend_weft", 1e6);
-  if (!(m.bend_bias < 0 && std::isfinite(m.bend_bias))) check_at_least(m.bend_bias, 0, where, "bend_bias", 1e6);
+  check_at_least(m.areal_density, kLightest, where, "areal_density", 1e4);
+  check_at_least(m.stretch_warp, kSoftest, where, "stretch_warp", 1e12);
+  check_at_least(m.stretch_weft, kSoftest, where, "stretch_weft", 1e12);
+  check_none_or(m.shear, kSoftest, where, "shear", 1e12);
+  check_none_or(m.bend_warp, kLimpest, where, "bend_warp", 1e6);
+  check_none_or(m.bend_weft, kLimpest, where, "bend_weft", 1e6);
+  if (!(m.bend_bias < 0 && std::isfinite(m.bend_bias))) check_none_or(m.bend_bias, kLimpest, where, "bend_bias", 1e6);
   check_at_least(m.damping, 0, where, "damping");
   check_at_least(m.thickness, 0, where, "thickness", 1);
   check_at_least(m.friction, 0, where, "friction", 1e3);
@@ -158,7 +213,7 @@ void check(const Material& m, const std::string& where) {
 void check(const Transform& t, const std::string& where) {
   check_vector(t.translate, kLargestLength, where, "translate");
   check_rotation(t.rotate, where);
-  check_above(t.scale, 0, where, "scale", 1e6);
+  check_at_least(t.scale, kSmallestScale, where, "scale", 1e6);
 }
 
 void check_distance(float distance, const std::string& where) {
@@ -173,9 +228,15 @@ void check_parent(const Transform& pose, const Vec3& inertia_scale, const std::s
   }
 }
 
-void check(const Collider& c, const std::string& where) {
+void check(const Plane& p, const std::string& where) {
+  check_vector(p.point, kLargestLength, where, "point");
+  const double n = length(p.normal);
+  if (!(std::abs(n - 1) < 1e-3)) refuse(where, "the length of normal", n, "1");
+}
+
+void check(const Collider& c, const std::string& where, bool known) {
   const std::string name = where + (c.name.empty() ? "" : " \"" + c.name + "\"");
-  std::visit(ShapeCheck{name}, c.shape);
+  std::visit(ShapeCheck{name, known}, c.shape);
   check_at_least(c.friction, 0, name, "friction", 1e3);
   check_vector(c.pose.translate, kLargestLength, name, "pose.translate");
   check_rotation(c.pose.rotate, name);

@@ -11,12 +11,17 @@ namespace geocloth {
 /// Positions and lengths beyond this [m] are refused: their squares would leave the range of single precision.
 inline constexpr float kLargestLength = 1e6F;
 
+/// Of a frame.
+inline constexpr uint32_t kMostSubsteps = 256;
+
 /// Every field in its documented range. `where` begins the message, e.g. "cloth 2" or "colliders[0] \"ball\"".
 /// @throws Error(invalid_argument) naming the field, its value and its range
 void check(const SolverSettings& settings);
 void check(const Material& material, const std::string& where);
 void check(const Transform& transform, const std::string& where);
-void check(const Collider& collider, const std::string& where);
+/// @param known  its field was checked before: half a million distances are not looked at again
+void check(const Collider& collider, const std::string& where, bool known = false);
+void check(const Plane& plane, const std::string& where);
 void check(const Wind& wind, const std::string& where);
 /// [m] between points; below 0: the default.
 void check_distance(float distance, const std::string& where);

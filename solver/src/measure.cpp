@@ -5,7 +5,9 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <string>
 
+#include "geocloth/asset/error.h"
 #include "geocloth/asset/grid_mesh.h"
 #include "geocloth/solver/solver.h"
 #include "lib/bend.h"
@@ -20,6 +22,12 @@ double distance(const Vec3& a, const Vec3& b) {
 
 double dot64(const Vec3& a, const Vec3& b) {
   return static_cast<double>(a.x) * b.x + static_cast<double>(a.y) * b.y + static_cast<double>(a.z) * b.z;
+}
+
+void check_count(const char* what, size_t count, size_t pixels) {
+  if (count == pixels) return;
+  throw Error(ErrorCode::invalid_argument, "a measure needs one " + std::string(what) + " for each of the cloth's " +
+                                               std::to_string(pixels) + " pixels, not " + std::to_string(count));
 }
 
 /// Energy of one spring; a compliance of 0 is a constraint and stores none.
@@ -85,6 +93,7 @@ double elastic_energy(const ClothData& data, std::span<const float> weight, std:
 }  // namespace
 
 StretchStatistics measure_stretch(const ClothAsset& asset, float scale, std::span<const Vec3> positions) {
+  check_count("position", positions.size(), asset.pixel_count());
   std::vector<double> ratio;
   for_structural_springs(asset, [&](uint32_t p, uint32_t q) {
     const double rest = static_cast<double>(scale) * distance(asset.rest_position[p], asset.rest_position[q]);
@@ -105,7 +114,10 @@ struct EnergyMeter::Impl {
   ClothData data;
 };
 
-EnergyMeter::EnergyMeter(const ClothDesc& cloth) : impl_(std::make_unique<Impl>(Impl{make_cloth_data(cloth, {})})) {}
+EnergyMeter::EnergyMeter(const ClothDesc& cloth) {
+  if (!cloth.asset) throw Error(ErrorCode::invalid_argument, "the cloth whose energy is to be measured has no asset");
+  impl_ = std::make_unique<Impl>(Impl{make_cloth_data(cloth, {})});
+}
 EnergyMeter::~EnergyMeter() = default;
 EnergyMeter::EnergyMeter(EnergyMeter&&) noexcept = default;
 EnergyMeter& EnergyMeter::operator=(EnergyMeter&&) noexcept = default;
@@ -113,9 +125,17 @@ EnergyMeter& EnergyMeter::operator=(EnergyMeter&&) noexcept = default;
 Energy EnergyMeter::measure(const Vec3& gravity, std::span<const Vec3> positions, std::span<const Vec3> velocities,
                             std::span<const uint32_t> held) const {
   const ClothData& data = impl_->data;
+  check_count("position", positions.size(), data.pixel_count());
+  check_count("velocity", velocities.size(), data.pixel_count());
   std::vector<float> weight(data.pixel_count());
   for (uint32_t p = 0; p < data.pixel_count(); ++p) weight[p] = data.position[p].w;
-  for (const uint32_t p : held) weight[p] = 0;
+  for (const uint32_t p : held) {
+    if (p >= data.pixel_count()) {
+      throw Error(ErrorCode::invalid_argument, "pixel " + std::to_string(p) + " cannot be held; the cloth has " +
+                                                   std::to_string(data.pixel_count()) + " pixels");
+    }
+    weight[p] = 0;
+  }
   Energy energy;
   for (uint32_t p = 0; p < data.pixel_count(); ++p) {
     if (!(data.position[p].w > 0)) continue;
@@ -133,6 +153,7 @@ Energy measure_energy(const ClothDesc& cloth, const Vec3& gravity, std::span<con
 }
 
 uint64_t hash_state(const ClothAsset& asset, std::span<const Vec3> positions) {
+  check_count("position", positions.size(), asset.pixel_count());
   uint64_t hash = 0xCBF29CE484222325U;
   for (uint32_t p = 0; p < asset.pixel_count(); ++p) {
     if (!asset.valid(p)) continue;

@@ -6,6 +6,7 @@
 #include "pass.h"
 
 #include <algorithm>
+#include <cstddef>
 
 #include "lib/bend_groups.h"
 #include "lib/cell_groups.h"
@@ -91,8 +92,10 @@ std::vector<PassStep> substep_schedule(const ScheduleOptions& options) {
 
 SubstepHalves substep_halves(const ScheduleOptions& options) {
   const std::vector<PassStep> steps = substep_schedule(options);
-  const auto middle = std::ranges::search(steps, inter_schedule());
-  return {{steps.begin(), middle.begin()}, {middle.end(), steps.end()}};
+  const std::span<const PassStep> middle = inter_schedule();
+  const auto first = std::search(steps.begin(), steps.end(), middle.begin(), middle.end());
+  const auto last = first == steps.end() ? first : first + static_cast<std::ptrdiff_t>(middle.size());
+  return {{steps.begin(), first}, {last, steps.end()}};
 }
 
 std::span<const PassStep> inter_schedule() {

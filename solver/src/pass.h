@@ -12,34 +12,34 @@ namespace geocloth {
 /// The passes of a frame. Both backends walk the schedules below; each pass is one function of the cpu backend and one
 /// shader in shaders/cloth/, and its name is the name in timings and debug labels.
 enum class Pass : uint8_t {
-  normals,         ///< per pixel: area-weighted normal of its own cells, made a unit, length in w
-  normals_stitch,  ///< per split row: sum over the copies, made a unit, written to every copy
-  rescale,         ///< per pixel, in the first substep: the last displacement becomes one of the new step's length
-  predict,         ///< per pixel: Verlet with damping, gravity and air; previous = position
-  pins,            ///< per pin: one step towards the target
-  structural,      ///< per spring, groups 0..3
-  shear,           ///< per spring, groups 4..7
-  bending,         ///< per spring, groups 8..11
-  seam_bends,      ///< per seam bend, one group for each colour
-  curvature,       ///< per bend over three pixels in a row, groups 0..5 of lib/bend_groups.h
-  seam_curvature,  ///< per seam bend, one group for each colour
-  seam_spans,      ///< per span over a seam or tie on one, one group for each colour after those of the bends
-  spans,           ///< per span of lib/span.h, groups 0..7, only with max_stretch and colliders
-  stitch,          ///< per split row: mass-weighted mean of the copies, written to every copy
-  settle,          ///< per pixel: base and offset become the position, only with ClothParams::fine
-  limit,           ///< per pixel: long-range attachment; copies are equal before it and so they are after it
-  self_drift,      ///< per point of lib/self_words.h: how far it went since neighbours were looked up
-  self_clear,      ///< per bucket of the hash: emptied; this and the next two only when points went too far
-  self_insert,     ///< per point: into its bucket
-  self_find,       ///< per point: lists its neighbours
-  self_push,       ///< per point: what its neighbours do to it
-  self_move,       ///< per pixel: moves it and its velocity, with friction
-  inter_gather,    ///< between cloths, per point: to where the others see it
-  inter_drift,     ///< the same passes over the points of all cloths that collide with each other
-  inter_clear,     ///< (self_drift .. self_push)
-  inter_insert,
-  inter_find,
-  inter_push,
+  normals,          ///< per pixel: area-weighted normal of its own cells, made a unit, length in w
+  normals_stitch,   ///< per split row: sum over the copies, made a unit, written to every copy
+  rescale,          ///< per pixel, in the first substep: the last displacement becomes one of the new step's length
+  predict,          ///< per pixel: Verlet with damping, gravity and air; previous = position
+  pins,             ///< per pin: one step towards the target
+  structural,       ///< per spring, groups 0..3
+  shear,            ///< per spring, groups 4..7
+  bending,          ///< per spring, groups 8..11
+  seam_bends,       ///< per seam bend, one group for each colour
+  curvature,        ///< per bend over three pixels in a row, groups 0..5 of lib/bend_groups.h
+  seam_curvature,   ///< per seam bend, one group for each colour
+  seam_spans,       ///< per span over a seam or tie on one, one group for each colour after those of the bends
+  spans,            ///< per span of lib/span.h, groups 0..7, only with max_stretch and colliders
+  stitch,           ///< per split row: mass-weighted mean of the copies, written to every copy
+  settle,           ///< per pixel: base and offset become the position, only with ClothParams::fine
+  limit,            ///< per pixel: long-range attachment; copies are equal before it and so they are after it
+  self_drift,       ///< per point of lib/self_words.h: how far it went since neighbours were looked up
+  self_clear,       ///< per bucket of the hash: emptied; this and the next two only when points went too far
+  self_insert,      ///< per point: into its bucket
+  self_find,        ///< per point: lists its neighbours
+  self_push,        ///< per point: what its neighbours do to it
+  self_move,        ///< per pixel: moves it and its velocity, with friction
+  inter_gather,     ///< between cloths, per point: to where the others see it
+  inter_drift,      ///< as self_drift, over the points of all cloths that collide with each other
+  inter_clear,      ///< as self_clear, and so on
+  inter_insert,     ///< as self_insert
+  inter_find,       ///< as self_find
+  inter_push,       ///< as self_push
   inter_move,       ///< per pixel with a point: as self_move
   collide_cells,    ///< per cell, groups 0..3: triangles that a collider may slip through
   stitch_contacts,  ///< per split row, after it: as stitch, of the copies' velocities too

@@ -71,9 +71,21 @@ Vec3 vec3_of(const vec4& v) {
   return {v.x, v.y, v.z};
 }
 
+std::vector<Vec3> places_of(const std::vector<Collider>& colliders) {
+  std::vector<Vec3> places(colliders.size());
+  std::ranges::transform(colliders, places.begin(), [](const Collider& c) { return c.pose.translate; });
+  return places;
+}
+
 bool same_shape(const shader::ColliderShape& a, const shader::ColliderShape& b) {
   using Words = std::array<uint32_t, sizeof(shader::ColliderShape) / sizeof(uint32_t)>;
   return std::bit_cast<Words>(a) == std::bit_cast<Words>(b);
+}
+
+bool has_same_field(const Collider& a, const Collider& b) {
+  const auto* p = std::get_if<MeshSolid>(&a.shape);
+  const auto* q = std::get_if<MeshSolid>(&b.shape);
+  return p != nullptr && q != nullptr && p->field == q->field;
 }
 
 uint32_t fineness(const SolverSettings& settings) {
@@ -117,13 +129,16 @@ std::unique_ptr<SolverBackend> make_backend(SimulationData data, const SolverSet
 }  // namespace
 
 Solver::Impl::Impl(std::span<const ClothDesc> cloths, const SolverSettings& settings, const BackendFactory& factory)
-    : settings_(settings), fine_(fineness(settings)), substeps_(settings.substeps) {
+    : settings_(settings),
+      fine_(fineness(settings)),
+      calm_step_(settings.frame_time / settings.substeps),
+      usual_substeps_(settings.substeps),
+      substeps_(settings.substeps) {
   check(settings);
   check_cloths(cloths);
   origin_ = choose_origin(cloths);
 
   SimulationData data;
-  data.origin = origin_;
   data.relaxation_steps = settings.relaxation_steps;
   data.fine = fine_ != shader::kFineOff;
   data.check = settings.check_copies;
@@ -141,6 +156,7 @@ Solver::Impl::Impl(std::span<const ClothDesc> cloths, const SolverSettings& sett
     cloth.displaced_in = clock().dt;
     cloth.row_of_pixel = rows_of_pixels(*desc.asset);
     cloth.particles = count_valid_pixels(*desc.asset);
+    cloth.middle = cloth.start_middle = box_of(*desc.asset, uploaded.position).middle() + origin_;
     cloth.springs_per_sweep = uploaded.springs_per_sweep;
     cloth.self = uploaded.self.numbers;
     for (const vec4& p : uploaded.position) cloth.free_inverse_mass.push_back(p.w);
@@ -173,7 +189,10 @@ const Solver::Impl::Cloth& Solver::Impl::cloth_at(uint32_t cloth) const {
 }
 
 void Solver::Impl::set_colliders(std::span<const Collider> colliders, bool teleport) {
-  for (size_t i = 0; i < colliders.size(); ++i) check(colliders[i], "colliders[" + std::to_string(i) + "]");
+  for (size_t i = 0; i < colliders.size(); ++i) {
+    const bool known = i < colliders_to_.size() && has_same_field(colliders[i], colliders_to_[i]);
+    check(colliders[i], "colliders[" + std::to_string(i) + "]", known);
+  }
   const std::vector<Collider> asked_before =
       std::exchange(colliders_to_, std::vector<Collider>(colliders.begin(), colliders.end()));
   for (Collider& c : colliders_to_) {
@@ -223,16 +242,22 @@ void Solver::Impl::set_time_step(double frame_time, uint32_t substeps) {
   changed.frame_time = frame_time;
   changed.substeps = substeps;
   check(changed);
-  scene_changed_ = scene_changed_ || frame_time != settings_.frame_time || substeps != settings_.substeps;
   settings_ = changed;
+  constexpr double kCalm = 1.25;  // a step that differs by less leaves cloth where it lies
+  const double step = frame_time / substeps;
+  if (step <= kCalm * calm_step_ && calm_step_ <= kCalm * step) return;
+  scene_changed_ = true;
+  calm_step_ = step;
 }
 
 void Solver::Impl::set_pins(uint32_t cloth, std::span<const Pin> pins) {
   const Cloth& c = cloth_at(cloth);
+  const bool placed = c.placed_at == time_;
   std::map<uint32_t, PinState> next;
   const auto add = [&](uint32_t pixel, const Pin& pin) {
     const auto before = c.pins.find(pixel);
-    next[pixel] = {before == c.pins.end() ? pin.target : before->second.target, pin.target, pin.frequency};
+    const bool anew = placed || before == c.pins.end();
+    next[pixel] = {anew ? pin.target : before->second.target, pin.target, pin.frequency};
   };
   for (const Pin& pin : pins) {
     const std::string where = cloth_name(cloth) + ": pin of pixel " + std::to_string(pin.pixel);
@@ -272,7 +297,7 @@ void Solver::Impl::set_parent(uint32_t cloth, const Transform& pose, const Vec3&
   static_cast<void>(cloth_at(cloth));
   check_parent(pose, inertia_scale, cloth_name(cloth) + ": parent");
   Cloth& c = cloths_[cloth];
-  if (!c.parent_from) c.parent_from = pose;
+  if (!c.parent_from) c.parent_from = c.parent_first = pose;
   c.disturbed =
       c.disturbed || teleport || pose.translate != c.parent_from->translate || pose.rotate != c.parent_from->rotate;
   c.parent_to = pose;
@@ -280,27 +305,87 @@ void Solver::Impl::set_parent(uint32_t cloth, const Transform& pose, const Vec3&
   c.teleport = c.teleport || teleport;
 }
 
-/// Moves a cloth as it is, with its velocities, from its parent's old pose to the new one.
-void Solver::Impl::carry_over(uint32_t cloth) {
-  Cloth& c = cloths_[cloth];
-  const Transform& from = *c.parent_from;
-  const Transform& to = *c.parent_to;
-  const Quat turn = to.rotate * conjugate(from.rotate);
-  std::vector<vec4> position, previous;
-  backend_->read_positions(cloth, position);
-  backend_->read_previous(cloth, previous);
-  for (uint32_t p = 0; p < position.size(); ++p) {
-    if (!c.asset->valid(p)) continue;
-    const Vec3 x = vec3_of(position[p]);
-    const Vec3 moved = rotate(turn, x + origin_ - from.translate) + to.translate - origin_;
-    const Vec3 before = moved - rotate(turn, x - vec3_of(previous[p]));
-    position[p] = {moved.x, moved.y, moved.z, position[p].w};
-    previous[p] = {before.x, before.y, before.z, previous[p].w};
+/// Moves the cloths of parents that jump as they are, with their velocities, from the old poses to the new ones. Pins
+/// that were set to other places come from there too: soft ones draw by the speed of their targets.
+void Solver::Impl::carry_over() {
+  struct State {
+    uint32_t cloth;
+    std::vector<vec4> position, previous;
+  };
+  std::vector<State> states;
+  for (uint32_t c = 0; c < cloths_.size(); ++c) {
+    if (!cloths_[c].teleport) continue;
+    State& state = states.emplace_back(State{c, {}, {}});
+    backend_->read_positions(c, state.position);
+    backend_->read_previous(c, state.previous);
   }
-  backend_->write_state(cloth, position, previous);
-  c.rides = {};
-  c.parent_from = c.parent_to;
-  c.teleport = false;
+  if (states.empty()) return;
+  const Vec3 origin_before = origin_;
+  follow_cloths();  // what is written there has the digits that it has near the origin
+  for (State& state : states) {
+    Cloth& c = cloths_[state.cloth];
+    const Transform& from = *c.parent_from;
+    const Transform& to = *c.parent_to;
+    const Quat turn = to.rotate * conjugate(from.rotate);
+    for (auto& [pixel, pin] : c.pins)
+      if (pin.from != pin.target) pin.from = rotate(turn, pin.from - from.translate) + to.translate;
+    for (uint32_t p = 0; p < state.position.size(); ++p) {
+      if (!c.asset->valid(p)) continue;
+      vec4 &position = state.position[p], &previous = state.previous[p];
+      const Vec3 x = vec3_of(position);
+      const Vec3 moved = rotate(turn, x + (origin_before - from.translate)) + (to.translate - origin_);
+      const Vec3 before = moved - rotate(turn, x - vec3_of(previous));
+      position = {moved.x, moved.y, moved.z, position.w};
+      previous = {before.x, before.y, before.z, previous.w};
+    }
+    backend_->write_state(state.cloth, state.position, state.previous);
+    c.rides = {};
+    c.parent_from = c.parent_to;
+    c.teleport = false;
+  }
+}
+
+/// Where a cloth is in the next frame as far as it is told by pins or a parent; else where it was seen last.
+Vec3 Solver::Impl::middle_of_told(const Cloth& cloth) const {
+  Vec3 sum;
+  float held = 0;
+  for (const auto& [pixel, pin] : cloth.pins) {
+    sum = sum + pin.target;
+    held += 1;
+  }
+  if (held > 0) return (1 / held) * sum;
+  if (!cloth.parent_to) return cloth.middle;
+  const Quat turn = cloth.parent_to->rotate * conjugate(cloth.parent_first.rotate);
+  return cloth.parent_to->translate + rotate(turn, cloth.start_middle - cloth.parent_first.translate);
+}
+
+/// Keeps the origin near the cloths, whose positions have no more digits than single precision. Only where they go is
+/// looked at that is told; cloth that nothing holds is looked for where colliders go far.
+void Solver::Impl::follow_cloths() {
+  constexpr float kFar = 3;  // [m]
+  bool colliders_went = false;
+  if (places_seen_.size() != colliders_to_.size()) places_seen_ = places_of(colliders_to_);
+  for (size_t i = 0; i < colliders_to_.size(); ++i)
+    colliders_went = colliders_went || length(colliders_to_[i].pose.translate - places_seen_[i]) > kFar;
+  if (colliders_went) places_seen_ = places_of(colliders_to_);
+  ClothBox middles;
+  for (uint32_t c = 0; c < cloths_.size(); ++c) {
+    Cloth& cloth = cloths_[c];
+    if (colliders_went && cloth.pins.empty() && !cloth.parent_to) {
+      std::vector<vec4> position;
+      backend_->read_positions(c, position);
+      const Vec3 middle = box_of(*cloth.asset, position).middle() + origin_;
+      if (is_finite(middle)) cloth.middle = middle;
+    }
+    middles.add(middle_of_told(cloth));
+  }
+  const auto whole_metres = [](float away) { return std::abs(away) > kFar ? std::round(away) : 0.F; };
+  const Vec3 away = middles.middle() - origin_;
+  const Vec3 by{whole_metres(away.x), whole_metres(away.y), whole_metres(away.z)};
+  if (by == Vec3{}) return;
+  backend_->shift(by);
+  origin_ = origin_ + by;
+  for (Cloth& cloth : cloths_) cloth.resting.reset();
 }
 
 void Solver::Impl::read_positions(uint32_t cloth, std::vector<Vec3>& out) {
@@ -365,12 +450,19 @@ void Solver::Impl::write_state(uint32_t cloth, std::span<const Vec3> positions, 
                                                  ": write_state needs one position and one velocity for each of its " +
                                                  std::to_string(asset.pixel_count()) + " pixels");
   }
+  ClothBox box;
+  for (uint32_t p = 0; p < asset.pixel_count(); ++p) {
+    if (!asset.valid(p)) continue;
+    check_position(positions[p], cloth_name(cloth) + ": pixel " + std::to_string(p));
+    box.add(positions[p]);
+  }
+  if (!box.empty()) cloths_[cloth].middle = box.middle();
+  follow_cloths();
   const auto dt = static_cast<float>(c.displaced_in);
   std::vector<vec4> position(asset.pixel_count(), {0, 0, 0, 0}), previous(asset.pixel_count(), {0, 0, 0, 0});
   for (uint32_t p = 0; p < asset.pixel_count(); ++p) {
     if (!asset.valid(p)) continue;
     const std::string where = cloth_name(cloth) + ": pixel " + std::to_string(p);
-    check_position(positions[p], where);
     check_position(velocities[p], where + ", velocity");
     const uint32_t row = c.row_of_pixel[p];
     const uint32_t source = row == kNoPixel ? p : asset.splits.pixel[asset.splits.offset[row]];
@@ -383,8 +475,15 @@ void Solver::Impl::write_state(uint32_t cloth, std::span<const Vec3> positions, 
     position[p] = {x.x, x.y, x.z, c.holds(p) ? 0.F : c.free_inverse_mass[p]};
     previous[p] = {before.x, before.y, before.z, 0};
   }
-  cloths_[cloth].disturbed = true;
-  cloths_[cloth].rides = {};
+  Cloth& written = cloths_[cloth];
+  written.disturbed = true;
+  written.rides = {};
+  if (written.teleport) {  // the state is where the parent has jumped to, and so are the pins
+    written.teleport = false;
+    written.parent_from = written.parent_to;
+    written.placed_at = time_;
+    for (auto& [pixel, pin] : written.pins) pin.from = pin.target;
+  }
   backend_->write_state(cloth, position, previous);
 }
 

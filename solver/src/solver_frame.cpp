@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "check_input.h"
 #include "colliders/ways.h"
 #include "rest/self_points.h"
 #include "rest/upload.h"
@@ -29,7 +30,8 @@ float longest_way(std::span<const shader::ColliderShape> shapes) {
   return way;
 }
 
-constexpr float kFastWay = 0.2F;  // spacings in a substep
+constexpr float kFastWay = 0.2F;    // spacings in a substep
+constexpr float kLimitSteps = 512;  // of 1: plans are made anew for another limit, which is not for every frame
 
 /// How many substeps in place of one a collider is to have.
 struct Haste {
@@ -95,6 +97,7 @@ float Solver::Impl::stretch_limit(const Cloth& cloth) const {
 void Solver::Impl::fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const {
   frame.params = cloth_params(cloth.material, clock(), settings_.gravity, wind_);
   frame.params.gravity_step.w = static_cast<float>(clock().dt / cloth.displaced_in);
+  frame.params.inverse_dt2 = static_cast<float>(1 / (compliance_step_ * compliance_step_));
   frame.params.fine = fine_;
   frame.params.stretch_limit = stretch_limit(cloth);
   frame.params.width = cloth.asset->width;
@@ -117,12 +120,25 @@ void Solver::Impl::fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const {
   }
   frame.pulled_apart = pull_of_pins(cloth, 0) > frame.params.stretch_limit;
   if (frame.pulled_apart) {
-    constexpr float kFew = 4;      // spacings: what two pins so near tear open is not worth slack everywhere
-    constexpr float kSteps = 128;  // of 1: plans are made anew for another limit, which is not for every frame
+    constexpr float kFew = 4;  // spacings: what two pins so near tear open is not worth slack everywhere
     const float pull = pull_of_pins(cloth, kFew * cloth.asset->spacing * cloth.scale);
-    frame.params.stretch_limit = std::max(frame.params.stretch_limit, std::ceil(kSteps * pull) / kSteps);
+    frame.params.stretch_limit = std::max(frame.params.stretch_limit, std::ceil(kLimitSteps * pull) / kLimitSteps);
   }
+  ease_limit(cloth, frame);
   frame.slack_pins = has_pins_above(cloth) || sags_between_pins(cloth);
+}
+
+/// What was pulled apart and is let go draws itself together; attachments that were short at once would throw it.
+void Solver::Impl::ease_limit(Cloth& cloth, ClothFrame& frame) const {
+  constexpr double kHold = 0.25;  // [s]
+  constexpr float kEase = 0.05F;  // [1/s]
+  float& limit = frame.params.stretch_limit;
+  if (frame.pulled_apart) cloth.pulled_at = time_;
+  if (time_ - cloth.pulled_at > kHold) cloth.limit -= kEase * static_cast<float>(settings_.frame_time);
+  cloth.limit = std::max(cloth.limit, limit);
+  if (limit == cloth.limit) return;
+  limit = std::ceil(kLimitSteps * cloth.limit) / kLimitSteps;
+  frame.pulled_apart = true;
 }
 
 /// How many times as far as along the cloth two pins are from each other, at most. Attachments that were shorter would
@@ -218,7 +234,7 @@ const Solver::Impl::Ride* Solver::Impl::ride_of(uint32_t cloth) {
 float Solver::Impl::way_seen_from(const Ride* ride, uint32_t collider) const {
   const float way = frame_.shapes[collider].way;
   if (ride == nullptr) return way;
-  const double steps = ride->time / (settings_.frame_time / settings_.substeps);
+  const double steps = ride->time / (settings_.frame_time / usual_substeps_);
   const shader::FrameField motion = motion_field(ride->from, ride->to, static_cast<float>(1 / steps), origin_);
   return std::min(way, way_beside(frame_.shapes, frame_.poses, collider, motion, static_cast<float>(steps - 1)));
 }
@@ -242,16 +258,39 @@ void Solver::Impl::measure_rides(uint32_t factor) {
   }
 }
 
+/// As many as substeps are asked for, or so many that a substep is at most a twentieth longer or shorter than in the
+/// frame before. Cloth hangs longer in long steps; where it had to become shorter within a short one it would get a
+/// speed by that, and steps that go to and fro would shake it.
+uint32_t Solver::Impl::even_substeps() {
+  constexpr double kChange = 1.05;
+  constexpr uint32_t kMost = 4;  // times as many or as few
+  const double wanted = settings_.frame_time / settings_.substeps;
+  if (!(step_length_ > 0)) step_length_ = wanted;
+  step_length_ = std::clamp(wanted, step_length_ / kChange, step_length_ * kChange);
+  if (step_length_ == wanted) return settings_.substeps;
+  const double fewest = std::max(1U, settings_.substeps / kMost),
+               most = std::min(kMostSubsteps, kMost * settings_.substeps);
+  return static_cast<uint32_t>(std::clamp(std::round(settings_.frame_time / step_length_), fewest, most));
+}
+
+/// Springs are as stiff as their material at the length that the step has, but for a few percent while it varies: the
+/// constants that hold the step need not be made anew in every frame then.
+void Solver::Impl::choose_compliance_step() {
+  constexpr double kNear = 0.02;
+  const double dt = clock().dt;
+  if (dt == last_step_ || !(std::abs(dt - compliance_step_) <= kNear * dt)) compliance_step_ = dt;
+}
+
 /// More than one where a collider that may meet a cloth is too fast for it. What is told by pins and not by where the
 /// cloth is, which only the device knows.
 uint32_t Solver::Impl::substeps_factor() {
-  constexpr uint32_t kMost = 32, kLargest = 256;
+  constexpr uint32_t kMost = 32;
   constexpr double kShortest = 1.0 / 16000;  // [s] for a few frames; see kShortStep
   constexpr float kNearly = 0.5F;            // of a fast way: from here on it is known whether the cloth rides
   const auto most =
-      static_cast<uint32_t>(std::clamp(settings_.frame_time / (kShortest * settings_.substeps), 1.0, double{kMost}));
-  collider_poses(colliders_from_, colliders_to_, settings_.substeps, origin_, frame_.poses);
-  measure_ways(frame_.shapes, frame_.poses, settings_.substeps, 0);
+      static_cast<uint32_t>(std::clamp(settings_.frame_time / (kShortest * usual_substeps_), 1.0, double{kMost}));
+  collider_poses(colliders_from_, colliders_to_, usual_substeps_, origin_, frame_.poses);
+  measure_ways(frame_.shapes, frame_.poses, usual_substeps_, 0);
   uint32_t factor = 1;
   for (uint32_t c = 0; c < cloths_.size(); ++c) {
     Cloth& cloth = cloths_[c];
@@ -283,7 +322,7 @@ uint32_t Solver::Impl::substeps_factor() {
     cloth.rides_on = ride != nullptr && cloth.ride.carrier;
     if (cloth.rides_on) cloth.ride.way = longest;
   }
-  return std::max(1U, std::min(factor, kLargest / settings_.substeps));
+  return std::max(1U, std::min(factor, kMostSubsteps / usual_substeps_));
 }
 
 void Solver::Impl::find_movers() {
@@ -343,10 +382,8 @@ void Solver::Impl::wake(Cloth& cloth) {
 bool Solver::Impl::is_calm(uint32_t c) {
   constexpr uint32_t kLatency = 2;  // frames
   Cloth& cloth = cloths_[c];
-  // What was measured is a way in a step that has another length now.
-  if (clock().dt != cloth.displaced_in) cloth.calm_frames = 0;
   if (cloth.calm_frames < kLatency) return false;
-  const double speed = backend_->longest_way(c, frame_.motion_word) / cloth.displaced_in;
+  const double speed = backend_->longest_way(c, frame_.motion_word) / measured_steps_[frame_.motion_word];
   cloth.calm_for = speed <= settings_.sleep_speed ? cloth.calm_for + settings_.frame_time : 0;
   if (!(cloth.calm_for > 0 && cloth.calm_for >= settings_.sleep_time)) return false;
   cloth.resting.reset();
@@ -356,14 +393,16 @@ bool Solver::Impl::is_calm(uint32_t c) {
 }
 
 void Solver::Impl::step() {
-  for (uint32_t c = 0; c < cloths_.size(); ++c)
-    if (cloths_[c].teleport) carry_over(c);
+  carry_over();
+  follow_cloths();
   frame_.shapes = shapes_;
   frame_.collider_numbers = collider_numbers_;
   frame_.cloths.resize(cloths_.size());
   for (size_t c = 0; c < cloths_.size(); ++c) change_pins(cloths_[c], frame_.cloths[c]);
+  usual_substeps_ = even_substeps();
   const uint32_t factor = substeps_factor();
-  substeps_ = settings_.substeps * factor;
+  substeps_ = usual_substeps_ * factor;
+  choose_compliance_step();
   collider_poses(colliders_from_, colliders_to_, substeps_, origin_, frame_.poses);
   measure_ways(frame_.shapes, frame_.poses, substeps_, thickest(cloths_));
   substep_inputs(clock(), wind_, origin_, frame_.substeps);
@@ -391,6 +430,7 @@ void Solver::Impl::step() {
     cloth.parent_from = cloth.parent_to;
     if (!cloth.asleep) cloth.displaced_in = clock().dt;
   }
+  measured_steps_[frame_.motion_word] = last_step_ = clock().dt;
   time_ += settings_.frame_time;
 }
 

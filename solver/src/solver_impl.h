@@ -76,16 +76,21 @@ class Solver::Impl {
     std::vector<PinWay> pin_ways;                     ///< of the pins that are held, by number instead of pixel
     std::vector<Vec3> pin_targets;                    ///< of all pins in their order, for a frame
     std::optional<Transform> parent_from, parent_to;  ///< at the start and the end of the next frame
+    Transform parent_first;                           ///< its first one
+    Vec3 start_middle, middle;                        ///< [m, world] of its points: at the start, where last seen
     Vec3 inertia_scale{1, 1, 1};
     std::optional<SelfCollision> self_collision;
     SelfNumbers self;
     std::optional<InterCollision> inter_collision;
     bool collide_cells = false;  ///< a collider was met that may slip through between pixels
     bool teleport = false;       ///< the parent jumps before the next frame
+    double placed_at = -1;       ///< [s] time_ when a state was written where the parent had jumped to
     bool meets_fast = false;     ///< in the next frame, if a collider is fast that may meet it
     Ride ride;                   ///< in the next frame
     bool rides_on = false;       ///< it rode in the last frame
     std::array<Ride, 2> rides;   ///< in the last two, by the word that was measured into
+    float limit = 0;             ///< ClothParams::stretch_limit of the last frame, as it sinks
+    double pulled_at = 0;        ///< [s] when pins last pulled it apart
     bool hangs = false;          ///< every point has an attachment or is pinned
     float reach = 0;             ///< [m] of the longest attachment; without pins of the whole cloth
     uint64_t particles = 0, springs_per_sweep = 0;
@@ -100,17 +105,22 @@ class Solver::Impl {
 
   [[nodiscard]] const Cloth& cloth_at(uint32_t cloth) const;
   void fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const;
+  void ease_limit(Cloth& cloth, ClothFrame& frame) const;
   void change_pins(Cloth& cloth, ClothFrame& frame) const;
   [[nodiscard]] static float pull_of_pins(const Cloth& cloth, float least);
   [[nodiscard]] bool has_pins_above(const Cloth& cloth) const;
   [[nodiscard]] static bool sags_between_pins(const Cloth& cloth);
-  void carry_over(uint32_t cloth);
+  void carry_over();
+  [[nodiscard]] Vec3 middle_of_told(const Cloth& cloth) const;
+  void follow_cloths();
   [[nodiscard]] InterData inter_data() const;
   [[nodiscard]] bool meets_others(const Cloth& cloth) const { return inter_.points > 0 && cloth.inter_collision; }
   [[nodiscard]] float stretch_limit(const Cloth& cloth) const;
   [[nodiscard]] FrameClock clock() const;
   [[nodiscard]] std::optional<ClothBox> box_of_pins(const Cloth& cloth) const;
+  [[nodiscard]] uint32_t even_substeps();
   [[nodiscard]] uint32_t substeps_factor();
+  void choose_compliance_step();
   [[nodiscard]] const Ride* ride_of(uint32_t cloth);
   [[nodiscard]] float way_seen_from(const Ride* ride, uint32_t collider) const;
   void measure_rides(uint32_t factor);
@@ -121,8 +131,9 @@ class Solver::Impl {
   [[nodiscard]] bool is_calm(uint32_t cloth);
 
   SolverSettings settings_;
-  uint32_t fine_;  ///< ClothParams::fine
-  Vec3 origin_;
+  uint32_t fine_;                  ///< ClothParams::fine
+  Vec3 origin_;                    ///< [m] whole metres, near the cloths
+  std::vector<Vec3> places_seen_;  ///< [m] of the colliders when cloth was looked for
   std::vector<Cloth> cloths_;
   SelfNumbers inter_;                                           ///< of the cloths that collide with each other
   std::vector<Collider> colliders_from_, colliders_to_;         ///< at the start and the end of the next frame
@@ -132,8 +143,14 @@ class Solver::Impl {
   std::vector<uint32_t> movers_;  ///< colliders that go on evenly in the next frame
   bool scene_changed_ = true;     ///< since the last step, other than by what moves evenly
   double time_ = 0;               ///< [s] at the start of the next frame
+  double step_length_ = 0;        ///< [s] of a substep, that the last frame's were to have without haste; 0: no frame
+  double calm_step_;              ///< [s] of a substep, about which steps may vary without waking cloth
+  uint32_t usual_substeps_;       ///< of the next frame without haste
   uint32_t substeps_;             ///< of the next frame
-  FrameInput frame_;              ///< of the last step, whose memory the next one uses again
+  double compliance_step_ = 0;    ///< [s] the length that compliances are of
+  double last_step_ = 0;          ///< [s] of the last frame's substeps
+  std::array<double, 2> measured_steps_{};  ///< [s] of the substeps in the last two frames, by motion_word
+  FrameInput frame_;                        ///< of the last step, whose memory the next one uses again
   std::unique_ptr<SolverBackend> backend_;
 };
 

@@ -30,6 +30,7 @@ class Recorder final : public SolverBackend {
   void read_normals(uint32_t, std::vector<shader::vec4>&) override {}
   void write_state(uint32_t, std::span<const shader::vec4>, std::span<const shader::vec4>) override {}
   void replace_topology(uint32_t, ClothData) override {}
+  void shift(const Vec3&) override {}
   void replace_inter(InterData) override {}
   float longest_way(uint32_t, uint32_t) override { return 0; }
   uint32_t left_behind(uint32_t, uint32_t) override { return 0; }

@@ -3,7 +3,9 @@
 // says.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <random>
@@ -360,6 +362,133 @@ TEST(Convex, PointsInAPlaneAreRefused) {
   EXPECT_THROW(static_cast<void>(convex_hull(std::vector<Vec3>(5, Vec3{1, 2, 3}))), Error);
 }
 
+std::vector<Vec3> box_corners() {
+  std::vector<Vec3> points;
+  for (const float x : {-1.F, 1.F})
+    for (const float y : {-2.F, 2.F})
+      for (const float z : {-3.F, 3.F}) points.push_back({x, y, z});
+  return points;
+}
+
+/// Spread evenly over the unit ball's surface.
+std::vector<Vec3> on_ball(int count) {
+  std::vector<Vec3> points;
+  for (int i = 0; i < count; ++i) {
+    const float z = (2 * static_cast<float>(i) + 1) / static_cast<float>(count) - 1,
+                turn = 2.39996F * static_cast<float>(i);
+    points.push_back({std::sqrt(1 - z * z) * std::cos(turn), std::sqrt(1 - z * z) * std::sin(turn), z});
+  }
+  return points;
+}
+
+void expect_the_box(const Convex& hull) {
+  EXPECT_EQ(hull.planes.size(), 6U);
+  for (const Plane& p : hull.planes) {
+    EXPECT_NEAR(std::abs(p.normal.x) + std::abs(p.normal.y) + std::abs(p.normal.z), 1, 1e-5);
+    EXPECT_NEAR(dot(p.normal, p.point), length(Vec3{1 * p.normal.x, 2 * p.normal.y, 3 * p.normal.z}), 1e-4);
+  }
+}
+
+// Every point was held against every face each time that one was added: 100,000 points never came to an end.
+TEST(Convex, HullOfManyPointsIsThatOfTheFewOutside) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> share(-1, 1);
+  std::vector<Vec3> points = box_corners();
+  while (points.size() < 100'000) points.push_back({share(random), 2 * share(random), 3 * share(random)});
+  std::shuffle(points.begin(), points.end(), random);
+  expect_the_box(convex_hull(points));
+  EXPECT_EQ(convex_hull(points), convex_hull(points));
+  points.clear();  // a cloud, whose hull is one of many slim faces
+  while (points.size() < 100'000) points.push_back({share(random), 2 * share(random), 3 * share(random)});
+  const Convex cloud = convex_hull(points);
+  EXPECT_GT(cloud.planes.size(), 50U);
+  EXPECT_LT(cloud.surface.position.size(), 1000U);
+  for (const Plane& plane : cloud.planes)
+    for (const Vec3& p : points) ASSERT_LE(dot(plane.normal, p - plane.point), 2e-5F);
+}
+
+TEST(Convex, HullOfPointsOnABoxesFacesIsTheBox) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> share(-1, 1);
+  std::vector<Vec3> points = box_corners();
+  for (int i = 0; i < 10'000; ++i) {
+    std::array<float, 3> p{share(random), share(random), share(random)};
+    p[static_cast<size_t>(i % 3)] = i % 2 == 0 ? 1.F : -1.F;
+    if (i % 5 == 0) p[static_cast<size_t>((i + 1) % 3)] = 1;  // on an edge
+    points.push_back({p[0], 2 * p[1], 3 * p[2]});
+  }
+  for (int order = 0; order < 5; ++order) {
+    expect_the_box(convex_hull(points));
+    std::shuffle(points.begin(), points.end(), random);
+  }
+  const Quat turn = quat_from_euler_deg({20, 30, 40});
+  for (Vec3& p : points) p = rotate(turn, p) + Vec3{10, 0, 0};
+  EXPECT_EQ(convex_hull(points).planes.size(), 6U);
+}
+
+TEST(Convex, HullOfAGridIsTheBoxAboutIt) {
+  std::vector<Vec3> points;
+  for (int i = 0; i < 11 * 11 * 11; ++i) {
+    const auto at = [](int k, float half) { return half * (0.2F * static_cast<float>(k % 11) - 1); };
+    points.push_back({at(i, 1), at(i / 11, 2), at(i / 121, 3)});
+  }
+  expect_the_box(convex_hull(points));
+}
+
+TEST(Convex, PointsMayBeThereSeveralTimes) {
+  std::vector<Vec3> points;
+  for (int k = 0; k < 50; ++k)
+    for (const Vec3& p : box_corners()) points.push_back(p);
+  expect_the_box(convex_hull(points));
+  EXPECT_EQ(convex_hull(points).surface.position.size(), 8U);
+}
+
+TEST(Convex, HullOfABallIsOnItAndHasNoMoreFacesThanItMay) {
+  const std::vector<Vec3> points = on_ball(400);
+  const Convex hull = convex_hull(points);
+  EXPECT_EQ(hull.surface.position.size(), 400U);
+  EXPECT_EQ(hull.surface.triangle.size(), 796U);
+  for (const Plane& plane : hull.planes)
+    for (const Vec3& p : points) ASSERT_LE(dot(plane.normal, p - plane.point), 1e-5F);
+  EXPECT_THROW(static_cast<void>(convex_hull(on_ball(4'000))), Error);
+  EXPECT_THROW(static_cast<void>(convex_hull(on_ball(100'000))), Error);
+}
+
+// One was taken for a point inside, and cloth went through where the corner was.
+TEST(Convex, WhatIsNotFiniteIsRefused) {
+  for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    std::vector<Vec3> points = box_corners();
+    points[2].y = bad;
+    EXPECT_THROW(static_cast<void>(convex_hull(points)), Error);
+    EXPECT_THROW(static_cast<void>(convex_of_planes(std::vector<Plane>{{{bad, 0, 0}, {0, 1, 0}}})), Error);
+  }
+  EXPECT_THROW(static_cast<void>(convex_of_planes(std::vector<Plane>{{{0, 0, 0}, {0, 0, 0}}})), Error);
+  EXPECT_THROW(static_cast<void>(convex_hull({})), Error);
+}
+
+/// Planes about a ball.
+Convex convex_of(size_t planes) {
+  Convex solid;
+  for (const Vec3& p : on_ball(static_cast<int>(planes))) solid.planes.push_back({p, normalized(p)});
+  return solid;
+}
+
+// The limit was a name in a header: 5000 planes were taken, and each point of the cloth looked at all of them.
+TEST(Convex, OneMadeByHandHasNoMorePlanesThanItMay) {
+  Solver solver(std::vector{test::describe(make_sheet({.nx = 5, .ny = 5}))}, test::cpu_settings());
+  const auto set = [&](const Convex& solid) {
+    solver.set_colliders(std::vector<Collider>{{"solid", solid, 0.3F, {}}});
+  };
+  EXPECT_NO_THROW(set(convex_of(kMostConvexPlanes)));
+  EXPECT_THROW(set(convex_of(kMostConvexPlanes + 1)), Error);
+  EXPECT_NO_THROW(static_cast<void>(convex_of_planes(convex_of(16).planes)));
+  EXPECT_THROW(static_cast<void>(convex_of_planes(convex_of(kMostJoinedPlanes + 1).planes)), Error);
+  Convex torn = convex_hull(box_corners());
+  torn.surface.triangle[0][0] = 99;
+  EXPECT_THROW(set(torn), Error);
+  test::run(solver, 1);
+}
+
 TEST(DistanceField, OfABallOfTrianglesIsTheBalls) {
   const DistanceField field = make_distance_field(ball_surface({0, 0, 0}, 0.3F), 100'000);
   const Collider body{"", MeshSolid{std::make_shared<const DistanceField>(field)}, 0, {}};
@@ -381,6 +510,56 @@ TEST(DistanceField, HolesAndOverlapsDoNotTurnItInsideOut) {
   EXPECT_LT(signed_distance(body, {0.1F, 0, 0}), -0.05);  // in both
   EXPECT_GT(signed_distance(body, {0, -0.4F, 0}), 0.05);
   EXPECT_GT(signed_distance(body, {0, 0.4F, 0}), 0.05);
+}
+
+// One made by hand was taken as it was: without distances the program ended, with others cloth was not a number.
+TEST(DistanceField, OneMadeByHandIsChecked) {
+  Solver solver(std::vector{test::describe(make_sheet({.nx = 5, .ny = 5}))}, test::cpu_settings());
+  const auto set = [&](const DistanceField& field) {
+    const Collider body{"body", MeshSolid{std::make_shared<const DistanceField>(field)}, 0.3F, {}};
+    for (int frame = 0; frame < 2; ++frame) {  // it is looked at once
+      solver.set_colliders({&body, 1});
+      solver.step();
+    }
+  };
+  DistanceField good;
+  good.size = {2, 3, 4};
+  good.low = {-1, -1, -1};
+  good.spacing = 0.6F;
+  good.margin = 0.1F;
+  good.distance.assign(24, -0.01F);
+  EXPECT_NO_THROW(set(good));
+  EXPECT_TRUE(test::all_finite(test::positions_of(solver)));
+  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN(), kInfinity = std::numeric_limits<float>::infinity();
+  const auto refused = [&](const char* what, const auto& spoil) {
+    DistanceField field = good;
+    spoil(field);
+    EXPECT_THROW(set(field), Error) << what;
+  };
+  refused("nothing", [](DistanceField& f) { f = {}; });
+  refused("no distances", [](DistanceField& f) {
+    f.size = {1000, 1000, 1000};
+    f.distance.clear();
+  });
+  refused("one too few", [](DistanceField& f) { f.distance.pop_back(); });
+  refused("product beyond 64 bits", [](DistanceField& f) {
+    f.size = {1U << 31, 1U << 31, 4};
+    f.distance.clear();
+  });
+  refused("one node", [](DistanceField& f) { f.size = {1, 6, 4}; });
+  for (const float bad : {kNaN, kInfinity, -1.F}) {
+    refused("spacing", [&](DistanceField& f) { f.spacing = bad; });
+    refused("margin", [&](DistanceField& f) { f.margin = bad; });
+  }
+  refused("spacing 0", [](DistanceField& f) { f.spacing = 0; });
+  refused("spacing 1e-40", [](DistanceField& f) { f.spacing = 1e-40F; });
+  for (const float bad : {kNaN, kInfinity, 1e30F}) {
+    refused("low", [&](DistanceField& f) { f.low.y = bad; });
+    refused("distance", [&](DistanceField& f) { f.distance[23] = bad; });
+  }
+  refused("spacing 1e6", [](DistanceField& f) { f.spacing = 1e6F; });
+  EXPECT_NO_THROW(set(good));
+  EXPECT_TRUE(test::all_finite(test::positions_of(solver)));
 }
 
 TEST(DistanceField, WhatEnclosesNothingIsRefused) {

@@ -169,6 +169,119 @@ TEST(Refusals, EveryValueOutOfRangeIsNamed) {
   EXPECT_TRUE(test::all_finite(test::positions_of(solver)));
 }
 
+// Values that no cloth has were taken, and came out again as cloth that is not a number.
+TEST(Refusals, ValuesTooSmallForSinglePrecisionAreNamed) {
+  const ClothAsset asset = make_sheet({.nx = 5, .ny = 5});
+  using Spoil = std::function<void(ClothDesc&, SolverSettings&)>;
+  const std::vector<std::pair<const char*, Spoil>> cases{
+      {"areal_density", [](ClothDesc& c, SolverSettings&) { c.material.areal_density = 1e-38F; }},
+      {"stretch_warp", [](ClothDesc& c, SolverSettings&) { c.material.stretch_warp = 1e-38F; }},
+      {"stretch_weft", [](ClothDesc& c, SolverSettings&) { c.material.stretch_weft = 1e-20F; }},
+      {"shear", [](ClothDesc& c, SolverSettings&) { c.material.shear = 1e-38F; }},
+      {"bend_warp", [](ClothDesc& c, SolverSettings&) { c.material.bend_warp = 1e-38F; }},
+      {"bend_weft", [](ClothDesc& c, SolverSettings&) { c.material.bend_weft = 1e-20F; }},
+      {"bend_bias", [](ClothDesc& c, SolverSettings&) { c.material.bend_bias = 1e-38F; }},
+      {"scale", [](ClothDesc& c, SolverSettings&) { c.transform.scale = 1e-20F; }},
+      {"frame_time", [](ClothDesc&, SolverSettings& s) { s.frame_time = 1e-40; }},
+      {"frame_time", [](ClothDesc&, SolverSettings& s) { s.frame_time = 1e-6; }}};
+  for (const auto& [field, spoil] : cases) {
+    ClothDesc cloth = test::describe(asset);
+    SolverSettings settings = test::cpu_settings();
+    spoil(cloth, settings);
+    try {
+      const Solver solver(std::vector{cloth}, settings);
+      ADD_FAILURE() << field;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::invalid_argument);
+      EXPECT_THAT(e.what(), testing::HasSubstr(field));
+    }
+  }
+  Solver solver(std::vector{test::describe(asset)}, test::cpu_settings());
+  EXPECT_THROW(solver.set_time_step(1e-20, 1), Error);
+  EXPECT_THROW(solver.set_time_step(1e-5, 256), Error);
+  EXPECT_NO_THROW(solver.set_time_step(1e-5, 100));
+}
+
+// The ends of the ranges are safe, each by itself and with each end of the step's length.
+TEST(Guards, EveryValueAtTheEndOfItsRangeStaysANumber) {
+  using Change = std::function<void(ClothDesc&)>;
+  std::vector<std::pair<std::string, Change>> changes{{"plain", [](ClothDesc&) {}}};
+  const auto add = [&](const char* name, float Material::*field, std::initializer_list<float> values) {
+    for (const float v : values)
+      changes.emplace_back(std::string(name) + " " + std::to_string(v), [=](ClothDesc& c) { c.material.*field = v; });
+  };
+  add("areal_density", &Material::areal_density, {1e-6F, 1e4F});
+  add("stretch_warp", &Material::stretch_warp, {1e-9F, 1e12F});
+  add("shear", &Material::shear, {0, 1e-9F, 1e12F});
+  add("bend_warp", &Material::bend_warp, {0, 1e-12F, 1e6F});
+  add("bend_bias", &Material::bend_bias, {0, 1e-12F, 1e6F});
+  changes.emplace_back("soft and light", [](ClothDesc& c) {
+    c.material = {.areal_density = 1e-6F, .stretch_warp = 1e-9F, .stretch_weft = 1e-9F, .shear = 1e-9F};
+    c.material.bend_warp = c.material.bend_weft = c.material.bend_bias = 1e-12F;
+  });
+  changes.emplace_back("soft and heavy", [](ClothDesc& c) {
+    c.material = {.areal_density = 1e4F, .stretch_warp = 1e-9F, .stretch_weft = 1e-9F, .shear = 1e-9F};
+    c.material.bend_warp = c.material.bend_weft = c.material.bend_bias = 1e-12F;
+  });
+  changes.emplace_back("stiff and light", [](ClothDesc& c) {
+    c.material = {.areal_density = 1e-6F, .stretch_warp = 1e12F, .stretch_weft = 1e12F, .shear = 1e12F};
+    c.material.bend_warp = c.material.bend_weft = c.material.bend_bias = 1e6F;
+  });
+  const ClothAsset asset = make_sheet({.nx = 13, .ny = 13, .charts_x = 2, .jitter = 0.2F});
+  for (const float scale : {1e-6F, 1.F, 1e5F})
+    for (const auto& [name, change] : changes)
+      for (const double step : {1e-7, 1.0 / 960, 10.0 / 4})
+        for (const uint32_t relaxation_steps : {1U, 2U})
+          for (const SolverPath path : {SolverPath::automatic, SolverPath::plain}) {
+            ClothDesc cloth = test::describe(asset);
+            cloth.transform.scale = scale;
+            cloth.self_collision = SelfCollision{};
+            change(cloth);
+            SolverSettings settings = test::cpu_settings();
+            settings.path = path;
+            settings.frame_time = 4 * step;
+            settings.substeps = 4;
+            settings.relaxation_steps = relaxation_steps;
+            Solver solver(std::vector{cloth}, settings);
+            std::vector<Pin> pins = test::pins_at_rest(asset, "corners");
+            for (Pin& pin : pins) pin.target = apply(cloth.transform, pin.target);
+            solver.set_pins(0, pins);
+            solver.set_colliders(
+                std::vector<Collider>{{"ball", Sphere{{0, 0, 0.2F * scale}, 0.21F * scale}, 0.3F, {}}});
+            solver.set_wind({{1, 0, 2}, 0.3F, 1, 1, 0.2F});
+            test::run(solver, 8);
+            EXPECT_TRUE(test::all_finite(test::positions_of(solver)))
+                << name << ", scale " << scale << ", step " << step << ", path " << to_string(path);
+            EXPECT_TRUE(test::all_finite(test::velocities_of(solver)))
+                << name << ", scale " << scale << ", step " << step;
+          }
+}
+
+// They read past what they were given.
+TEST(Refusals, MeasuresOfAnotherNumberOfPixels) {
+  const ClothAsset asset = make_sheet({.nx = 5, .ny = 5});
+  const ClothDesc cloth = test::describe(asset);
+  const std::vector<Vec3> few(3), all(25), many(26);
+  const EnergyMeter meter(cloth);
+  const auto refused = [](const auto& measure) {
+    try {
+      measure();
+      ADD_FAILURE();
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::invalid_argument);
+    }
+  };
+  for (const std::vector<Vec3>& other : {few, many}) {
+    refused([&] { static_cast<void>(measure_stretch(asset, 1, other)); });
+    refused([&] { static_cast<void>(hash_state(asset, other)); });
+    refused([&] { static_cast<void>(meter.measure({}, other, all)); });
+    refused([&] { static_cast<void>(meter.measure({}, all, other)); });
+  }
+  refused([&] { static_cast<void>(meter.measure({}, all, all, std::vector<uint32_t>{25})); });
+  refused([&] { static_cast<void>(measure_energy(ClothDesc{}, {}, all, all)); });
+  EXPECT_NO_THROW(static_cast<void>(meter.measure({}, all, all, std::vector<uint32_t>{24})));
+}
+
 // `--backend cpu --device ...` ran on the cpu whatever it was told, and the cpu's own name was that of no device.
 TEST(Refusals, TheCpuIsADeviceWithAName) {
   const std::string name = enumerate_devices().front().name;

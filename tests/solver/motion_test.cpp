@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "geocloth/asset/error.h"
+#include "geocloth/solver/material.h"
 #include "solver_fixture.h"
 
 namespace geocloth {
@@ -110,6 +113,82 @@ TEST(Teleport, TakesClothParentAndPinsAlongWithoutAJerk) {
     if (!asset.valid(static_cast<uint32_t>(p))) continue;
     EXPECT_NEAR(length(stayed[p] - jumped[p]), 0, 2e-3) << p;
   }
+}
+
+// A soft pin has the speed of its target: from the old place to the new one in a frame, it threw the cloth away.
+TEST(Teleport, TakesSoftPinsAlong) {
+  const ClothAsset asset = make_sheet(kSheet);
+  const Transform away{{50, 3, -7}, quat_from_euler_deg({0, 90, 0}), 1};
+  const auto soft_pins = [&](const Transform& at) {
+    std::vector<Pin> pins = test::pins_at_rest(asset, "corners");
+    for (Pin& pin : pins) pin = {pin.pixel, apply(at, pin.target), 8.F};
+    return pins;
+  };
+  enum class Way { pins_last, pins_first, new_pins, written, written_before_pins };
+  const auto play = [&](Way way, bool jump) {
+    Solver solver(std::vector{test::describe(asset)}, test::cpu_settings());
+    solver.set_parent(0, {});
+    solver.set_pins(0, soft_pins({}));
+    test::run(solver, 60);
+    const Transform to = jump ? away : Transform{};
+    std::vector<Vec3> x = test::positions_of(solver);
+    for (Vec3& p : x) p = apply(to, p);
+    const std::vector<Vec3> still(x.size());
+    if (way == Way::pins_first) solver.set_pins(0, soft_pins(to));
+    solver.set_parent(0, to, {1, 1, 1}, true);
+    if (way == Way::written_before_pins) solver.write_state(0, x, still);
+    if (way == Way::new_pins) solver.set_pins(0, {});
+    if (way != Way::pins_first) solver.set_pins(0, soft_pins(to));
+    if (way == Way::written) solver.write_state(0, x, still);
+    float fastest = 0;
+    for (int frame = 0; frame < 30; ++frame) {
+      solver.step();
+      for (const Vec3& v : test::velocities_of(solver)) fastest = std::max(fastest, length(v));
+    }
+    EXPECT_LT(fastest, 2) << static_cast<int>(way);
+    x = test::positions_of(solver);
+    for (Vec3& p : x) p = rotate(conjugate(to.rotate), p - to.translate);
+    return x;
+  };
+  for (const Way way : {Way::pins_last, Way::pins_first, Way::new_pins, Way::written, Way::written_before_pins}) {
+    const std::vector<Vec3> stayed = play(way, false), jumped = play(way, true);
+    for (uint32_t p = 0; p < stayed.size(); ++p) {
+      if (!asset.valid(p)) continue;
+      EXPECT_NEAR(length(jumped[p] - stayed[p]), 0, 5e-3) << static_cast<int>(way);
+    }
+  }
+}
+
+// A respawn: the jump was made once more, with the state that had been written at its end.
+TEST(Teleport, StateThatIsWrittenAfterItStaysWhereItIs) {
+  const ClothAsset asset = make_sheet(kSheet);
+  SolverSettings settings = test::cpu_settings();
+  settings.gravity = {};
+  Solver solver(std::vector{test::describe(asset)}, settings);
+  solver.set_parent(0, {});
+  solver.step();
+  std::vector<Vec3> x = test::positions_of(solver);
+  const std::vector<Vec3> still(x.size());
+  for (Vec3& p : x) p.x += 50;
+  solver.set_parent(0, {{50, 0, 0}, {}, 1}, {1, 1, 1}, true);
+  solver.write_state(0, x, still);
+  const auto expect_there = [&](float shift) {
+    const std::vector<Vec3> now = test::positions_of(solver);
+    for (uint32_t p = 0; p < now.size(); ++p) {
+      if (!asset.valid(p)) continue;
+      EXPECT_NEAR(length(now[p] - x[p] - Vec3{shift, 0, 0}), 0, 1e-4);
+    }
+    for (const Vec3& v : test::velocities_of(solver)) EXPECT_LT(length(v), 1e-2F);
+  };
+  solver.step();
+  expect_there(0);
+  solver.step();
+  expect_there(0);
+  // One after it takes the state along.
+  solver.write_state(0, x, still);
+  solver.set_parent(0, {{60, 0, 0}, {}, 1}, {1, 1, 1}, true);
+  solver.step();
+  expect_there(10);
 }
 
 TEST(Teleport, OfAColliderPushesNothing) {
@@ -217,6 +296,32 @@ TEST(Pins, PulledApartALittleOpenNoRowOfSprings) {
   }
 }
 
+/// A banner that is pulled tight between two poles, by a tenth too far, and torn from one of them.
+TEST(Pins, LetGoOfStretchedClothGiveItNoMoreThanItHeld) {
+  const ClothDesc cloth = test::describe(make_sheet({.nx = 33, .ny = 33}), find_material_preset("denim")->material);
+  const EnergyMeter meter(cloth);
+  SolverSettings settings = test::cpu_settings();
+  settings.gravity = {};
+  Solver solver(std::vector{cloth}, settings);
+  const std::vector<Pin> left = test::pins_at_rest(*cloth.asset, "left");
+  for (int f = 0; f < 60; ++f) {
+    std::vector<Pin> pins = test::pins_at_rest(*cloth.asset, "right", {0.1F * static_cast<float>(f) / 59, 0, 0});
+    pins.insert(pins.end(), left.begin(), left.end());
+    solver.set_pins(0, pins);
+    solver.step();
+  }
+  const double held = meter.measure({}, test::positions_of(solver), test::velocities_of(solver)).elastic;
+  solver.set_pins(0, left);
+  double most = 0;
+  for (int f = 0; f < 60; ++f) {
+    solver.step();
+    most = std::max(most, meter.measure({}, test::positions_of(solver), test::velocities_of(solver)).kinetic);
+  }
+  EXPECT_LE(most, held);
+  EXPECT_GE(most, 0.01 * held) << "it did not draw together";
+  EXPECT_LE(measure_stretch(*cloth.asset, 1, test::positions_of(solver)).max, 1.1);
+}
+
 TEST(TimeStep, ThatChangesFromFrameToFrameLeavesVelocitiesAsTheyAre) {
   const ClothAsset asset = make_sheet(kSheet);
   SolverSettings settings = test::cpu_settings();
@@ -249,6 +354,91 @@ TEST(TimeStep, ThatChangesIsNoJerkForAClothAtRest) {
   }
   EXPECT_THROW(solver.set_time_step(0, 16), Error);
   EXPECT_THROW(solver.set_time_step(1.0 / 60, 0), Error);
+}
+
+/// Frames of a game: its picture takes twice as long now and then, or any time. A hanging cloth was whirled up by that,
+/// to 19 m/s and a stretch of 18.
+TEST(TimeStep, OfAnyGameLeavesAHangingClothAtRest) {
+  const ClothDesc cloth = test::describe(make_sheet({.nx = 48, .ny = 48}), find_material_preset("cotton")->material);
+  const auto two_by_turns = [](double a, double b) { return [=](uint32_t f) { return f % 2 == 0 ? a : b; }; };
+  const std::vector<std::function<double(uint32_t)>> games{
+      two_by_turns(1.0 / 60, 1.0 / 30), two_by_turns(0.008, 0.04),
+      [](uint32_t f) { return 0.007 + 0.026 * (f * 2654435761U % 1000) / 1000; },
+      [](uint32_t f) { return f % 60 == 59 ? 0.5 : 1.0 / 60; }};
+  for (const uint32_t substeps : {4U, 8U, 16U}) {
+    for (size_t game = 0; game < games.size(); ++game) {
+      SolverSettings settings = test::cpu_settings();
+      settings.substeps = substeps;
+      Solver solver(std::vector{cloth}, settings);
+      solver.set_pins(0, test::pins_at_rest(*cloth.asset, "top"));
+      test::run(solver, 120);
+      float fastest = 0;
+      for (uint32_t f = 0; f < 150; ++f) {
+        solver.set_time_step(games[game](f), substeps);
+        solver.step();
+        for (const Vec3& v : test::velocities_of(solver)) fastest = std::max(fastest, length(v));
+      }
+      EXPECT_LE(fastest, 0.1) << substeps << " substeps, game " << game;
+      EXPECT_LE(measure_stretch(*cloth.asset, 1, test::positions_of(solver)).max, 1.02);
+    }
+  }
+}
+
+/// The step asked for is reached, and meanwhile a frame takes no more than four times as many substeps.
+TEST(TimeStep, IsAsLongAsAskedForInTheEnd) {
+  const ClothAsset asset = make_sheet(kSheet);
+  SolverSettings settings = test::cpu_settings();
+  Solver slow(std::vector{test::describe(asset)}, settings);
+  settings.frame_time = 1.0 / 15;
+  Solver fast(std::vector{test::describe(asset)}, settings);
+  slow.set_time_step(1.0 / 15, 16);
+  test::run(slow, 60);
+  test::run(fast, 60);
+  const std::vector<Vec3> start = test::positions_of(fast), still(start.size());
+  for (Solver* solver : {&slow, &fast}) {
+    solver->write_state(0, start, still);
+    test::run(*solver, 10);
+  }
+  EXPECT_EQ(hash_state(asset, test::positions_of(slow)), hash_state(asset, test::positions_of(fast)));
+}
+
+/// A cape on a rider who has gone far: positions of single precision are a twentieth of a millimetre apart there, and
+/// it trembled by millimetres.
+TEST(FarFromTheStart, ClothIsAsCalmAsThere) {
+  const ClothDesc cloth = test::describe(make_sheet({.nx = 25, .ny = 25}), find_material_preset("cotton")->material);
+  for (const bool jumps : {false, true}) {
+    for (const bool pinned : {true, false}) {
+      Solver solver(std::vector{cloth}, test::cpu_settings());
+      const auto go_to = [&](float x, bool teleport) {
+        Transform pose;
+        pose.translate = {x, 0, 0};
+        solver.set_parent(0, pose, {0, 0, 0}, teleport);
+        if (pinned) {
+          solver.set_pins(0, test::pins_at_rest(*cloth.asset, "top", {x, 0, 0}));
+        } else {
+          Collider table;
+          table.shape = Box{{1, 0.1F, 1}};
+          table.pose.translate = {x, -0.65F, 0};
+          solver.set_colliders(std::vector{table}, teleport);
+        }
+      };
+      constexpr float kFar = 800;
+      constexpr int kFrames = 400;
+      for (int f = 0; f <= kFrames; ++f) {
+        if (!jumps || f == 0) go_to(kFar * static_cast<float>(f) / kFrames, false);
+        if (jumps && f == kFrames) go_to(kFar, true);
+        solver.step();
+      }
+      test::run(solver, 300);
+      if (!pinned) {
+        EXPECT_NEAR(test::positions_of(solver)[0].x, kFar, 5) << "the table left it behind";
+        continue;
+      }
+      float fastest = 0;
+      for (const Vec3& v : test::velocities_of(solver)) fastest = std::max(fastest, length(v));
+      EXPECT_LE(fastest, 0.005) << jumps;
+    }
+  }
 }
 
 TEST(MaxSpeed, HoldsForEveryPoint) {

@@ -65,5 +65,58 @@ TEST(Rough, CornersBesideAPinAreNotThrownByWhatTheTriangleMeets) {
   EXPECT_LT(far, 1.0F);  // the sheet's own corners are 0.71 m from the middle
 }
 
+/// Torn apart by steps of absurdly different lengths until no point is a number, then put back. The columns beside the
+/// cloth, which the cpu's rows have, were left as they were, and spoilt it again a frame later.
+TEST(Rough, ClothThatIsNotANumberCanBePutBack) {
+  for (const SolverPath path : {SolverPath::automatic, SolverPath::plain}) {
+    for (const bool several : {false, true}) {
+      Material material = test::undamped();
+      material.stretch_warp = material.stretch_weft = 1e12F;
+      material.max_stretch = 0;
+      ClothDesc cloth = test::describe(test::make_sheet({.nx = 33, .ny = 33, .charts_x = 2}), material);
+      cloth.self_collision = SelfCollision{};
+      SolverSettings settings = test::cpu_settings();
+      settings.path = path;
+      settings.substeps = 4;
+      settings.relaxation_steps = several ? 3 : 1;
+      const auto make = [&] {
+        Solver solver({&cloth, 1}, settings);
+        solver.set_pins(0, test::pins_at_rest(*cloth.asset, "top"));
+        Collider ball;
+        ball.shape = Sphere{{0, 0, 0.2F}, 0.15F};
+        solver.set_colliders({&ball, 1});
+        return solver;
+      };
+      Solver poisoned = make(), fresh = make();
+      const std::vector<Vec3> start = test::positions_of(fresh), still(start.size());
+      std::vector<Vec3> far = start;
+      for (uint32_t p = 0; p < far.size(); ++p) far[p] = p % 2 == 0 ? 1e5F * start[p] : -1e5F * start[p];
+      for (const uint32_t p : cloth.asset->splits.pixel) far[p] = start[p];
+      poisoned.write_state(0, far, still);
+      int frame = 0;
+      for (; frame < 60 && test::all_finite(test::positions_of(poisoned)); ++frame) {
+        poisoned.set_time_step(frame % 2 == 0 ? 4e-7 : 10, 4);
+        poisoned.step();
+      }
+      ASSERT_FALSE(test::all_finite(test::positions_of(poisoned)));
+      test::run(poisoned, 3);
+      poisoned.set_time_step(settings.frame_time, settings.substeps);
+      for (Solver* solver : {&poisoned, &fresh}) {
+        solver->set_wind({.velocity = {0, 0, 2}});
+        test::run(*solver, 1);
+        solver->write_state(0, start, still);
+      }
+      for (int k = 0; k < 20; ++k) {
+        test::run(poisoned, 1);
+        ASSERT_TRUE(test::all_finite(test::positions_of(poisoned))) << "frame " << k;
+        test::run(fresh, 1);
+      }
+      const std::vector<Vec3> healed = test::positions_of(poisoned), expected = test::positions_of(fresh);
+      for (uint32_t p = 0; p < healed.size(); ++p) ASSERT_LT(length(healed[p] - expected[p]), 1e-3F) << p;
+      EXPECT_TRUE(test::all_finite(test::velocities_of(poisoned)));
+    }
+  }
+}
+
 }  // namespace
 }  // namespace geocloth

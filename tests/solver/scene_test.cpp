@@ -174,6 +174,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{"TimeGoesBack", "\"time\": 2", "\"time\": -2", "must be later than the key before"},
         BadScene{"Version", "\"version\": 1", "\"version\": 2", "only version 1"},
         BadScene{"SelfCollision", "\"self_collision\": false", "\"self_collision\": 1", "self_collision: must be"},
+        BadScene{"InterCollision", "\"self_collision\": false", "\"inter_collision\": 1", "inter_collision: must be"},
         BadScene{"SelfDistance", "\"self_collision\": false", "\"self_collision\": { \"distance\": 0 }",
                  "self_collision: distance"},
         BadScene{"NegativeSelfDistance", "\"self_collision\": false", "\"self_collision\": { \"distance\": -0.01 }",
@@ -293,6 +294,18 @@ TEST_F(Playing, APinThatSelectsNothingIsNamedByItsPath) {
   }
 }
 
+TEST_F(Playing, WhatTheSolverRefusesIsNamedByItsPath) {
+  for (const std::string key : {"self_collision", "inter_collision"}) {
+    try {
+      play("},{\"asset\":\"sheet.glb\",\"" + key + R"(":{"distance":5})");
+      FAIL();
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::invalid_data);
+      EXPECT_THAT(error.what(), HasSubstr("scene.json: cloths[1]: " + key + ": distance is 5"));
+    }
+  }
+}
+
 TEST_F(Playing, PinsFollowWhatTheySay) {
   Simulation simulation = play(R"(,"transform":{"translate":[0,2,0]},
     "motion":[{"time":0,"translate":[0,0,0]},{"time":1,"translate":[0,0,1]}],
@@ -321,6 +334,52 @@ TEST_F(Playing, APinTurnsWithWhatItFollows) {
   };
   look({-0.5F, 0.5F, 0}, {0, 0, 0});         // half a turn and a quarter of one
   look({0.5F, 0.5F, 0}, {-0.5F, -0.5F, 0});  // a turn and half a one
+}
+
+constexpr const char* kJumpingBar = R"(,"colliders":[{"name":"bar","shape":"capsule","a":[-0.5,0.52,0],"b":[0.5,0.52,0],
+    "radius":0.015,"motion":[{"time":0},{"time":0.505,"translate":[3,1,0],"rotate_deg":[0,90,0],"teleport":true},
+                             {"time":2,"translate":[3,1,0],"rotate_deg":[0,90,0]}]}])";
+
+/// The pins jumped and the cloth stayed, so that it was torn.
+TEST_F(Playing, AClothJumpsWithTheColliderThatHoldsIt) {
+  for (const std::string soft : {"", R"(,"frequency":4)", R"(,"from":0.5)", R"(,"motion":[{"time":0},{"time":1}])"}) {
+    const auto hung = [&](const std::string& bar) {
+      return play(R"(,"pins":[{"where":{"vertex_group":"top"},"follow":"bar")" + soft + "}]", bar);
+    };
+    Simulation jumps = hung(kJumpingBar), stays = hung(R"(,"colliders":[{"name":"bar","shape":"capsule",
+        "a":[-0.5,0.52,0],"b":[0.5,0.52,0],"radius":0.015}])");
+    const Transform way = collider_at(jumps.scene().colliders[0], 1).pose;
+    for (int f = 1; f <= 60; ++f) {
+      jumps.step();
+      stays.step();
+      const std::vector<Vec3> x = test::positions_of(jumps.solver()), y = test::positions_of(stays.solver());
+      const std::vector<Vec3> v = test::velocities_of(jumps.solver()), w = test::velocities_of(stays.solver());
+      for (size_t p = 0; p < x.size(); ++p) {
+        if (!jumps.cloths()[0].asset->valid(static_cast<uint32_t>(p))) continue;
+        ASSERT_LT(length(x[p] - (f > 30 ? apply(way, y[p]) : y[p])), 2e-3F) << f << soft;
+        ASSERT_LT(length(v[p] - (f > 30 ? rotate(way.rotate, w[p]) : w[p])), 0.05F) << f << soft;
+      }
+    }
+  }
+}
+
+TEST_F(Playing, OnlyWhatHangsOnItJumpsWithACollider) {
+  Simulation simulation = play(R"(,"pins":[{"where":{"vertex_group":"top"},"follow":"bar"}],
+      "cuts":[{"time":0,"triangle":[[-3,0.02,-2],[3,0.02,-2],[0,0.02,4]]}])",
+                               std::string(kJumpingBar) + R"(,"gravity":[0,0,0])");
+  for (int f = 0; f < 31; ++f) simulation.step();
+  EXPECT_LT(length(point(simulation, 4, 0) - Vec3{3, 1.5F, 0}), 0.05F);
+  EXPECT_LT(length(point(simulation, 4, 8) - Vec3{0, -0.5F, 0}), 0.05F);
+}
+
+/// A cloth with a motion of its own that jumps is not taken along twice.
+TEST_F(Playing, AClothJumpsOnce) {
+  Simulation simulation = play(R"(,"pins":[{"where":{"vertex_group":"top"},"follow":"bar"}],
+      "motion":[{"time":0},{"time":0.505,"translate":[3,1,0],"teleport":true}])",
+                               R"(,"gravity":[0,0,0],"colliders":[{"name":"bar","shape":"sphere","center":[0,2,0],
+      "radius":0.1,"motion":[{"time":0},{"time":0.505,"translate":[3,1,0],"teleport":true}]}])");
+  for (int f = 0; f < 31; ++f) simulation.step();
+  EXPECT_LT(length(point(simulation, 4, 8) - Vec3{3, 0.5F, 0}), 0.05F);
 }
 
 TEST_F(Playing, MissingAssetIsNamed) {

@@ -101,6 +101,19 @@ TEST_F(VulkanMotionTest, ARodThinnerThanAPixelIsHeldByTheTrianglesAlike) {
   EXPECT_EQ(outcome.statistics.copy_gap, 0.0);
 }
 
+/// The origin follows it, whole metres at a time.
+TEST_F(VulkanMotionTest, AParentThatGoesFarAgrees) {
+  Play scene = hanging(kCut);
+  scene.frames = 10;
+  scene.settings.check_copies = true;
+  scene.before_frame = [asset = scene.cloths[0].asset](Solver& solver, uint32_t frame) {
+    const Vec3 way{0.9F * static_cast<float>(frame), 0.3F * static_cast<float>(frame), 0};
+    solver.set_pins(0, pins_of_top(kCut, *asset, way));
+    solver.set_parent(0, {way, {}, 1}, {0.2F, 0.2F, 0.2F}, frame == 7);
+  };
+  EXPECT_EQ(expect_same_as_cpu(scene).statistics.copy_gap, 0.0);
+}
+
 TEST_F(VulkanMotionTest, StepsThatChangeAgree) {
   Play scene = hanging(kCut);
   scene.frames = 8;

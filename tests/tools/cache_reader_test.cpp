@@ -2,6 +2,7 @@
 // What simulate wrote can be rendered later: caches are read back frame by frame, and broken ones are refused.
 #include "export/cache_reader.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <functional>
 
@@ -83,6 +84,52 @@ TEST_F(CacheReader, AnimatedGltfComesBackFrameByFrame) {
       }
     }
   }
+}
+
+/// Faces were drawn as cut from frame 0 on, whenever the cut comes.
+TEST_F(CacheReader, FacesThatCutsOpenAreThereUntilThen) {
+  description_.cloths[1] = description_.cloths[0];  // of the same name
+  description_.frame_count = 4;
+  const ClothAsset& asset = *description_.cloths[0];
+  const auto without = [&](std::size_t last) {
+    ClothAsset cut = asset;
+    cut.source.part.resize(1);
+    cut.source.part[0].triangle_count -= static_cast<uint32_t>(last);
+    cut.source.triangle.resize(cut.source.part[0].triangle_count);
+    return std::make_shared<const ClothAsset>(std::move(cut));
+  };
+  const std::vector<std::shared_ptr<const ClothAsset>> cuts{without(1), without(3)};
+  const auto writer = make_cache_writer(folder_ / "cut.glb", description_);
+  for (uint32_t frame = 0; frame <= 4; ++frame) {
+    std::vector<ClothSnapshot> states{test::waving_frame(asset, frame), test::waving_frame(asset, frame)};
+    if (frame >= 2) states[0].asset = cuts[frame < 4 ? 0 : 1];
+    if (frame >= 3) states[1].asset = cuts[0];
+    writer->add(states);
+  }
+  writer->finish();
+  writer->commit();
+
+  const Cache cache = read_gltf_cache(folder_ / "cut.glb");
+  ASSERT_EQ(cache.cloths.size(), 2U);
+  ASSERT_EQ(cache.frames.size(), 5U);
+  const auto faces = [&](std::size_t cloth, uint32_t frame) {
+    return static_cast<std::size_t>(std::count_if(cache.open_from[cloth].begin(), cache.open_from[cloth].end(),
+                                                  [&](uint32_t f) { return frame < f; }));
+  };
+  const std::size_t whole = asset.source.triangle.size();
+  const std::size_t once = cuts[0]->source.triangle.size(), twice = cuts[1]->source.triangle.size();
+  for (const std::size_t cloth : {0U, 1U}) {
+    EXPECT_EQ(cache.cloths[cloth].triangle.size(), whole);
+    EXPECT_EQ(faces(cloth, 0), whole);
+    for (const auto& frame : cache.frames) EXPECT_EQ(frame[cloth].size(), cache.cloths[cloth].position.size());
+  }
+  EXPECT_EQ(faces(0, 1), once);
+  EXPECT_EQ(faces(0, 2), once);
+  EXPECT_EQ(faces(0, 3), twice);
+  EXPECT_EQ(faces(1, 1), whole);
+  EXPECT_EQ(faces(1, 2), once);
+  EXPECT_EQ(faces(1, 4), once);
+  break_it(read_file(folder_ / "cut.glb"), [](const Bytes& b) { static_cast<void>(decode_gltf_cache(b, "x")); });
 }
 
 TEST_F(CacheReader, PointCachesComeBackBitForBit) {

@@ -81,6 +81,36 @@ TEST_F(CommandRender, plays_what_simulate_wrote) {
   expect_refused({folder_ / "a.pc2", "--asset", folder_ / "other.glb", "-o", folder_ / "x.png"}, "144 points");
 }
 
+/// Later cuts were open from the first frame on.
+TEST_F(CommandRender, cuts_of_a_motion_come_at_their_time) {
+  const auto motion = [&](const std::string& name, const std::string& cuts) {
+    const std::string scene = folder_.write(name + ".json", R"({"version":1,"frames":8,"gravity":[0,0,0],"cloths":[)"
+                                                            R"({"asset":"sheet.glb","cuts":[)" +
+                                                                cuts + "]}]}");
+    const ProgramResult result =
+        run_program({"simulate", scene, "-o", folder_ / (name + ".glb"), "--backend", "cpu", "-q"});
+    EXPECT_EQ(result.status, 0) << result.err;
+    std::vector<Picture> pictures;
+    for (const char* frame : {"1", "8"}) {
+      EXPECT_EQ(render({folder_ / (name + ".glb"), "-o", folder_ / "p.png", "--frame", frame}).status, 0);
+      pictures.push_back(read_picture(folder_ / "p.png"));
+    }
+    return pictures;
+  };
+  const std::string cut = R"("triangle":[[-2,0.02,-2],[2,0.02,-2],[0,0.02,4]]})";
+  const std::vector<Picture> whole = motion("whole", ""), late = motion("late", R"({"time":0.1,)" + cut),
+                             early = motion("early", R"({"time":0,)" + cut);
+  const auto differing = [](const Picture& a, const Picture& b) {
+    size_t count = 0;
+    for (size_t i = 0; i < a.pixel.size(); ++i) count += a.pixel[i] == b.pixel[i] ? 0U : 1U;
+    return count;
+  };
+  EXPECT_EQ(differing(late[0], whole[0]), 0U);
+  EXPECT_GT(differing(late[1], whole[1]), 20U);
+  EXPECT_EQ(differing(late[1], early[1]), 0U);
+  EXPECT_EQ(differing(early[0], early[1]), 0U);
+}
+
 TEST_F(CommandRender, simulate_numbers_its_pictures_from_one) {
   ASSERT_EQ(run_program({"simulate", asset_, "-o", folder_ / "p.png", "--frames", "2", "--size", "64x64", "-q"}).status,
             0);

@@ -375,7 +375,8 @@ TEST(Simulate, CheckOnlyReads) {
   const std::string scene = folder.write("scene.json", scene_text());
   const ProgramResult result = run_program({"simulate", scene, "--check"});
   EXPECT_EQ(result.status, 0) << result.err;
-  EXPECT_THAT(result.out, HasSubstr("1 cloth"));
+  EXPECT_THAT(result.out,
+              AllOf(HasSubstr("1 cloth with "), HasSubstr(" particles, 1 collider, 3 frames at 60 a second")));
   EXPECT_THAT(folder.entries(), ElementsAre("scene.json"));
 }
 

@@ -29,36 +29,74 @@ void append(std::vector<T>& to, const std::vector<T>& from) {
   to.insert(to.end(), from.begin(), from.end());
 }
 
-/// A mesh of the file as it grows, primitive by primitive.
-class MeshReader {
+/// A cloth of the file as it grows, primitive by primitive. Faces that a cut opens are primitives of their own over the
+/// vertices of others.
+class ClothReader {
  public:
-  /// @param materials  of the file; a mesh takes those that it uses, which no other mesh can have then
-  MeshReader(Reader& reader, std::vector<std::optional<SourceMaterial>>& materials)
+  /// @param materials  of the file; a cloth takes those that it uses, which no other cloth can have then
+  ClothReader(Reader& reader, std::vector<std::optional<SourceMaterial>>& materials)
       : reader_(reader), materials_(materials) {}
 
   SourceMesh mesh;
+  std::vector<uint32_t> open_from;        ///< of each triangle
   std::vector<std::vector<Vec3>> frames;  ///< positions
 
-  void add_primitive(const Json& primitive) {
-    const Json& attributes = reader_.member(primitive, "attributes");
-    const auto first_vertex = static_cast<uint32_t>(mesh.position.size());
-    const auto positions = reader_.floats<Vec3>(attributes, "POSITION");
-    append(mesh.position, positions);
-    add_uvs(attributes, positions.size());
+  /// Whether a mesh of the file is of this cloth.
+  [[nodiscard]] bool owns(const Json& json) const {
+    const Json& primitives = reader_.array(json, "primitives");
+    return !primitives.empty() && material_number_.contains(reader_.number32(primitives.front(), "material"));
+  }
+
+  void add_mesh(const Json& json) {
+    const Json* extras = Reader::find(json, "extras");
+    const bool opens = extras != nullptr && Reader::find(*extras, glb::kOpenFrom) != nullptr;
+    const uint32_t frame = opens ? reader_.number32(*extras, glb::kOpenFrom) : kNeverOpen;
+    for (const Json& primitive : reader_.array(json, "primitives")) add_primitive(primitive, frame);
+  }
+
+  /// Once all primitives are in.
+  void finish() {
+    if (frames.empty()) reader_.refuse("a mesh has no primitives");
+    add_missing_normals();
+    mesh.source_vertex_count = static_cast<uint32_t>(mesh.position.size());
+    for (uint32_t i = 0; i < mesh.source_vertex_count; ++i) mesh.source_vertex.push_back(i);
+  }
+
+ private:
+  /// Vertices that primitives share.
+  struct Run {
+    uint32_t first = 0, count = 0;
+    bool has_normals = false;
+  };
+
+  void add_primitive(const Json& primitive, uint32_t frame) {
+    const uint32_t positions = reader_.number32(reader_.member(primitive, "attributes"), "POSITION");
+    const auto known = runs_.find(positions);
+    const Run run = known != runs_.end() ? known->second : runs_[positions] = add_run(primitive);
     const auto triangles = reader_.triangles(primitive, "indices");
     mesh.part.push_back({part_name(primitive), add_material(primitive), static_cast<uint32_t>(mesh.triangle.size()),
                          static_cast<uint32_t>(triangles.size())});
     for (const Triangle& t : triangles) {
       for (const uint32_t v : t) {
-        if (v >= positions.size()) reader_.refuse("a triangle names a vertex that is not there");
+        if (v >= run.count) reader_.refuse("a triangle names a vertex that is not there");
       }
-      mesh.triangle.push_back({first_vertex + t[0], first_vertex + t[1], first_vertex + t[2]});
+      mesh.triangle.push_back({run.first + t[0], run.first + t[1], run.first + t[2]});
+      open_from.push_back(frame);
     }
-    add_normals(attributes, positions, triangles);
-    add_targets(primitive, positions);
   }
 
- private:
+  Run add_run(const Json& primitive) {
+    const Json& attributes = reader_.member(primitive, "attributes");
+    Run run{.first = static_cast<uint32_t>(mesh.position.size())};
+    const auto positions = reader_.floats<Vec3>(attributes, "POSITION");
+    run.count = static_cast<uint32_t>(positions.size());
+    append(mesh.position, positions);
+    add_uvs(attributes, positions.size());
+    run.has_normals = add_normals(attributes, positions.size());
+    add_targets(primitive, positions);
+    return run;
+  }
+
   [[nodiscard]] std::string part_name(const Json& primitive) const {
     const Json* extras = Reader::find(primitive, "extras");
     return extras == nullptr ? std::string{} : reader_.text_or_empty(*extras, "name");
@@ -66,7 +104,7 @@ class MeshReader {
 
   void add_uvs(const Json& attributes, std::size_t count) {
     const bool has_uvs = Reader::find(attributes, "TEXCOORD_0") != nullptr;
-    if (!mesh.part.empty() && has_uvs == mesh.uv.empty()) {
+    if (!runs_.empty() && has_uvs == mesh.uv.empty()) {
       reader_.refuse("only some primitives of a mesh have texture coordinates");
     }
     if (!has_uvs) return;
@@ -75,15 +113,21 @@ class MeshReader {
     append(mesh.uv, uvs);
   }
 
-  void add_normals(const Json& attributes, const std::vector<Vec3>& positions, const std::vector<Triangle>& triangles) {
-    std::vector<Vec3> normals;
-    if (Reader::find(attributes, "NORMAL")) {
-      normals = reader_.floats<Vec3>(attributes, "NORMAL");
-      if (normals.size() != positions.size()) reader_.refuse("there are not as many normals as positions");
-    } else {
-      normals = smooth_normals(positions, triangles);
-    }
+  bool add_normals(const Json& attributes, std::size_t count) {
+    std::vector<Vec3> normals(count);
+    const bool has_normals = Reader::find(attributes, "NORMAL") != nullptr;
+    if (has_normals) normals = reader_.floats<Vec3>(attributes, "NORMAL");
+    if (normals.size() != count) reader_.refuse("there are not as many normals as positions");
     append(mesh.normal, normals);
+    return has_normals;
+  }
+
+  void add_missing_normals() {
+    if (std::all_of(runs_.begin(), runs_.end(), [](const auto& run) { return run.second.has_normals; })) return;
+    const std::vector<Vec3> smooth = smooth_normals(mesh.position, mesh.triangle);
+    for (const auto& [positions, run] : runs_) {
+      if (!run.has_normals) std::copy_n(smooth.begin() + run.first, run.count, mesh.normal.begin() + run.first);
+    }
   }
 
   static std::vector<Vec3> smooth_normals(const std::vector<Vec3>& positions, const std::vector<Triangle>& triangles) {
@@ -99,7 +143,7 @@ class MeshReader {
   void add_targets(const Json& primitive, const std::vector<Vec3>& positions) {
     const Json* targets = Reader::find(primitive, "targets") ? &reader_.array(primitive, "targets") : nullptr;
     const std::size_t target_count = targets == nullptr ? 0 : targets->size();
-    if (mesh.part.size() == 1) frames.resize(target_count + 1);
+    if (runs_.empty()) frames.resize(target_count + 1);
     if (frames.size() != target_count + 1) reader_.refuse("the primitives of a mesh differ in morph targets");
     append(frames[0], positions);
     for (std::size_t k = 0; k < target_count; ++k) {
@@ -109,13 +153,13 @@ class MeshReader {
     }
   }
 
-  /// The number, within the mesh, of a primitive's material; it comes with its images when it is new.
+  /// The number, within the cloth, of a primitive's material; it comes with its images when it is new.
   uint32_t add_material(const Json& primitive) {
     const uint32_t index = reader_.number32(primitive, "material");
     const auto [known, is_new] = material_number_.try_emplace(index, static_cast<uint32_t>(mesh.material.size()));
     if (is_new) {
       if (index >= materials_.size() || !materials_[index]) {
-        reader_.refuse("a primitive names a material that is not there, or that another mesh has");
+        reader_.refuse("a primitive names a material that is not there, or that another cloth has");
       }
       SourceMaterial material = *std::exchange(materials_[index], std::nullopt);
       for (auto* image : {&material.base_color_image, &material.normal_image, &material.metallic_roughness_image}) {
@@ -134,6 +178,7 @@ class MeshReader {
 
   Reader& reader_;
   std::vector<std::optional<SourceMaterial>>& materials_;
+  std::map<uint32_t, Run> runs_;  ///< by the accessor of their positions
   std::map<uint32_t, uint32_t> material_number_, image_number_;
 };
 
@@ -234,19 +279,19 @@ Cache decode_gltf_cache(std::span<const std::byte> bytes, const std::string& nam
   }
   const std::vector<SourceMaterial> all = reader.materials();
   std::vector<std::optional<SourceMaterial>> materials(all.begin(), all.end());
-  Cache cache;
+  std::vector<ClothReader> cloths;
   for (const Json& json : reader.array(reader.root(), "meshes")) {
-    const Json* extras = Reader::find(json, "extras");
-    if (extras != nullptr && Reader::find(*extras, glb::kOpenFrom) != nullptr) continue;  // shares another's vertices
-    MeshReader mesh(reader, materials);
-    for (const Json& primitive : reader.array(json, "primitives")) mesh.add_primitive(primitive);
-    if (mesh.frames.empty()) reader.refuse("a mesh has no primitives");
-    if (cache.cloths.empty()) cache.frames.resize(mesh.frames.size());
-    if (cache.frames.size() != mesh.frames.size()) reader.refuse("the meshes differ in morph targets");
-    for (std::size_t k = 0; k < mesh.frames.size(); ++k) cache.frames[k].push_back(std::move(mesh.frames[k]));
-    mesh.mesh.source_vertex_count = static_cast<uint32_t>(mesh.mesh.position.size());
-    for (uint32_t i = 0; i < mesh.mesh.source_vertex_count; ++i) mesh.mesh.source_vertex.push_back(i);
-    cache.cloths.push_back(std::move(mesh.mesh));
+    if (cloths.empty() || !cloths.back().owns(json)) cloths.emplace_back(reader, materials);
+    cloths.back().add_mesh(json);
+  }
+  Cache cache;
+  for (ClothReader& cloth : cloths) {
+    cloth.finish();
+    if (cache.cloths.empty()) cache.frames.resize(cloth.frames.size());
+    if (cache.frames.size() != cloth.frames.size()) reader.refuse("the meshes differ in morph targets");
+    for (std::size_t k = 0; k < cloth.frames.size(); ++k) cache.frames[k].push_back(std::move(cloth.frames[k]));
+    cache.cloths.push_back(std::move(cloth.mesh));
+    cache.open_from.push_back(std::move(cloth.open_from));
   }
   if (cache.cloths.empty()) reader.refuse("there is no mesh");
   cache.frame_rate = read_frame_rate(reader, cache.frames.size());

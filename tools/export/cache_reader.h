@@ -11,11 +11,14 @@
 
 namespace geocloth {
 
+inline constexpr uint32_t kNeverOpen = 0xFFFFFFFFU;
+
 /// An animated .glb as `simulate` writes it.
 struct Cache {
-  /// At frame 0, without the faces that a cut opens; one part per primitive, materials and images of each cloth its
-  /// own.
+  /// At frame 0; one part per primitive, materials and images of each cloth its own.
   std::vector<SourceMesh> cloths;
+  /// [cloth][triangle] Frame from which on a face is gone, because a cut opens it; kNeverOpen for one that stays.
+  std::vector<std::vector<uint32_t>> open_from;
   double frame_rate = 60;                              ///< [1/s]; 60 when there is no animation
   std::vector<std::vector<std::vector<Vec3>>> frames;  ///< [frame][cloth][render vertex], frame 0 first [m]
 };

@@ -61,6 +61,8 @@ class GpuCloth {
 
   /// Puts a state into the staging buffer. The device must not be drawing.
   void upload(const ClothState& state);
+  /// What is to be added to the positions of images that a solver lends.
+  void set_origin(const Vec3& origin) { origin_ = origin; }
   /// Copies it to the images.
   void record_upload(const vk::raii::CommandBuffer& commands) const;
   /// Draws with the pipeline that is bound.

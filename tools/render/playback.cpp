@@ -49,6 +49,43 @@ std::vector<Vec3> smooth_normals(const SourceMesh& source, const std::vector<uin
   return normal;
 }
 
+/// A triangle that is drawn before a frame only.
+struct Opening {
+  Triangle corner;
+  uint32_t frame;
+};
+
+/// Gives the triangles that open in the motion vertices of their own at the end of the mesh, three by three.
+std::vector<Opening> part_openings(SourceMesh& mesh, const std::vector<uint32_t>& open_from, size_t frame_count) {
+  std::vector<Opening> openings;
+  for (size_t t = 0; t < open_from.size(); ++t) {
+    if (open_from[t] >= frame_count) continue;
+    Triangle& triangle = mesh.triangle[t];
+    openings.push_back({triangle, open_from[t]});
+    for (uint32_t& v : triangle) {
+      const auto copy = [v](auto& values) {
+        if (!values.empty()) values.push_back(values[v]);
+      };
+      copy(mesh.normal);
+      copy(mesh.uv);
+      copy(mesh.source_vertex);
+      copy(mesh.position);
+      v = static_cast<uint32_t>(mesh.position.size()) - 1;
+    }
+  }
+  return openings;
+}
+
+/// Adds the vertices of the openings; those that are open have no size.
+std::vector<Vec3> with_openings(std::vector<Vec3> position, const std::vector<Opening>& openings, size_t frame) {
+  position.reserve(position.size() + 3 * openings.size());
+  for (const Opening& opening : openings) {
+    const bool open = frame >= opening.frame;
+    for (const uint32_t v : opening.corner) position.push_back(position[open ? opening.corner[0] : v]);
+  }
+  return position;
+}
+
 }  // namespace
 
 Playback play_asset(const std::shared_ptr<const ClothAsset>& asset) {
@@ -63,12 +100,15 @@ Playback play_asset(const std::shared_ptr<const ClothAsset>& asset) {
   return playback;
 }
 
-Playback play_vertices(const std::vector<SourceMesh>& cloths, std::vector<std::vector<std::vector<Vec3>>> frames,
-                       double frame_rate) {
+Playback play_vertices(std::vector<SourceMesh> cloths, std::vector<std::vector<std::vector<Vec3>>> frames,
+                       double frame_rate, const std::vector<std::vector<uint32_t>>& open_from) {
   Playback playback{.scene = {}, .frame_rate = frame_rate, .frame_count = frames.size(), .state = {}};
   std::vector<std::vector<uint32_t>> groups;
+  std::vector<std::vector<Opening>> openings(cloths.size());
   std::vector<uint32_t> pixels;
-  for (const SourceMesh& source : cloths) {
+  for (size_t c = 0; c < cloths.size(); ++c) {
+    SourceMesh& source = cloths[c];
+    if (!open_from.empty()) openings[c] = part_openings(source, open_from[c], frames.size());
     const std::shared_ptr<const ClothAsset> asset = image_of_vertices(source);
     pixels.push_back(asset->pixel_count());
     playback.scene.cloths.push_back({asset, 1, std::vector<Vec3>(source.position.size(), Vec3{0, 0, 1})});
@@ -76,10 +116,11 @@ Playback play_vertices(const std::vector<SourceMesh>& cloths, std::vector<std::v
   }
   for (const auto& frame : frames)
     for (const auto& cloth : frame) playback.scene.subject.include(bounds_of(cloth));
-  playback.state = [cloths, groups, pixels, frames = std::move(frames)](size_t frame) {
+  playback.state = [cloths = std::move(cloths), groups, openings, pixels, frames = std::move(frames)](size_t frame) {
     std::vector<PlayedCloth> states;
     for (size_t c = 0; c < cloths.size(); ++c) {
-      PlayedCloth state{frames[frame][c], smooth_normals(cloths[c], groups[c], frames[frame][c])};
+      PlayedCloth state{with_openings(frames[frame][c], openings[c], frame), {}};
+      state.normal = smooth_normals(cloths[c], groups[c], state.position);
       state.position.resize(pixels[c]);
       state.normal.resize(pixels[c]);
       states.push_back(std::move(state));

@@ -27,8 +27,9 @@ struct Playback {
 
 /// A cache of vertex positions of source meshes: every vertex becomes a pixel of its own, so that the same shader draws
 /// it. Normals are smooth over vertices that shared position and normal in the source mesh.
-/// @param frames  [frame][cloth][render vertex] [m], at least one frame
-[[nodiscard]] Playback play_vertices(const std::vector<SourceMesh>& cloths,
-                                     std::vector<std::vector<std::vector<Vec3>>> frames, double frame_rate);
+/// @param frames     [frame][cloth][render vertex] [m], at least one frame
+/// @param open_from  [cloth][triangle] frame from which on it is not drawn; empty: all are
+[[nodiscard]] Playback play_vertices(std::vector<SourceMesh> cloths, std::vector<std::vector<std::vector<Vec3>>> frames,
+                                     double frame_rate, const std::vector<std::vector<uint32_t>>& open_from = {});
 
 }  // namespace geocloth

@@ -182,8 +182,13 @@ class ScenePainter::Impl {
   void prepare(vk::Extent2D extent, std::span<const Collider> colliders, std::span<const ClothState> states) {
     if (colliders.size() != solids_.size() || (lender_ == nullptr && states.size() != cloths_.size()))
       throw Error(ErrorCode::invalid_argument, "a picture needs a pose of every collider and a state of every cloth");
-    if (lender_ == nullptr)
-      for (size_t i = 0; i < cloths_.size(); ++i) cloths_[i]->upload(states[i]);
+    for (size_t i = 0; i < cloths_.size(); ++i) {
+      if (lender_ == nullptr) {
+        cloths_[i]->upload(states[i]);
+      } else {
+        cloths_[i]->set_origin(vulkan_origin(*lender_));
+      }
+    }
     colliders_.assign(colliders.begin(), colliders.end());
     extent_ = extent;
     write_frame_params();

@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // Convex solids. The hull of points grows by one point at a time, the farthest from the face that it is outside of
 // (Barber, Dobkin, Huhdanpaa 1996, "The Quickhull algorithm"): the faces that see it give way to a fan from the rim of
-// the hole. The corners behind planes are where three of them meet; their hull is then the surface.
+// the hole. Each face keeps the points that are outside of it and of no face before; a point that is outside of none is
+// not looked at again. The corners behind planes are where three of them meet; their hull is then the surface.
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 
+#include "check_input.h"
 #include "geocloth/asset/error.h"
 #include "geocloth/asset/vec3d.h"
 #include "geocloth/solver/solid.h"
@@ -18,26 +21,32 @@
 namespace geocloth {
 namespace {
 
+constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
+
 struct Face {
   std::array<uint32_t, 3> corner;
   Vec3d normal;
   double offset = 0;
+  std::vector<uint32_t> outside = {};  ///< points that no other face has
+  uint32_t farthest = kNone;           ///< of them
+  double farthest_height = 0;
   [[nodiscard]] double height(const Vec3d& p) const { return dot(normal, p) - offset; }
 };
 
 class Hull {
  public:
   explicit Hull(std::span<const Vec3> points) {
-    for (const Vec3& v : points) points_.push_back(to_double(v));
+    for (const Vec3& v : points) {
+      if (!is_finite(v)) throw Error(ErrorCode::invalid_argument, "a point of a convex collider is not finite");
+      points_.push_back(to_double(v));
+    }
     start();
-    for (uint32_t next = farthest(); next != kNone; next = farthest()) add(next);
+    while (const Face* face = highest()) add(face->farthest);
   }
 
   [[nodiscard]] const std::vector<Face>& faces() const { return faces_; }
 
  private:
-  static constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
-
   [[noreturn]] static void flat() {
     throw Error(ErrorCode::invalid_argument,
                 "the points of a convex collider lie in one plane; they must span a volume");
@@ -75,6 +84,7 @@ class Hull {
     add_face(a, q, d);
     add_face(q, p, d);
     add_face(p, a, d);
+    for (uint32_t i = 0; i < points_.size(); ++i) give(i, 0);
   }
 
   void add_face(uint32_t a, uint32_t b, uint32_t c) {
@@ -84,17 +94,30 @@ class Hull {
     faces_.push_back({{a, b, c}, n, dot(n, points_[a])});
   }
 
-  /// The point that is highest above any face.
-  [[nodiscard]] uint32_t farthest() const {
-    uint32_t best = kNone;
+  /// Gives a point to the face that it is highest above, of those from `first` on.
+  /// @return whether there is one
+  bool give(uint32_t point, size_t first) {
+    Face* best = nullptr;
     double height = tolerance_;
-    for (uint32_t i = 0; i < points_.size(); ++i)
-      for (const Face& f : faces_)
-        if (const double h = f.height(points_[i]); h > height) {
-          height = h;
-          best = i;
-        }
-    return best;
+    for (size_t i = first; i < faces_.size(); ++i)
+      if (const double h = faces_[i].height(points_[point]); h > height) {
+        height = h;
+        best = &faces_[i];
+      }
+    if (best == nullptr) return false;
+    best->outside.push_back(point);
+    if (height > best->farthest_height) {
+      best->farthest_height = height;
+      best->farthest = point;
+    }
+    return true;
+  }
+
+  /// The face with the point that is highest above any; null where none is outside.
+  [[nodiscard]] const Face* highest() const {
+    const auto lower = [](const Face& a, const Face& b) { return a.farthest_height < b.farthest_height; };
+    const auto face = std::max_element(faces_.begin(), faces_.end(), lower);
+    return face->farthest == kNone ? nullptr : &*face;
   }
 
   void add(uint32_t point) {
@@ -103,18 +126,21 @@ class Hull {
                                                    std::to_string(kMostConvexPlanes) +
                                                    " faces; give fewer points, or use shape \"mesh\"");
     }
-    std::map<std::pair<uint32_t, uint32_t>, bool> seen;  // directed edges of the faces that see the point
-    std::vector<Face> kept;
-    for (const Face& f : faces_) {
-      if (f.height(points_[point]) <= 0.5 * tolerance_) {
-        kept.push_back(f);
-        continue;
-      }
-      for (size_t k = 0; k < 3; ++k) seen[{f.corner[k], f.corner[(k + 1) % 3]}] = true;
+    const auto gone = std::stable_partition(
+        faces_.begin(), faces_.end(), [&](const Face& f) { return f.height(points_[point]) <= 0.5 * tolerance_; });
+    std::set<std::pair<uint32_t, uint32_t>> seen;  // directed edges of the faces that see the point
+    std::vector<uint32_t> left;
+    for (auto f = gone; f != faces_.end(); ++f) {
+      for (size_t k = 0; k < 3; ++k) seen.emplace(f->corner[k], f->corner[(k + 1) % 3]);
+      left.insert(left.end(), f->outside.begin(), f->outside.end());
     }
-    faces_ = std::move(kept);
-    for (const auto& [edge, unused] : seen)
-      if (!seen.contains({edge.second, edge.first})) add_face(edge.first, edge.second, point);
+    faces_.erase(gone, faces_.end());
+    const size_t first = faces_.size();
+    for (const auto& [a, b] : seen)
+      if (!seen.contains({b, a})) add_face(a, b, point);
+    // What is outside is so of a new face, but for rounding.
+    for (const uint32_t p : left)
+      if (p != point && !give(p, first)) give(p, 0);
   }
 
   std::vector<Vec3d> points_;
@@ -126,6 +152,7 @@ class Hull {
 std::vector<Plane> planes_of(const std::vector<Face>& faces, std::span<const Vec3> points) {
   std::vector<Plane> planes;
   for (const Face& f : faces) {
+    if (!(dot(f.normal, f.normal) > 0)) continue;  // three corners on one edge of the solid
     const Vec3 n{static_cast<float>(f.normal.x), static_cast<float>(f.normal.y), static_cast<float>(f.normal.z)};
     const auto same = [&](const Plane& p) { return dot(p.normal, n) > 1 - 1e-6F; };
     if (std::none_of(planes.begin(), planes.end(), same)) planes.push_back({points[f.corner[0]], n});
@@ -198,18 +225,25 @@ Convex convex_hull(std::span<const Vec3> points) {
   const Hull hull(points);
   Convex convex;
   convex.planes = planes_of(hull.faces(), points);
-  convex.surface.position.assign(points.begin(), points.end());
-  for (const Face& f : hull.faces()) convex.surface.triangle.push_back(f.corner);
+  std::map<uint32_t, uint32_t> corners;  // by point
+  for (const Face& f : hull.faces())
+    for (const uint32_t i : f.corner) corners[i] = 0;
+  for (auto& [point, corner] : corners) {
+    corner = static_cast<uint32_t>(convex.surface.position.size());
+    convex.surface.position.push_back(points[point]);
+  }
+  for (const Face& f : hull.faces())
+    convex.surface.triangle.push_back({corners[f.corner[0]], corners[f.corner[1]], corners[f.corner[2]]});
   return convex;
 }
 
 Convex convex_of_planes(std::span<const Plane> planes) {
-  constexpr size_t kMostPlanes = 64;  // triples of them are tried
-  if (planes.empty() || planes.size() > kMostPlanes) {
-    throw Error(ErrorCode::invalid_argument, "a convex collider needs 1 to " + std::to_string(kMostPlanes) +
+  if (planes.empty() || planes.size() > kMostJoinedPlanes) {
+    throw Error(ErrorCode::invalid_argument, "a convex collider needs 1 to " + std::to_string(kMostJoinedPlanes) +
                                                  " planes, not " + std::to_string(planes.size()) +
                                                  "; give more of them as points");
   }
+  for (const Plane& plane : planes) check(plane, "a plane of a convex collider");
   Convex convex;
   convex.planes.assign(planes.begin(), planes.end());
   if (std::optional<TriangleSurface> surface = surface_of(planes)) {

@@ -21,6 +21,7 @@ struct ClothBox {
     high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
   }
   [[nodiscard]] bool empty() const { return low.x > high.x; }
+  [[nodiscard]] Vec3 middle() const { return empty() ? Vec3{} : 0.5F * low + 0.5F * high; }
 };
 /// About the valid pixels.
 [[nodiscard]] ClothBox box_of(const ClothAsset& asset, std::span<const shader::vec4> position);

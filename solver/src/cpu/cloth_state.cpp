@@ -41,6 +41,17 @@ void ClothState::set_packed_mass(size_t i, float packed) {
   set_yield(i, shader::yield_of(packed));
 }
 
+void ClothState::forget() {
+  for (Vec3Array* v : {&position, &previous, &carry, &normal, &offset})
+    for (Floats* axis : {&v->x, &v->y, &v->z}) std::fill(axis->begin(), axis->end(), 0.F);
+  std::fill(normal_length.begin(), normal_length.end(), 0.F);
+  std::fill(yield.begin(), yield.end(), 1.F);
+  std::fill(row_yields.begin(), row_yields.end(), uint8_t{0});
+  for (auto& values : multiplier) std::fill(values.begin(), values.end(), 0.F);
+  std::fill(seam_multiplier.begin(), seam_multiplier.end(), 0.F);
+  std::fill(kept_in_lines.begin(), kept_in_lines.end(), KeptInLine{});
+}
+
 void ClothState::set_topology(ClothData cloth_data) {
   data = std::move(cloth_data);
   take_springs();

@@ -105,6 +105,9 @@ struct ClothState {
       if (std::atomic_ref(row_yields[y]).load(std::memory_order_relaxed) != 0) return true;
     return false;
   }
+  /// Forgets all that frames have left, as well where there is no cloth: a number that is not finite would come back
+  /// from there. Constants and masses stay.
+  void forget();
   /// Takes over springs, cells, bends over seams and copies; positions stay.
   void set_topology(ClothData cloth_data);
 

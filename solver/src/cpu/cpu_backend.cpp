@@ -107,15 +107,25 @@ class CpuBackend final : public SolverBackend {
 
   void write_state(uint32_t cloth, std::span<const vec4> position, std::span<const vec4> previous) override {
     cpu::ClothState& state = cloths_[cloth].state;
+    state.forget();
     for (uint32_t k = 0; k < position.size(); ++k) {
       const uint32_t i = cloths_[cloth].rows.pixel(k);
       state.position.set(i, {position[k].x, position[k].y, position[k].z});
       state.set_packed_mass(i, position[k].w);
       state.previous.set(i, {previous[k].x, previous[k].y, previous[k].z});
-      state.carry.set(i, {0, 0, 0});
-      if (data_.fine) state.offset.set(i, {0, 0, 0});
     }
     cloths_[cloth].normals_stale = true;
+  }
+
+  void shift(const Vec3& by) override {
+    for (Cloth& cloth : cloths_) {
+      cpu::ClothState& state = cloth.state;
+      for (size_t i = 0; i < state.pixel_count(); ++i) {
+        const shader::vec3 way{by.x, by.y, by.z};
+        state.position.set(i, state.position.at(i) - way);
+        state.previous.set(i, state.previous.at(i) - way);
+      }
+    }
   }
 
   void replace_topology(uint32_t cloth, ClothData data) override {

@@ -128,40 +128,37 @@ void move(const SelfWork& work) {
   });
 }
 
-}  // namespace
-
-void run_self_pass(Pass pass, const PassContext& context, ClothState& state) {
-  const SelfWork work{{&state, &state.data.self, false}, shader::self_room(context.cloth.params), context.threads};
+/// Those between cloths are the same over the points of all.
+void run_over_points(Pass pass, const SelfWork& work) {
   switch (pass) {
     case Pass::self_drift:
+    case Pass::inter_drift:
       return drift(work);
     case Pass::self_clear:
+    case Pass::inter_clear:
       return clear(work);
     case Pass::self_insert:
+    case Pass::inter_insert:
       return insert(work);
     case Pass::self_find:
+    case Pass::inter_find:
       return find(work);
     case Pass::self_push:
+    case Pass::inter_push:
       return push(work);
     default:
       return move(work);
   }
 }
 
+}  // namespace
+
+void run_self_pass(Pass pass, const PassContext& context, ClothState& state) {
+  run_over_points(pass, {{&state, &state.data.self, false}, shader::self_room(context.cloth.params), context.threads});
+}
+
 void run_inter_pass(Pass pass, const shader::ClothParams& params, const Threads& threads, SelfData& points) {
-  const SelfWork work{{nullptr, &points, true}, shader::self_room(params), threads};
-  switch (pass) {
-    case Pass::inter_drift:
-      return drift(work);
-    case Pass::inter_clear:
-      return clear(work);
-    case Pass::inter_insert:
-      return insert(work);
-    case Pass::inter_find:
-      return find(work);
-    default:
-      return push(work);
-  }
+  run_over_points(pass, {{nullptr, &points, true}, shader::self_room(params), threads});
 }
 
 void inter_gather(const InterPart& part, const PassContext& context, ClothState& state, SelfData& points) {

@@ -196,8 +196,8 @@ class BendBuilder {
     const double seen = taken_up ? scale * scale * turn.seen : 0.5 * h1 * h2;
     const double compliance = seen * seen / (rigidity * area);
     bend.rest = static_cast<float>(straighten ? out_of_plane : taken_up ? scale * turn.rest : whole);
-    bend.compliance = static_cast<float>(std::clamp(compliance, static_cast<double>(std::numeric_limits<float>::min()),
-                                                    static_cast<double>(std::numeric_limits<float>::max())));
+    bend.compliance = static_cast<float>(
+        std::clamp(compliance, static_cast<double>(std::numeric_limits<float>::min()), kLargestCompliance));
     bend.chord = static_cast<float>(taken_up ? turn.chord : h1 / (h1 + h2));
     bend.middle_share = 1;
     if (taken_up) {

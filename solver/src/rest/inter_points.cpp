@@ -19,7 +19,6 @@ namespace {
 
 constexpr float kMostUnlike = 10;  ///< a coarse spacing over a fine one
 constexpr float kMostLayers = 20;  ///< in a bucket of the hash
-constexpr size_t kMostWords = size_t{1} << 30U;
 
 float distance_of(const InterCloth& cloth) {
   return cloth.distance > 0 ? cloth.distance : kSelfDistance * cloth.asset->spacing * cloth.start.scale;
@@ -99,7 +98,7 @@ InterData make_inter_data(std::span<const InterCloth> cloths, const Vec3& origin
   set_points(all.numbers, all.most_points);
   const auto words_for = [&] { return size_t{shader::inter_pixel_word(room_of(all.numbers), 0)} + pixels.size(); };
   constexpr size_t kWordsOfPoint = shader::kSelfWordsOfPoint + shader::kInterStateWords + shader::kInterPixelWords + 8;
-  if (kWordsOfPoint * all.most_points > kMostWords) {
+  if (kWordsOfPoint * all.most_points > kMostSelfWords) {
     throw Error(ErrorCode::limit, "inter_collision: " + std::to_string(all.most_points) +
                                       " points are too many for it; convert with fewer, or leave it out");
   }

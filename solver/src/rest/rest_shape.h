@@ -10,6 +10,10 @@
 
 namespace geocloth {
 
+/// [m/N] Springs and bends are no softer: they do nothing even so, and over the square of the shortest step more would
+/// leave single precision.
+inline constexpr double kLargestCompliance = 1e20;
+
 /// The structural springs of one cell and its diagonals, so that the lattice has the material's moduli.
 struct CellModuli {
   double warp = 0, weft = 0;  ///< [N/m] of the structural springs

@@ -120,7 +120,6 @@ void set_self_numbers(const SelfNumbers& numbers, shader::ClothParams& params) {
 }
 
 void add_self_points(const ClothDesc& cloth, ClothData& data) {
-  constexpr size_t kMostWords = size_t{1} << 30U;
   const ClothAsset& asset = *cloth.asset;
   const float scale = cloth.transform.scale, spacing = asset.spacing * scale;
   SelfData& self = data.self;
@@ -148,7 +147,7 @@ void add_self_points(const ClothDesc& cloth, ClothData& data) {
   const NearPoints near = near_points(asset, first, NearbyWalk(asset, scale, radius), point_of, self.points);
 
   self.most_points = count_valid_pixels(asset);
-  if ((kSelfWordsOfPixel * asset.pixel_count()) + near.most > kMostWords) {
+  if ((kSelfWordsOfPixel * asset.pixel_count()) + near.most > kMostSelfWords) {
     throw Error(ErrorCode::limit, "self_collision: " + std::to_string(self.most_points) +
                                       " points are too many for it; convert with fewer, or set it to false");
   }

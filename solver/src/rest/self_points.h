@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -11,6 +12,8 @@ namespace geocloth {
 
 inline constexpr float kSelfDistance = 1.2F;  ///< of the spacing, that points of different layers keep
 inline constexpr float kSelfMargin = 0.5F;    ///< of that distance, by which the lists of neighbours reach farther
+
+inline constexpr size_t kMostSelfWords = size_t{1} << 30U;  ///< that can be counted
 
 /// Fills what self-collision needs of a cloth: points, words and numbers of ClothData.
 /// @throws Error(limit) for more points than their words can be counted

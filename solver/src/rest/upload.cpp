@@ -71,7 +71,7 @@ class SpringBuilder {
   }
 
   [[nodiscard]] static float to_compliance(double stiffness) {
-    return static_cast<float>(std::min(1 / stiffness, static_cast<double>(std::numeric_limits<float>::max())));
+    return static_cast<float>(std::min(1 / stiffness, kLargestCompliance));
   }
 
   const ClothAsset& asset_;

@@ -4,29 +4,15 @@
 #include <algorithm>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <utility>
 
+#include "geocloth/asset/disjoint_sets.h"
 #include "geocloth/asset/error.h"
 #include "geocloth/asset/grid_mesh.h"
 #include "geocloth/solver/scene.h"
 
 namespace geocloth {
 namespace {
-
-/// Disjoint sets of pixels.
-class Sets {
- public:
-  explicit Sets(uint32_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0U); }
-  uint32_t root(uint32_t p) {
-    while (parent_[p] != p) p = parent_[p] = parent_[parent_[p]];
-    return p;
-  }
-  void join(uint32_t a, uint32_t b) { parent_[root(a)] = root(b); }
-
- private:
-  std::vector<uint32_t> parent_;
-};
 
 struct Loop {
   std::vector<uint32_t> pixel;  ///< first copies, ascending
@@ -38,7 +24,7 @@ struct Loop {
 class WeldedSurface {
  public:
   explicit WeldedSurface(const ClothAsset& asset)
-      : asset_(asset), first_(first_copies(asset)), parts_(asset.pixel_count()) {
+      : asset_(asset), first_(first_copies(asset)), parts_(connected_parts(asset)) {
     std::map<std::pair<uint32_t, uint32_t>, uint32_t> faces_of_edge;
     for (const Triangle& t : pixel_triangles(asset)) {
       for (size_t k = 0; k < 3; ++k) ++faces_of_edge[std::minmax(first_[t[k]], first_[t[(k + 1) % 3]])];
@@ -47,37 +33,26 @@ class WeldedSurface {
     for (const auto& [edge, faces] : faces_of_edge) {
       if (faces == 1) border.push_back(edge);
     }
-    join_along_springs();
     collect_loops(border);
   }
 
   [[nodiscard]] const std::vector<Loop>& longest_first() const { return loops_; }
-  [[nodiscard]] uint32_t part_of(uint32_t pixel) { return parts_.root(first_[pixel]); }
+  [[nodiscard]] uint32_t part_of(uint32_t pixel) const { return parts_[pixel]; }
 
  private:
-  void join_along_springs() {
-    for (uint32_t p = 0; p < asset_.pixel_count(); ++p) {
-      for (uint32_t s = 0; s < kSpringCount; ++s) {
-        if ((asset_.spring_mask[p] & (1U << s)) == 0) continue;
-        const int64_t q = int64_t{p} + kSpringOffset[s][0] + int64_t{asset_.width} * kSpringOffset[s][1];
-        parts_.join(first_[p], first_[static_cast<size_t>(q)]);
-      }
-    }
-  }
-
   void collect_loops(const std::vector<std::pair<uint32_t, uint32_t>>& border) {
-    Sets loops(asset_.pixel_count());
+    DisjointSets loops(asset_.pixel_count());
     for (const auto& [a, b] : border) loops.join(a, b);
     std::map<uint32_t, Loop> by_root;
     for (const auto& [a, b] : border) {
-      Loop& loop = by_root[loops.root(a)];
+      Loop& loop = by_root[loops.find(a)];
       loop.pixel.insert(loop.pixel.end(), {a, b});
       loop.length += static_cast<double>(length(asset_.rest_position[b] - asset_.rest_position[a]));
     }
     for (auto& [r, loop] : by_root) {
       std::sort(loop.pixel.begin(), loop.pixel.end());
       loop.pixel.erase(std::unique(loop.pixel.begin(), loop.pixel.end()), loop.pixel.end());
-      loop.part = parts_.root(loop.pixel.front());
+      loop.part = parts_[loop.pixel.front()];
       loops_.push_back(std::move(loop));
     }
     std::sort(loops_.begin(), loops_.end(), [](const Loop& a, const Loop& b) {
@@ -87,7 +62,7 @@ class WeldedSurface {
 
   const ClothAsset& asset_;
   std::vector<uint32_t> first_;
-  Sets parts_;
+  std::vector<uint32_t> parts_;
   std::vector<Loop> loops_;
 };
 
@@ -101,7 +76,7 @@ class Selector {
   }
 
   void operator()(const WhereBoundary& where) {
-    WeldedSurface surface(asset_);
+    const WeldedSurface surface(asset_);
     if (where.of_each_part) return take_highest_of_each_part(surface);
     const std::vector<Loop>& loops = surface.longest_first();
     if (loops.empty()) {
@@ -190,7 +165,7 @@ class Selector {
     });
   }
 
-  void take_highest_of_each_part(WeldedSurface& surface) {
+  void take_highest_of_each_part(const WeldedSurface& surface) {
     std::map<uint32_t, const Loop*> highest;  // of every part; none for a closed one
     for_valid([&](uint32_t p, const Vec3&) { highest.emplace(surface.part_of(p), nullptr); });
     for (const Loop& loop : surface.longest_first()) {
@@ -236,6 +211,22 @@ class Selector {
 };
 
 }  // namespace
+
+std::vector<uint32_t> connected_parts(const ClothAsset& asset) {
+  const std::vector<uint32_t> first = first_copies(asset);
+  DisjointSets parts(asset.pixel_count());
+  for (uint32_t p = 0; p < asset.pixel_count(); ++p) {
+    parts.join(p, first[p]);
+    for (uint32_t s = 0; s < kSpringCount; ++s) {
+      if ((asset.spring_mask[p] & (1U << s)) == 0) continue;
+      const int64_t q = int64_t{p} + kSpringOffset[s][0] + int64_t{asset.width} * kSpringOffset[s][1];
+      parts.join(p, static_cast<uint32_t>(q));
+    }
+  }
+  std::vector<uint32_t> part(asset.pixel_count());
+  for (uint32_t p = 0; p < asset.pixel_count(); ++p) part[p] = parts.find(p);
+  return part;
+}
 
 std::vector<uint32_t> select_pixels(const ClothAsset& asset, const Transform& transform, const Where& where) {
   Selector selector(asset, transform);

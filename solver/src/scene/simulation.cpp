@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -69,6 +70,23 @@ void read_bodies(Scene& scene, const ReadSurface& read_surface) {
   }
 }
 
+/// Makes the solver; what it says of cloth 2 is of cloths[2] of the scene.
+Solver solver_of(const Scene& scene, std::span<const ClothDesc> cloths, const SolverSettings& settings,
+                 const MakeSolver& make_solver) {
+  try {
+    return make_solver ? make_solver(cloths, settings) : Solver(cloths, settings);
+  } catch (const Error& error) {
+    const std::string message = error.what();
+    for (size_t c = 0; c < cloths.size(); ++c) {
+      const std::string cloth = "cloth " + std::to_string(c) + ": ";
+      if (!message.starts_with(cloth)) continue;
+      throw Error(error.code() == ErrorCode::invalid_argument ? ErrorCode::invalid_data : error.code(),
+                  scene.path.string() + ": cloths[" + std::to_string(c) + "]: " + message.substr(cloth.size()));
+    }
+    throw;
+  }
+}
+
 }  // namespace
 
 TriangleSurface read_asset_surface(const std::filesystem::path& path) {
@@ -103,7 +121,7 @@ Simulation::Simulation(Scene scene, SolverSettings settings, const ReadSurface& 
     }
   }
   hands_.resize(cloths_.size());
-  solver_ = std::make_unique<Solver>(make_solver ? make_solver(cloths_, settings) : Solver(cloths_, settings));
+  solver_ = std::make_unique<Solver>(solver_of(scene_, cloths_, settings, make_solver));
   solver_->set_colliders(colliders_at(scene_, 0), true);
   if (scene_.wind) solver_->set_wind(*scene_.wind);
   for (uint32_t c = 0; c < scene_.cloths.size(); ++c) {
@@ -131,25 +149,74 @@ void Simulation::take_hold(PinSet& set, double start) {
   set.own_start = pose_at(set.pin.motion, start);
 }
 
-void Simulation::update_pins() {
-  const double start = (frame_ - 1) / scene_.frame_rate;
-  std::vector<std::vector<Pin>> pins(cloths_.size());
-  for (PinSet& set : pins_) {
-    if (time() <= set.pin.from || start >= set.pin.until) continue;
-    if (!set.acts) take_hold(set, start);
-    const Transform carried = carrier(scene_, scene_.cloths[set.cloth], set.pin.follow, time());
-    const Transform own = compose(pose_at(set.pin.motion, time()), inverse_rigid(set.own_start));
+/// Of the frame that begins at `start`, where what they follow takes them until its end.
+/// @param own_time  [s] of their own motions
+std::vector<Pin> Simulation::pins_of(uint32_t cloth, double start, double own_time) const {
+  std::vector<Pin> pins;
+  for (const PinSet& set : pins_) {
+    if (set.cloth != cloth || !set.pin.acts(start, time())) continue;
+    const Transform carried = carrier(scene_, scene_.cloths[cloth], set.pin.follow, time());
+    const Transform own = compose(pose_at(set.pin.motion, own_time), inverse_rigid(set.own_start));
     const Vec3 center = middle(set.rest);
     for (size_t k = 0; k < set.pixels.size(); ++k) {
       // Without a motion of its own the point must not even be rounded.
       const Vec3 moved =
           set.pin.motion.empty() ? set.rest[k] : center + rotate(own.rotate, set.rest[k] - center) + own.translate;
-      pins[set.cloth].push_back({set.pixels[k], apply(carried, moved), set.pin.frequency});
+      pins.push_back({set.pixels[k], apply(carried, moved), set.pin.frequency});
     }
   }
-  for (uint32_t c = 0; c < pins.size(); ++c) {
-    pins[c].insert(pins[c].end(), hands_[c].begin(), hands_[c].end());
-    solver_->set_pins(c, pins[c]);
+  return pins;
+}
+
+void Simulation::update_pins() {
+  const double start = (frame_ - 1) / scene_.frame_rate;
+  for (uint32_t c = 0; c < scene_.cloths.size(); ++c) {
+    std::vector<Pin> pins = pins_of(c, start, time());
+    pins.insert(pins.end(), hands_[c].begin(), hands_[c].end());
+    solver_->set_pins(c, pins);
+  }
+}
+
+/// The collider that all pins of a cloth follow, where it jumps in this frame. A cloth that jumps with its own motion
+/// has been taken along.
+const SceneCollider* Simulation::jumps_with(uint32_t cloth, double start) const {
+  const SceneCloth& c = scene_.cloths[cloth];
+  const std::string* followed = nullptr;
+  for (const ScenePin& pin : c.pins) {
+    if (!pin.acts(start, time())) continue;
+    if (followed != nullptr && *followed != pin.follow) return nullptr;
+    followed = &pin.follow;
+  }
+  if (followed == nullptr || teleports(c.motion, start, time())) return nullptr;
+  for (const SceneCollider& collider : scene_.colliders) {
+    if (collider.collider.name == *followed && teleports(collider.motion, start, time())) return &collider;
+  }
+  return nullptr;
+}
+
+/// Takes cloths along, as they are, to where the colliders that hold them jump.
+void Simulation::jump(double start) {
+  for (uint32_t c = 0; c < scene_.cloths.size(); ++c) {
+    const SceneCollider* const collider = jumps_with(c, start);
+    if (collider == nullptr) continue;
+    const Transform way =
+        compose(collider_at(*collider, time()).pose, inverse_rigid(collider_at(*collider, start).pose));
+    const std::vector<Pin> pins = pins_of(c, start, start);
+    const std::vector<uint32_t> part = connected_parts(*cloths_[c].asset);
+    std::vector<bool> hangs(part.size());
+    for (const Pin& pin : pins) hangs[part[pin.pixel]] = true;
+    std::vector<Vec3> position, velocity;
+    solver_->read_positions(c, position);
+    solver_->read_velocities(c, velocity);
+    for (uint32_t p = 0; p < part.size(); ++p) {
+      if (!hangs[part[p]]) continue;
+      position[p] = apply(way, position[p]);
+      velocity[p] = rotate(way.rotate, velocity[p]);
+    }
+    solver_->write_state(c, position, velocity);
+    // Pins that were there before would come from where they were.
+    solver_->set_pins(c, {});
+    solver_->set_pins(c, pins);
   }
 }
 
@@ -176,9 +243,10 @@ void Simulation::cut(double start) {
   constexpr double kSameTime = 1e-9;  // [s] what a time loses as a decimal
   const double before = frame_ > 1 ? start - 1 / scene_.frame_rate : -1;
   for (uint32_t c = 0; c < scene_.cloths.size(); ++c) {
-    for (size_t k = 0; k < scene_.cloths[c].cuts.size(); ++k) {
+    for (uint32_t k = 0; k < scene_.cloths[c].cuts.size(); ++k) {
       const SceneCut& cut = scene_.cloths[c].cuts[k];
-      if (cut.time > before + kSameTime && cut.time <= start + kSameTime) solver_->cut(c, cut.triangle);
+      if (cut.time > before + kSameTime && cut.time <= start + kSameTime)
+        cuts_made_.push_back({c, k, solver_->cut(c, cut.triangle)});
     }
     cloths_[c].asset = solver_->asset(c);
   }
@@ -196,6 +264,9 @@ void Simulation::step() {
     if (cloth.motion.empty()) continue;
     solver_->set_parent(c, pose_at(cloth.motion, time()), cloth.inertia_scale, teleports(cloth.motion, start, time()));
   }
+  for (PinSet& set : pins_)
+    if (set.pin.acts(start, time()) && !set.acts) take_hold(set, start);
+  jump(start);
   update_pins();
   solver_->step();
 }

@@ -37,4 +37,9 @@ Buffer::Buffer(std::shared_ptr<const Context> context, vk::DeviceSize bytes, vk:
   if (memory != Memory::device) mapped_ = static_cast<std::byte*>(memory_.mapMemory(0, VK_WHOLE_SIZE));
 }
 
+Buffer storage_buffer(const std::shared_ptr<const Context>& context, vk::DeviceSize bytes) {
+  return {context, bytes, vk::BufferUsageFlagBits::eStorageBuffer | vk::BufferUsageFlagBits::eTransferDst,
+          Memory::device};
+}
+
 }  // namespace geocloth::vulkan

@@ -42,4 +42,7 @@ class Buffer {
   std::byte* mapped_ = nullptr;
 };
 
+/// On the device, for shaders, filled by an Upload.
+[[nodiscard]] Buffer storage_buffer(const std::shared_ptr<const Context>& context, vk::DeviceSize bytes);
+
 }  // namespace geocloth::vulkan

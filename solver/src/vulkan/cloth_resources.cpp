@@ -21,10 +21,6 @@ Image make_image(const std::shared_ptr<const Context>& context, const ClothData&
   return {context, {.format = format, .extent = {data.width, data.height}, .usage = usage}};
 }
 
-Buffer make_buffer(const std::shared_ptr<const Context>& context, size_t bytes) {
-  return {context, bytes, BufferUsage::eStorageBuffer | BufferUsage::eTransferDst, Memory::device};
-}
-
 template <typename T>
 size_t bytes_of(const std::vector<T>& values) {
   return values.size() * sizeof(T);
@@ -60,16 +56,16 @@ ClothResources::ClothResources(const std::shared_ptr<const Context>& context, co
       offset(context, {.format = vk::Format::eR32G32B32A32Sfloat,
                        .extent = fine ? vk::Extent2D{data.width, data.height} : vk::Extent2D{1, 1},
                        .usage = kRestUsage}),
-      multipliers(make_buffer(context, with_multipliers ? multiplier_bytes(data) : 0)),
-      attachments(make_buffer(context, data.attachments ? sizeof(shader::Attachment) * data.pixel_count() : 0)),
-      seam_springs(make_buffer(context, data.most_seam_springs * sizeof(shader::SeamSpring))),
-      split_offset(make_buffer(context, most_split_offsets(data) * sizeof(uint32_t))),
-      split_pixel(make_buffer(context, bytes_of(data.split_pixel))),
+      multipliers(storage_buffer(context, with_multipliers ? multiplier_bytes(data) : 0)),
+      attachments(storage_buffer(context, data.attachments ? sizeof(shader::Attachment) * data.pixel_count() : 0)),
+      seam_springs(storage_buffer(context, data.most_seam_springs * sizeof(shader::SeamSpring))),
+      split_offset(storage_buffer(context, most_split_offsets(data) * sizeof(uint32_t))),
+      split_pixel(storage_buffer(context, bytes_of(data.split_pixel))),
       measures(context, sizeof(uint32_t) * shader::kMeasureCount, BufferUsage::eStorageBuffer, Memory::readback),
-      inverse_mass(make_buffer(context, sizeof(float) * data.pixel_count())),
-      self_points(make_buffer(context, sizeof(shader::SelfPoint) * data.self.most_points)),
-      self_words(make_buffer(context, sizeof(uint32_t) * data.self.most_words)),
-      pin_of_pixel(make_buffer(context, path != SolverPath::plain ? sizeof(uint32_t) * data.pixel_count() : 0)) {
+      inverse_mass(storage_buffer(context, sizeof(float) * data.pixel_count())),
+      self_points(storage_buffer(context, sizeof(shader::SelfPoint) * data.self.most_points)),
+      self_words(storage_buffer(context, sizeof(uint32_t) * data.self.most_words)),
+      pin_of_pixel(storage_buffer(context, path != SolverPath::plain ? sizeof(uint32_t) * data.pixel_count() : 0)) {
   Upload upload(context);
   if (path == SolverPath::tiled) {
     scratch.emplace(ScratchImages{make_image(context, data, kRestUsage), make_image(context, data, kRestUsage),

@@ -7,18 +7,10 @@
 #include "vulkan/upload.h"
 
 namespace geocloth::vulkan {
-namespace {
-
-using BufferUsage = vk::BufferUsageFlagBits;
-
-}  // namespace
-
 InterResources::InterResources(const std::shared_ptr<const Context>& context, const InterData& data)
-    : points(context, sizeof(shader::SelfPoint) * data.points.most_points,
-             BufferUsage::eStorageBuffer | BufferUsage::eTransferDst, Memory::device),
-      words(context, sizeof(uint32_t) * data.points.most_words, BufferUsage::eStorageBuffer | BufferUsage::eTransferDst,
-            Memory::device),
-      params(context, sizeof(shader::ClothParams), BufferUsage::eUniformBuffer, Memory::upload) {
+    : points(storage_buffer(context, sizeof(shader::SelfPoint) * data.points.most_points)),
+      words(storage_buffer(context, sizeof(uint32_t) * data.points.most_words)),
+      params(context, sizeof(shader::ClothParams), vk::BufferUsageFlagBits::eUniformBuffer, Memory::upload) {
   upload(context, data);
 }
 

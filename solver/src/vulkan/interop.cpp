@@ -42,6 +42,11 @@ VulkanClothImages vulkan_images(Solver& solver, uint32_t cloth) {
           .origin = solver.impl().origin()};
 }
 
+Vec3 vulkan_origin(Solver& solver) {
+  static_cast<void>(vulkan_backend(solver));
+  return solver.impl().origin();
+}
+
 std::shared_ptr<const ValidationLog> validation_log(Solver& solver) {
   return vulkan_backend(solver).context().validation_log();
 }

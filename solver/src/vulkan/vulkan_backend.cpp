@@ -283,6 +283,22 @@ void VulkanBackend::write_state(uint32_t cloth, std::span<const shader::vec4> po
   });
 }
 
+void VulkanBackend::shift(const Vec3& by) {
+  guarded("move the origin", [&] {
+    wait();
+    Upload upload(context_);
+    std::vector<shader::vec4> texels;
+    for (const ClothResources& cloth : cloths_) {
+      for (const Image* image : {&cloth.position, &cloth.previous}) {
+        read(*image, texels);
+        for (shader::vec4& t : texels) t = {t.x - by.x, t.y - by.y, t.z - by.z, t.w};
+        upload.to_image(*image, std::span<const shader::vec4>(texels));
+      }
+    }
+    upload.run();
+  });
+}
+
 void VulkanBackend::replace_topology(uint32_t cloth, ClothData data) {
   guarded("cut a cloth", [&] {
     wait();

@@ -29,6 +29,7 @@ class VulkanBackend final : public SolverBackend {
   void read_normals(uint32_t cloth, std::vector<shader::vec4>& out) override;
   void write_state(uint32_t cloth, std::span<const shader::vec4> position,
                    std::span<const shader::vec4> previous) override;
+  void shift(const Vec3& by) override;
   void replace_topology(uint32_t cloth, ClothData data) override;
   void replace_inter(InterData inter) override;
   float longest_way(uint32_t cloth, uint32_t word) override;

@@ -8,12 +8,12 @@ namespace geocloth {
 
 /// What the cloth is made of, in physical units: results do not depend on resolution or on the number of substeps.
 struct Material {
-  float areal_density = 0.2F;   ///< [kg/m^2] > 0
-  float stretch_warp = 1000.F;  ///< [N/m] force per width and strain along +v; > 0; larger is stiffer
+  float areal_density = 0.2F;   ///< [kg/m^2] 1e-6..1e4
+  float stretch_warp = 1000.F;  ///< [N/m] force per width and strain along +v; 1e-9..1e12; larger is stiffer
   float stretch_weft = 1000.F;  ///< [N/m] the same along u
-  float shear = 100.F;          ///< [N/m]
-  float bend_warp = 1e-5F;      ///< [N m] bending rigidity of a line along +v; >= 0
-  float bend_weft = 1e-5F;      ///< [N m]
+  float shear = 100.F;          ///< [N/m] 0 or 1e-9..1e12
+  float bend_warp = 1e-5F;      ///< [N m] bending rigidity of a line along +v; 0 or 1e-12..1e6
+  float bend_weft = 1e-5F;      ///< [N m] the same along u
   float bend_bias = -1.F;       ///< [N m] the same at 45 degrees to both: a sheet without grain has the same in all
                                 ///< directions; below 0: a weave without twisting rigidity, (warp + weft) / 4
   float damping = 1.0F;         ///< [1/s] share of the velocity lost per second; >= 0

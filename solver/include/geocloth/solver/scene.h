@@ -46,6 +46,9 @@ struct ScenePin {
   double from = 0;               ///< [s] above 0: the points are taken hold of then, where they are
   double until = std::numeric_limits<double>::infinity();  ///< [s] they are let go
   float frequency = 0;                                     ///< [1/s] 0: held; above: soft, see Pin
+
+  /// In a frame [s].
+  [[nodiscard]] bool acts(double start, double end) const { return end > from && start < until; }
 };
 
 /// A cut by a triangle, see Solver::cut.
@@ -114,7 +117,11 @@ struct Scene {
 [[nodiscard]] std::vector<uint32_t> select_pixels(const ClothAsset& asset, const Transform& transform,
                                                   const Where& where);
 
-/// A scene being played: assets loaded, pins chosen, keyframes evaluated frame by frame.
+/// For every pixel the first one of the connected part that it is of, over springs and copies; itself where not valid.
+[[nodiscard]] std::vector<uint32_t> connected_parts(const ClothAsset& asset);
+
+/// A scene being played: assets loaded, pins chosen, keyframes evaluated frame by frame. A cloth all of whose pins
+/// follow one collider jumps with it (what hangs on the pins does).
 class Simulation {
  public:
   /// Reads the assets and meshes that the scene names. Settings' substeps, relaxation_steps, keep_momentum,
@@ -134,6 +141,13 @@ class Simulation {
   [[nodiscard]] std::vector<Collider> colliders() const;  ///< at time()
   [[nodiscard]] Solver& solver() { return *solver_; }
 
+  /// A cut of the scene that was made.
+  struct CutMade {
+    uint32_t cloth, cut;  ///< cut: of SceneCloth::cuts
+    CutResult result;
+  };
+  [[nodiscard]] const std::vector<CutMade>& cuts_made() const { return cuts_made_; }
+
   /// Pixels that the pins of the scene hold at time(), ascending, all copies included.
   [[nodiscard]] std::vector<uint32_t> held_pixels(uint32_t cloth) const;
   /// Pins beside those of the scene, and in place of them where both hold a pixel: a hand that drags the cloth. From
@@ -143,6 +157,7 @@ class Simulation {
  private:
   void cut(double start);
   void update_pins();
+  void jump(double start);
 
   Scene scene_;
   std::vector<ClothDesc> cloths_;
@@ -155,8 +170,11 @@ class Simulation {
     bool acts = false;
   };
   void take_hold(PinSet& set, double start);
+  [[nodiscard]] std::vector<Pin> pins_of(uint32_t cloth, double start, double own_time) const;
+  [[nodiscard]] const SceneCollider* jumps_with(uint32_t cloth, double start) const;
 
   std::vector<PinSet> pins_;
+  std::vector<CutMade> cuts_made_;
   std::vector<std::vector<Pin>> hands_;  ///< per cloth
   std::unique_ptr<Solver> solver_;
   uint32_t frame_ = 0;

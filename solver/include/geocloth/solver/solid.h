@@ -24,29 +24,33 @@ struct TriangleSurface {
   bool operator==(const TriangleSurface&) const = default;
 };
 
-/// The solid behind all of its planes.
+/// The solid behind all of its planes, at most kMostConvexPlanes.
 struct Convex {
   std::vector<Plane> planes;
   TriangleSurface surface;  ///< its corners and faces, to be drawn; empty where the planes do not close
   bool operator==(const Convex&) const = default;
 };
-/// At most this many planes; every point of the cloth looks at each.
+/// Every point of the cloth looks at each plane.
 inline constexpr size_t kMostConvexPlanes = 1024;
+/// Planes that convex_of_planes() takes: to find the corners it tries all threes of them.
+inline constexpr size_t kMostJoinedPlanes = 64;
 
-/// The convex hull of points. @throws Error(invalid_argument) when they lie in one plane, or have too many faces
+/// The convex hull of points, any number; those inside cost little. @throws Error(invalid_argument) when one is not
+/// finite, when they lie in one plane, or when the hull has more than kMostConvexPlanes faces
 [[nodiscard]] Convex convex_hull(std::span<const Vec3> points);
-/// The solid behind planes. @throws Error(invalid_argument) when nothing lies behind all of them, or for too many
+/// The solid behind planes, 1 to kMostJoinedPlanes. @throws Error(invalid_argument) for more, when a normal is not of
+/// unit length, or when nothing lies behind all of them
 [[nodiscard]] Convex convex_of_planes(std::span<const Plane> planes);
 
 /// Signed distance to the surface of a body, negative inside, at the nodes of a regular grid that holds it with room
-/// around; linear in between.
+/// around; linear in between. Not to be changed once a solver has it.
 struct DistanceField {
-  std::array<uint32_t, 3> size{};  ///< nodes along x, y, z
-  Vec3 low;                        ///< [m] of the first node
-  float spacing = 0;               ///< [m]
-  float margin = 0;                ///< [m] no surface is nearer to the grid's sides
-  std::vector<float> distance;     ///< [m] x fastest, then y
-  TriangleSurface surface;         ///< that was sampled
+  std::array<uint32_t, 3> size{};  ///< nodes along x, y, z; >= 2
+  Vec3 low;                        ///< [m] of the first node; no node is farther out than 1e6 along an axis
+  float spacing = 0;               ///< [m] >= 1e-9
+  float margin = 0;                ///< [m] >= 0; no surface is nearer to the grid's sides
+  std::vector<float> distance;     ///< [m] one for each node, within +-4e6; x fastest, then y
+  TriangleSurface surface;         ///< that was sampled; the solver does not look at it
 };
 /// Inside is where the surface winds around (generalised winding number), so holes, overlaps and several parts are
 /// fine.

@@ -62,7 +62,7 @@ struct SolverSettings {
   Backend backend = Backend::automatic;
   std::string device = {};        ///< part of a device's name; empty: by backend
   uint32_t threads = 1;           ///< cpu backend; the result does not depend on it
-  double frame_time = 1.0 / 60;   ///< [s] > 0
+  double frame_time = 1.0 / 60;   ///< [s] up to 10; a substep must be 1e-7 at least
   uint32_t substeps = 16;         ///< per frame, 1..256; more is stiffer and loses less energy
   uint32_t relaxation_steps = 1;  ///< sweeps over all constraints per substep, 1..256
   /// Springs pull along where they were when the substep began, on positions of twice the digits: free cloth keeps its
@@ -73,7 +73,8 @@ struct SolverSettings {
   SolverPath path = SolverPath::automatic;
   /// [m/s] A cloth none of whose points has been faster for `sleep_time` is asleep: it stays as it is and costs
   /// nothing, until a collider moves so that it may touch it, a pin of it or its parent moves, or it is cut, written
-  /// to, or anything is set to another value. Wind keeps cloth awake. 0: never. Speeds are known two frames late.
+  /// to, or anything is set to another value (a substep's length to one that differs by a quarter). Wind keeps cloth
+  /// awake. 0: never. Speeds are known two frames late.
   float sleep_speed = 0;
   float sleep_time = 0.5F;    ///< [s] >= 0
   bool check_copies = false;  ///< measure the copy gap and the penetration after every substep (slower)
@@ -134,7 +135,8 @@ class Solver {
   /// moves evenly from the pose of the last call. The cloth trails behind: by inertia_scale 1 it feels all of the
   /// motion, by 0 it is taken along as if the parent stood still; each axis of the parent, shift and turn, by itself.
   /// Damping acts relative to the parent. The first call places the parent; teleport takes cloth and parent there
-  /// without a jerk, as they are (waits for the device).
+  /// without a jerk, as they are (waits for the device). A state that is written after that, before the next step,
+  /// stays where it is: the parent is there by then.
   void set_parent(uint32_t cloth, const Transform& pose, const Vec3& inertia_scale = {1, 1, 1}, bool teleport = false);
 
   /// Cuts a cloth, as it is now, where it meets a triangle: springs and bends that cross it are severed, cells that it
@@ -151,8 +153,10 @@ class Solver {
   /// without the springs, cells, copies and triangles of the source mesh that cuts have taken away.
   [[nodiscard]] std::shared_ptr<const ClothAsset> asset(uint32_t cloth) const;
 
-  /// Frames from now on are so long, of so many substeps; velocities stay. Where colliders are so fast that they would
-  /// stretch the cloth open in a substep, a frame has up to four times as many, up to 32 times for small ones. @throws
+  /// Frames from now on are so long, of so many substeps; velocities stay. From frame to frame a substep gets at most a
+  /// twentieth longer or shorter, so that cloth is not shaken where frames vary: until it is as long as asked for,
+  /// there are more or fewer of them, four times as many at most. Where colliders are so fast that they would stretch
+  /// the cloth open in a substep, a frame has up to four times as many, up to 32 times for small ones. @throws
   /// Error(invalid_argument)
   void set_time_step(double frame_time, uint32_t substeps);
   /// Advances by one frame: on Vulkan it only submits.
@@ -184,6 +188,7 @@ class Solver {
 struct StretchStatistics {
   double max = 0, p99 = 0, mean = 0;  ///< of length / rest length over the valid structural springs
 };
+/// @throws Error(invalid_argument) unless there is one position for each pixel
 [[nodiscard]] StretchStatistics measure_stretch(const ClothAsset& asset, float scale, std::span<const Vec3> positions);
 
 struct Energy {
@@ -195,12 +200,15 @@ struct Energy {
 /// Measures the energy of a cloth in many states: what it is made of is worked out once.
 class EnergyMeter {
  public:
+  /// @throws Error(invalid_argument) without an asset
   explicit EnergyMeter(const ClothDesc& cloth);
   ~EnergyMeter();
   EnergyMeter(EnergyMeter&&) noexcept;
   EnergyMeter& operator=(EnergyMeter&&) noexcept;
 
   /// @param held  pixels that pins hold, see Solver::held_pixels: cloth is clamped at the second row of them
+  /// @throws Error(invalid_argument) unless there are one position and one velocity for each pixel, and for a held one
+  /// that is out of range
   [[nodiscard]] Energy measure(const Vec3& gravity, std::span<const Vec3> positions, std::span<const Vec3> velocities,
                                std::span<const uint32_t> held = {}) const;
 
@@ -213,6 +221,7 @@ class EnergyMeter {
                                     std::span<const Vec3> velocities, std::span<const uint32_t> held = {});
 
 /// 64-bit FNV-1a of the bits of the positions of the valid pixels: equal states, equal hashes.
+/// @throws Error(invalid_argument) unless there is one position for each pixel
 [[nodiscard]] uint64_t hash_state(const ClothAsset& asset, std::span<const Vec3> positions);
 
 }  // namespace geocloth

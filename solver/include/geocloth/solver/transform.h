@@ -26,7 +26,7 @@ struct Quat {
 struct Transform {
   Vec3 translate = {};
   Quat rotate = {};
-  float scale = 1;
+  float scale = 1;  ///< of a cloth 1e-6..1e6
 };
 [[nodiscard]] Vec3 apply(const Transform& t, const Vec3& p);
 /// apply(compose(a, b), p) == apply(a, apply(b, p))

@@ -36,7 +36,7 @@ struct VulkanClothImages {
   VkImageView normal_view = VK_NULL_HANDLE;
   uint32_t width = 0, height = 0;  ///< [pixels]
   VkImageLayout layout = VK_IMAGE_LAYOUT_GENERAL;
-  Vec3 origin;  ///< [m] to be added to every position, so that single precision reaches far from the world's origin
+  Vec3 origin;  ///< [m] to be added to every position; see vulkan_origin()
 };
 
 /// A solver on a device of the application, which must outlive the solver. Settings' backend and device are ignored.
@@ -52,6 +52,11 @@ struct VulkanClothImages {
 /// caller's.
 /// @throws Error(unsupported) for a solver on the cpu backend
 [[nodiscard]] VulkanClothImages vulkan_images(Solver& solver, uint32_t cloth);
+
+/// [m] What is to be added to the positions of all cloths, so that single precision reaches far from the world's
+/// origin: whole metres, that follow the cloths. To be asked for after every step().
+/// @throws Error(unsupported) for a solver on the cpu backend
+[[nodiscard]] Vec3 vulkan_origin(Solver& solver);
 
 /// Messages of the validation layers, which run when the environment variable GEOCLOTH_VULKAN_VALIDATION is not empty
 /// and not 0. Outlives the solver. Safe to use from several threads.

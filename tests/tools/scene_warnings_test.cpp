@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What `simulate` says of scenes that play without an error and not as their authors expect.
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "geocloth/asset/asset_file.h"
+#include "support/make_sheet.h"
+#include "support/run_program.h"
+#include "support/temporary_folder.h"
+
+namespace geocloth::test {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+class SceneWarnings : public testing::Test {
+ protected:
+  SceneWarnings() {
+    ClothAsset sheet = make_sheet({.nx = 9, .ny = 9, .charts_x = 2});
+    write_asset(sheet, folder_ / "sheet.glb");
+    sheet.splits = {};  // two sheets side by side
+    sheet.seam_bends.clear();
+    write_asset(sheet, folder_ / "two.glb");
+  }
+
+  /// Of a run; --check says the same, less what only playing tells.
+  std::vector<std::string> warnings(const std::string& cloths, const std::string& more_of_scene = "",
+                                    size_t only_played = 0) {
+    const std::string scene = folder_.write(
+        "scene.json",
+        fmt::format(R"({{"version":1,"frames":30,"substeps":4,"cloths":[{}]{}}})", cloths, more_of_scene));
+    const ProgramResult played =
+        run_program({"simulate", scene, "--backend", "cpu", "--report", folder_ / "r.json", "--quiet"});
+    EXPECT_EQ(played.status, 0) << played.err;
+    const std::vector<std::string> said = nlohmann::json::parse(read_text(folder_ / "r.json"))["warnings"];
+    for (const std::string& warning : said) EXPECT_THAT(played.err, HasSubstr("scene.json: warning: " + warning));
+    const ProgramResult checked = run_program({"simulate", scene, "--check"});
+    EXPECT_EQ(checked.status, 0) << checked.err;
+    const auto lines = static_cast<size_t>(std::count(checked.err.begin(), checked.err.end(), '\n'));
+    EXPECT_EQ(lines + only_played, said.size()) << checked.err << played.err;
+    for (size_t i = 0; i < std::min(lines, said.size()); ++i) EXPECT_THAT(checked.err, HasSubstr(said[i]));
+    return said;
+  }
+
+  TemporaryFolder folder_;
+};
+
+/// Shorts of a garment whose T-shirt was pinned fell 39 m without a word.
+TEST_F(SceneWarnings, TellThatAPartHangsOnNoPin) {
+  const std::string left = R"({"asset":"two.glb","pins":[{"where":{"vertices":[0,1]}}]})";
+  EXPECT_THAT(warnings(left),
+              ElementsAre(AllOf(HasSubstr("cloths[0] (two.glb): a part of it ("), HasSubstr("near vertex "),
+                                HasSubstr("is held by no pin and falls"), HasSubstr("--parts"))));
+  EXPECT_THAT(warnings(left, R"(,"gravity":[0,0,0])"), IsEmpty());
+  EXPECT_THAT(warnings(R"({"asset":"two.glb"})"), IsEmpty());
+  EXPECT_THAT(warnings(R"({"asset":"two.glb","pins":[{"where":{"top":0.1}}]})"), IsEmpty());
+  EXPECT_THAT(warnings(R"({"asset":"sheet.glb","pins":[{"where":{"vertices":[0,1]}}]})"), IsEmpty());
+  EXPECT_THAT(warnings(R"({"asset":"two.glb","pins":[{"where":{"vertices":[0]}},
+                                                     {"where":{"vertices":[8]},"from":0.2,"frequency":3}]})"),
+              IsEmpty());
+}
+
+constexpr const char* kAway = R"("triangle":[[7,0,0],[8,0,0],[7,1,0]])";
+constexpr const char* kAcross = R"("triangle":[[-3,0.02,-2],[3,0.02,-2],[0,0.02,4]])";
+
+TEST_F(SceneWarnings, TellThatACutMetNothing) {
+  const std::string sheet = fmt::format(
+      R"({{"asset":"sheet.glb","pins":[{{"where":{{"top":0.1}}}}],"cuts":[{{"time":0.1,{}}},{{"time":0,{}}}]}})", kAway,
+      kAcross);
+  EXPECT_THAT(warnings(sheet, "", 1),
+              ElementsAre(AllOf(HasSubstr("cloths[0] (sheet.glb): cuts[0] met no cloth"), HasSubstr("triangle"))));
+}
+
+TEST_F(SceneWarnings, TellWhatComesAfterTheLastFrame) {
+  // 30 frames at 60 a second: the last one is from 0.48333 to 0.5 s.
+  const auto sheet = [](double cut, double pin) {
+    return fmt::format(
+        R"({{"asset":"sheet.glb","pins":[{{"where":{{"top":0.1}}}},{{"where":{{"vertices":[40]}},"from":{}}}],)"
+        R"("cuts":[{{"time":{},{}}}]}})",
+        pin, cut, kAcross);
+  };
+  EXPECT_THAT(warnings(sheet(0.48333333333, 0.49)), IsEmpty());
+  EXPECT_THAT(warnings(sheet(0.49, 0.1)),
+              ElementsAre(AllOf(HasSubstr("cloths[0] (sheet.glb): cuts[0] would come after the last frame"),
+                                HasSubstr("begins at 0.483333 s"))));
+  EXPECT_THAT(warnings(sheet(0.1, 0.5)),
+              ElementsAre(AllOf(HasSubstr("cloths[0] (sheet.glb): pins[1] would take hold after the last frame"),
+                                HasSubstr("ends at 0.5 s"))));
+  std::string many = fmt::format(R"({{"time":9,{}}})", kAcross);
+  for (int i = 0; i < 5; ++i) many += fmt::format(R"(,{{"time":9,{}}})", kAcross);
+  EXPECT_THAT(warnings(R"({"asset":"sheet.glb","cuts":[)" + many + "]}"),
+              ElementsAre(HasSubstr("cuts[0], cuts[1], cuts[2] and 3 more would come")));
+}
+
+TEST_F(SceneWarnings, TellThatOnlySomePinsJump) {
+  const std::string bar = R"(,"colliders":[{"name":"bar","shape":"sphere","center":[0,3,0],"radius":0.1,"motion":[
+      {"time":0},{"time":0.2,"translate":[3,0,0],"teleport":true}]}])";
+  const auto sheet = [](const std::string& second) {
+    return R"({"asset":"sheet.glb","pins":[{"where":{"vertices":[0]},"follow":"bar"},{"where":{"vertices":[8]},)" +
+           second + "}]}";
+  };
+  EXPECT_THAT(warnings(sheet(R"("follow":"bar")"), bar), IsEmpty());
+  EXPECT_THAT(warnings(sheet(R"("follow":"world")"), bar),
+              ElementsAre(AllOf(HasSubstr("cloths[0] (sheet.glb): 1 of its 2 pins follow \"bar\""),
+                                HasSubstr("jumps at 0.2 s"))));
+  EXPECT_THAT(warnings(sheet(R"("until":0.1)"), bar), IsEmpty());
+}
+
+}  // namespace
+}  // namespace geocloth::test

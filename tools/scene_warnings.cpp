@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene_warnings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include <fmt/format.h>
+
+namespace geocloth {
+namespace {
+
+/// [s] when the last frame ends.
+double end_of(const Scene& scene) {
+  return scene.frames / scene.frame_rate;
+}
+
+/// A connected part of a cloth.
+struct Part {
+  std::vector<uint32_t> pixel;
+  bool held = false;
+};
+
+/// By their first pixels.
+std::map<uint32_t, Part> parts_of(const ClothAsset& asset) {
+  const std::vector<uint32_t> part = connected_parts(asset);
+  std::map<uint32_t, Part> parts;
+  for (uint32_t p = 0; p < asset.pixel_count(); ++p)
+    if (asset.valid(p)) parts[part[p]].pixel.push_back(p);
+  return parts;
+}
+
+/// A vertex of the file that a pin of it would hold the part by.
+std::optional<uint32_t> vertex_of(const ClothAsset& asset, const Part& part) {
+  for (size_t v = 0; v < asset.binding.size(); ++v) {
+    const Binding& binding = asset.binding[v];
+    const auto largest = std::max_element(binding.weight.begin(), binding.weight.end()) - binding.weight.begin();
+    if (std::binary_search(part.pixel.begin(), part.pixel.end(), binding.pixel[static_cast<size_t>(largest)]))
+      return asset.source.source_vertex[v];
+  }
+  return std::nullopt;
+}
+
+/// Where other parts of a cloth hang by pins and these by none.
+void warn_of_loose_parts(const Simulation& simulation, size_t index, std::vector<std::string>& warnings) {
+  const Scene& scene = simulation.scene();
+  const ClothDesc& cloth = simulation.cloths()[index];
+  if (!(length(scene.gravity) > 0)) return;
+  std::map<uint32_t, Part> parts = parts_of(*cloth.asset);
+  if (parts.size() < 2) return;
+  std::vector<uint32_t> held;
+  for (const ScenePin& pin : scene.cloths[index].pins) {
+    if (pin.from >= end_of(scene)) continue;
+    const std::vector<uint32_t> pixels = select_pixels(*cloth.asset, cloth.transform, pin.where);
+    held.insert(held.end(), pixels.begin(), pixels.end());
+  }
+  if (held.empty()) return;
+  std::sort(held.begin(), held.end());
+  const Part* largest = nullptr;
+  size_t count = 0, points = 0;
+  for (auto& [first, part] : parts) {
+    part.held = std::any_of(part.pixel.begin(), part.pixel.end(),
+                            [&](uint32_t p) { return std::binary_search(held.begin(), held.end(), p); });
+    if (part.held) continue;
+    ++count;
+    points += part.pixel.size();
+    if (largest == nullptr || part.pixel.size() > largest->pixel.size()) largest = &part;
+  }
+  if (largest == nullptr) return;
+  const std::optional<uint32_t> vertex = vertex_of(*cloth.asset, *largest);
+  const Vec3 at = apply(cloth.transform, cloth.asset->rest_position[largest->pixel[largest->pixel.size() / 2]]);
+  const std::string place = fmt::format("{}at [{:.3g}, {:.3g}, {:.3g}]",
+                                        vertex ? fmt::format("near vertex {}, ", *vertex) : "", at.x, at.y, at.z);
+  const std::string what =
+      count == 1
+          ? fmt::format("a part of it ({} points, {}) is held by no pin and falls", points, place)
+          : fmt::format("{} parts of it ({} points; the largest {}) are held by no pin and fall", count, points, place);
+  const char* them = count == 1 ? "it" : "them";
+  warnings.push_back(
+      fmt::format("{}: {} where no collider carries {}; pin {} too, convert with --parts without {}, or with "
+                  "a coarser --resolution, by which small parts ride on the cloth beside them",
+                  name_of_cloth(scene, index), what, them, them, them));
+}
+
+/// Elements of an array of a cloth: the first of many.
+std::string list_of(const char* key, const std::vector<size_t>& indices) {
+  constexpr size_t kNamed = 3;
+  std::string list;
+  for (size_t i = 0; i < std::min(kNamed, indices.size()); ++i)
+    list += fmt::format("{}{}[{}]", i == 0 ? "" : ", ", key, indices[i]);
+  return indices.size() > kNamed ? fmt::format("{} and {} more", list, indices.size() - kNamed) : list;
+}
+
+/// What would come after the last frame.
+void warn_of_late_parts(const Scene& scene, size_t index, std::vector<std::string>& warnings) {
+  constexpr double kSameTime = 1e-9;  // [s] as for the cuts themselves
+  if (scene.frames == 0) return;      // nothing is asked for but the first state
+  const SceneCloth& cloth = scene.cloths[index];
+  const double last = (scene.frames - 1) / scene.frame_rate;
+  std::vector<size_t> cuts, pins;
+  for (size_t k = 0; k < cloth.cuts.size(); ++k)
+    if (cloth.cuts[k].time > last + kSameTime) cuts.push_back(k);
+  for (size_t k = 0; k < cloth.pins.size(); ++k)
+    if (cloth.pins[k].from >= end_of(scene)) pins.push_back(k);
+  const std::string name = name_of_cloth(scene, index);
+  if (!cuts.empty()) {
+    warnings.push_back(
+        fmt::format("{}: {} would come after the last frame, which begins at {:.6g} s, so nothing is cut; "
+                    "play more frames, or set an earlier \"time\"",
+                    name, list_of("cuts", cuts), last));
+  }
+  if (!pins.empty()) {
+    warnings.push_back(
+        fmt::format("{}: {} would take hold after the last frame, which ends at {:.6g} s; play more "
+                    "frames, or set an earlier \"from\"",
+                    name, list_of("pins", pins), end_of(scene)));
+  }
+}
+
+/// The frame, counted from 1, in which a time [s] comes.
+uint32_t frame_of(const Scene& scene, double time) {
+  auto frame = static_cast<uint32_t>(std::ceil(time * scene.frame_rate));
+  while (frame > 0 && (frame - 1) / scene.frame_rate >= time) --frame;
+  while (frame / scene.frame_rate < time) ++frame;
+  return frame;
+}
+
+/// Where only some of the pins jump with the collider that they follow, the cloth cannot.
+void warn_of_torn_jumps(const Scene& scene, size_t index, std::vector<std::string>& warnings) {
+  const std::vector<ScenePin>& pins = scene.cloths[index].pins;
+  for (const SceneCollider& collider : scene.colliders) {
+    for (const Keyframe& key : collider.motion) {
+      if (!key.teleport || !(key.time > 0) || key.time > end_of(scene)) continue;
+      const uint32_t frame = frame_of(scene, key.time);
+      const double start = (frame - 1) / scene.frame_rate, end = frame / scene.frame_rate;
+      const auto acting =
+          std::count_if(pins.begin(), pins.end(), [&](const auto& pin) { return pin.acts(start, end); });
+      const auto jumping = std::count_if(pins.begin(), pins.end(), [&](const auto& pin) {
+        return pin.acts(start, end) && pin.follow == collider.collider.name;
+      });
+      if (jumping == 0 || jumping == acting) continue;
+      warnings.push_back(
+          fmt::format("{}: {} of its {} pins follow \"{}\", which jumps at {:.6g} s, and pull the cloth "
+                      "open there; let all pins follow that collider, and the cloth jumps with it",
+                      name_of_cloth(scene, index), jumping, acting, collider.collider.name, key.time));
+      return;
+    }
+  }
+}
+
+}  // namespace
+
+std::string name_of_cloth(const Scene& scene, size_t cloth) {
+  return fmt::format("cloths[{}] ({})", cloth, scene.cloths[cloth].asset.filename().string());
+}
+
+std::vector<std::string> scene_warnings(const Simulation& simulation) {
+  std::vector<std::string> warnings;
+  for (size_t c = 0; c < simulation.cloths().size(); ++c) {
+    warn_of_loose_parts(simulation, c, warnings);
+    warn_of_late_parts(simulation.scene(), c, warnings);
+    warn_of_torn_jumps(simulation.scene(), c, warnings);
+  }
+  return warnings;
+}
+
+std::vector<std::string> played_warnings(const Simulation& simulation) {
+  std::map<size_t, std::vector<size_t>> missed;  // by cloth
+  for (const Simulation::CutMade& made : simulation.cuts_made())
+    if (made.result == CutResult{}) missed[made.cloth].push_back(made.cut);
+  std::vector<std::string> warnings;
+  for (auto& [cloth, cuts] : missed) {
+    std::sort(cuts.begin(), cuts.end());
+    warnings.push_back(
+        fmt::format("{}: {} met no cloth, so nothing was cut; check where the cloth is at that \"time\", "
+                    "and the corners of the triangle",
+                    name_of_cloth(simulation.scene(), cloth), list_of("cuts", cuts)));
+  }
+  return warnings;
+}
+
+}  // namespace geocloth
