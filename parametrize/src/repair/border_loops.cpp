@@ -8,7 +8,7 @@
 
 namespace geocloth {
 
-std::vector<std::vector<uint32_t>> border_loops(const CleanSurface& surface) {
+std::vector<BorderLoop> all_border_loops(const CleanSurface& surface) {
   std::vector<uint8_t> copies(surface.point_count, 0);
   for (const uint32_t p : surface.point) copies[p] = static_cast<uint8_t>(std::min(copies[p] + 1, 2));
   const std::vector<uint32_t> opposite = opposite_half_edges(surface.triangle);
@@ -16,17 +16,24 @@ std::vector<std::vector<uint32_t>> border_loops(const CleanSurface& surface) {
   for (uint32_t h = 0; h < opposite.size(); ++h) {
     if (opposite[h] == kNone) leaving[tail(surface.triangle, h)] = h;
   }
-  std::vector<std::vector<uint32_t>> loops;
+  std::vector<BorderLoop> loops;
   for (uint32_t start = 0; start < leaving.size(); ++start) {
-    std::vector<uint32_t> loop;
-    bool tied = false;
+    BorderLoop loop;
     for (uint32_t v = start; leaving[v] != kNone;) {
-      loop.push_back(leaving[v]);
-      tied = tied || copies[surface.point[v]] > 1;
+      loop.edge.push_back(leaving[v]);
+      loop.tied = loop.tied || copies[surface.point[v]] > 1;
       leaving[v] = kNone;
-      v = head(surface.triangle, loop.back());
+      v = head(surface.triangle, loop.edge.back());
     }
-    if (!loop.empty() && !tied) loops.push_back(std::move(loop));
+    if (!loop.edge.empty()) loops.push_back(std::move(loop));
+  }
+  return loops;
+}
+
+std::vector<std::vector<uint32_t>> border_loops(const CleanSurface& surface) {
+  std::vector<std::vector<uint32_t>> loops;
+  for (BorderLoop& loop : all_border_loops(surface)) {
+    if (!loop.tied) loops.push_back(std::move(loop.edge));
   }
   return loops;
 }

@@ -7,6 +7,12 @@
 
 namespace geocloth {
 
+struct BorderLoop {
+  std::vector<uint32_t> edge;  ///< half-edges in their order
+  bool tied = false;           ///< somewhere to another border, or to itself
+};
+[[nodiscard]] std::vector<BorderLoop> all_border_loops(const CleanSurface& surface);
+
 /// Border loops without ties, as half-edges in their order.
 [[nodiscard]] std::vector<std::vector<uint32_t>> border_loops(const CleanSurface& surface);
 

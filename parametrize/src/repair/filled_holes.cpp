@@ -98,36 +98,33 @@ void take_back(CleanSurface& filled, size_t triangles) {
 }  // namespace
 
 FilledSurface fill_holes(const CleanSurface& clean, std::span<const uint32_t> left_open) {
-  FilledSurface filled{clean, {}, {}, 0, 0};
+  FilledSurface filled{clean, {}, {}};
   CleanSurface& surface = filled.surface;
-  std::vector<std::vector<uint32_t>> loops = border_loops(clean);
+  const std::vector<BorderLoop> loops = all_border_loops(clean);
   std::vector<double> around;
-  for (const auto& loop : loops) around.push_back(length_around(clean, loop));
+  for (const BorderLoop& loop : loops) around.push_back(length_around(clean, loop.edge));
   std::vector<uint32_t> order(loops.size());
   std::iota(order.begin(), order.end(), 0U);
   std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return around[a] < around[b]; });
   const std::vector<uint32_t> opposite = opposite_half_edges(clean.triangle);
   std::vector<uint8_t> met(clean.triangle.size(), 0);
-  std::vector<uint32_t> loops_left(clean.component_count, 0);
+  std::vector<uint32_t> loops_not_met(clean.component_count, 0);
   std::vector<double> area(clean.component_count, 0);
-  for (const auto& loop : loops) ++loops_left[clean.component[loop[0] / 3]];
+  for (const BorderLoop& loop : loops) ++loops_not_met[clean.component[loop.edge[0] / 3]];
   for (size_t t = 0; t < clean.triangle.size(); ++t) area[clean.component[t]] += length(normal_of(clean, t)) / 2;
   for (const uint32_t k : order) {
-    const std::vector<uint32_t>& loop = loops[k];
+    const std::vector<uint32_t>& loop = loops[k].edge;
     const uint32_t component = clean.component[loop[0] / 3];
-    if (loops_left[component] < 2) continue;
+    --loops_not_met[component];
+    if (loops[k].tied || loops_not_met[component] == 0) continue;
     if (std::binary_search(left_open.begin(), left_open.end(), tail(clean.triangle, loop[0]))) continue;
-    const double of_hole = fill_with_fan(surface, loop, kMostOfPart * area[component]);
-    if (of_hole <= 0) continue;
+    if (fill_with_fan(surface, loop, kMostOfPart * area[component]) <= 0) continue;
     if (!goes_on(surface, opposite, loop, met)) {
       take_back(surface, loop.size());
       continue;
     }
-    --loops_left[component];
     filled.hole.insert(filled.hole.end(), loop.size(), static_cast<uint32_t>(filled.rim.size()));
     filled.rim.push_back(tail(clean.triangle, loop[0]));
-    filled.area += of_hole;
-    filled.around += around[k];
   }
   return filled;
 }
