@@ -22,6 +22,7 @@
 
 #include "cut/edge_wishes.h"
 #include "develop/chart_developer.h"
+#include "develop/chart_energy.h"
 #include "develop/close_slits.h"
 #include "develop/grain.h"
 #include "develop/layout_cost.h"
@@ -29,7 +30,7 @@
 #include "develop/mixed_cut.h"
 #include "develop/part_panels.h"
 #include "develop/straight_layout.h"
-#include "develop/symmetric_dirichlet.h"
+
 #include "geocloth/asset/error.h"
 #include "mesh/point_math.h"
 
@@ -346,7 +347,7 @@ DevelopedSurface assembled(const CutSurface& cut, const std::vector<Chart>& char
       out.component[chart.global_triangle[t]] = out.component_count;
     }
     ++out.component_count;
-    result.energy.push_back(SymmetricDirichlet(chart.position, chart.triangle, {}).energy(chart.uv));
+    result.energy.push_back(chart_energy(chart).energy(chart.uv));
   }
   return result;
 }
