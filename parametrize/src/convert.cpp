@@ -136,23 +136,6 @@ std::vector<CutSurface> all_cuts(const CleanSurface& clean, const CutOptions& op
   return cuts;
 }
 
-/// The options with which as many pixels lie on the cloth itself as were asked for. Of the pixels in a polygon those on
-/// its outline are no part of the hole (Pick 1899).
-FlattenOptions beside_fillings(const CleanSurface& clean, const FilledSurface& filled, FlattenOptions options) {
-  if (options.spacing > 0) return options;
-  double area = 0;
-  for (const Triangle& t : clean.triangle) {
-    area += triangle_area(clean.position[t[0]], clean.position[t[1]], clean.position[t[2]]);
-  }
-  const double side = options.resolution, wanted = side * side, holes = static_cast<double>(filled.rim.size());
-  const double half = filled.around / 2;
-  const double per_metre = (-half + std::sqrt(half * half + 4 * area * (wanted + holes))) / (2 * area);
-  const double inside = filled.area * per_metre * per_metre - half * per_metre + holes;
-  const auto resolution = static_cast<uint32_t>(std::lround(std::sqrt(wanted + std::max(inside, 0.0))));
-  options.resolution = std::min(resolution, kMaxResolution);
-  return options;
-}
-
 /// A surface cut open, in the ways that cut_options wants.
 struct Cuts {
   CutOptions options;
@@ -176,34 +159,43 @@ FlatSurface lay_flat(const CleanSurface& surface, const Cuts& cuts, const Flatte
   });
 }
 
-/// The surface laid flat with its holes, most of which cost no cut; nothing when that cannot be. Those that a cut meets
-/// anyway, and those that have no room in the image, are cut open like other borders.
-std::optional<FlatSurface> flatten_filled(const CleanSurface& clean, const FlattenOptions& options,
-                                          const std::optional<MirrorPlane>& mirror, const Progress& progress,
-                                          Stages& stages, const StageFiles& files) {
-  constexpr int kFlattenings = 2;
-  const auto kept = static_cast<uint32_t>(clean.triangle.size());
+/// A surface whose holes are filled where that may cost less than cuts to them, cut open.
+struct FilledCuts {
+  CleanSurface surface;
+  Cuts cuts;
+};
+
+/// Nothing when there are no such holes. Those that first cuts meet anyway are cut open like other borders.
+std::optional<FilledCuts> cut_filled(const CleanSurface& clean, const FlattenOptions& options,
+                                     const std::optional<MirrorPlane>& mirror, const Progress& progress,
+                                     Stages& stages) {
+  constexpr int kTries = 4;
+  constexpr size_t kMostCutOpen = 300;  // holes: to find cuts to more of them takes long
+  const size_t kept = clean.triangle.size();
   std::vector<uint32_t> left_open;
-  std::size_t holes = 0;
-  for (int tries = 0; tries < kFlattenings;) {
-    const FilledSurface filled = fill_holes(clean, left_open);
-    if (left_open.empty()) holes = filled.rim.size();
-    if (filled.rim.empty() || 2 * filled.rim.size() < holes) return std::nullopt;
-    const FlattenOptions beside = beside_fillings(clean, filled, options);
-    const Cuts cuts = cut_open(filled.surface, beside, mirror, progress, stages);
-    std::vector<uint32_t> stuck;
-    for (const CutSurface& cut : cuts.surface) {
-      const std::vector<uint32_t> met = holes_on_cuts(cut, kept, filled.hole);
-      stuck.insert(stuck.end(), met.begin(), met.end());
+  for (int tries = 0; tries < kTries; ++tries) {
+    FilledSurface filled = fill_holes(clean, left_open);
+    if (filled.rim.empty()) return std::nullopt;
+    Cuts cuts = cut_open(filled.surface, options, mirror, progress, stages);
+    std::vector<uint32_t> met;
+    for (CutSurface& cut : cuts.surface) {
+      for (const uint32_t t : cut.clean_triangle) cut.hole.push_back(t < kept ? kNone : filled.hole[t - kept]);
+      const std::vector<uint32_t> of_cut = holes_on_cuts(cut);
+      met.insert(met.end(), of_cut.begin(), of_cut.end());
     }
-    if (stuck.empty()) {
-      FlatSurface flat = lay_flat(filled.surface, cuts, beside, progress, stages, files);
-      stuck = open_holes(flat, kept, filled.hole);
-      if (stuck.empty()) return flat;
-      ++tries;
+    if (!met.empty() && tries + 1 < kTries) {
+      for (const uint32_t hole : met) left_open.push_back(filled.rim[hole]);
+      std::sort(left_open.begin(), left_open.end());
+      continue;
     }
-    for (const uint32_t hole : stuck) left_open.push_back(filled.rim[hole]);
-    std::sort(left_open.begin(), left_open.end());
+    if (filled.rim.size() <= kMostCutOpen) {
+      CleanSurface as_it_is = clean;
+      as_it_is.point_count = filled.surface.point_count;  // points that cuts insert have numbers beyond all of these
+      for (CutSurface& cut : cut_open(as_it_is, options, mirror, progress, stages).surface) {
+        cuts.surface.push_back(std::move(cut));
+      }
+    }
+    return FilledCuts{std::move(filled.surface), std::move(cuts)};
   }
   return std::nullopt;
 }
@@ -222,9 +214,9 @@ bool lay_out(const TriangleMesh& mesh, const CarriedSurface& carried, const Flat
     report.mirror = stages.run("mirror", [&] { return find_mirror_plane(clean.position, clean.triangle); });
   }
   if (fill) {
-    std::optional<FlatSurface> filled = flatten_filled(clean, options, report.mirror, progress, stages, files);
+    const std::optional<FilledCuts> filled = cut_filled(clean, options, report.mirror, progress, stages);
     if (!filled) return false;
-    result.flat = std::move(*filled);
+    result.flat = lay_flat(filled->surface, filled->cuts, options, progress, stages, files);
   } else {
     const Cuts cuts = cut_open(clean, options, report.mirror, progress, stages);
     result.flat = lay_flat(clean, cuts, options, progress, stages, files);

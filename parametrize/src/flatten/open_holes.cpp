@@ -89,13 +89,18 @@ class ChartBoard {
 
 class HoleOpener {
  public:
-  HoleOpener(FlatSurface& flat, uint32_t kept, std::span<const uint32_t> hole) : flat_(flat) {
-    uint32_t count = 0;
-    for (const uint32_t h : hole) count = std::max(count, h + 1);
-    hole_of_.reserve(flat.triangle.size());
-    for (const uint32_t t : flat.clean_triangle) hole_of_.push_back(t < kept ? kNone : hole[t - kept]);
-    stuck_.assign(count, 0);
-    rim_.resize(count);
+  HoleOpener(FlatSurface& flat, std::span<const uint32_t> hole) : flat_(flat) {
+    for (const uint32_t t : flat.clean_triangle) {
+      hole_of_.push_back(hole[t]);
+      if (hole[t] != kNone) name_.push_back(hole[t]);
+    }
+    std::sort(name_.begin(), name_.end());
+    name_.erase(std::unique(name_.begin(), name_.end()), name_.end());
+    for (uint32_t& h : hole_of_) {
+      if (h != kNone) h = static_cast<uint32_t>(std::lower_bound(name_.begin(), name_.end(), h) - name_.begin());
+    }
+    stuck_.assign(name_.size(), 0);
+    rim_.resize(name_.size());
   }
 
   std::vector<uint32_t> run() {
@@ -106,7 +111,7 @@ class HoleOpener {
     }
     std::vector<uint32_t> stuck;
     for (uint32_t h = 0; h < stuck_.size(); ++h) {
-      if (stuck_[h] != 0) stuck.push_back(h);
+      if (stuck_[h] != 0) stuck.push_back(name_[h]);
     }
     if (stuck.empty()) open();
     return stuck;
@@ -351,6 +356,7 @@ class HoleOpener {
 
   FlatSurface& flat_;
   std::vector<uint32_t> hole_of_;  // per triangle
+  std::vector<uint32_t> name_;     // per hole, as they are counted here
   std::vector<Rim> rim_;           // per hole
   std::vector<uint8_t> stuck_;     // per hole
   std::vector<uint32_t> number_;   // per vertex, once the fillings are out
@@ -358,7 +364,7 @@ class HoleOpener {
 
 }  // namespace
 
-std::vector<uint32_t> holes_on_cuts(const CutSurface& cut, uint32_t kept, std::span<const uint32_t> hole) {
+std::vector<uint32_t> holes_on_cuts(const CutSurface& cut) {
   const std::vector<uint32_t> opposite = opposite_half_edges(cut.triangle);
   std::vector<uint8_t> on_outline(cut.position.size(), 0);
   for (uint32_t h = 0; h < opposite.size(); ++h) {
@@ -366,19 +372,17 @@ std::vector<uint32_t> holes_on_cuts(const CutSurface& cut, uint32_t kept, std::s
   }
   std::vector<uint32_t> met;
   for (std::size_t t = 0; t < cut.triangle.size(); ++t) {
-    const uint32_t clean = cut.clean_triangle[t];
-    if (clean < kept) continue;
+    if (cut.hole.empty() || cut.hole[t] == kNone) continue;
     const Triangle& k = cut.triangle[t];
-    if (std::any_of(k.begin(), k.end(), [&](uint32_t v) { return on_outline[v] != 0; }))
-      met.push_back(hole[clean - kept]);
+    if (std::any_of(k.begin(), k.end(), [&](uint32_t v) { return on_outline[v] != 0; })) met.push_back(cut.hole[t]);
   }
   std::sort(met.begin(), met.end());
   met.erase(std::unique(met.begin(), met.end()), met.end());
   return met;
 }
 
-std::vector<uint32_t> open_holes(FlatSurface& flat, uint32_t kept, std::span<const uint32_t> hole) {
-  return HoleOpener(flat, kept, hole).run();
+std::vector<uint32_t> open_holes(FlatSurface& flat, std::span<const uint32_t> hole) {
+  return HoleOpener(flat, hole).run();
 }
 
 }  // namespace geocloth
