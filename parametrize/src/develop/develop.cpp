@@ -327,25 +327,32 @@ SheetLayout develop_sheet(const std::vector<CutWay>& cuts, size_t sheet, const D
   if (twin == nullptr || !(layouts[best].cost <= kAsGood * twin->cost)) {
     const auto try_where = [&](const auto& wanted) {
       std::vector<size_t> cut, way;
-      for (size_t c = 0; c < start.size(); ++c) {
-        if (wanted(c) && start[c].empty()) cut.push_back(c);
+      for (size_t i = 0; i < ways.size(); ++i) {
+        if (!wanted(i) || !layouts[i].charts.empty() || failed[i]) continue;
+        way.push_back(i);
+        if (start[ways[i].cut].empty() && (cut.empty() || cut.back() != ways[i].cut)) cut.push_back(ways[i].cut);
       }
       tbb::parallel_for(size_t{0}, cut.size(), [&](size_t k) { lay_out_start(cut[k]); });
-      for (size_t i = 0; i < ways.size(); ++i) {
-        if (wanted(ways[i].cut) && layouts[i].charts.empty() && !failed[i]) way.push_back(i);
-      }
       tbb::parallel_for(size_t{0}, way.size(), [&](size_t k) { try_way(way[k]); });
-      const auto costs_less = [](const SheetLayout& a, const SheetLayout& b) { return a.cost < b.cost; };
+      const auto costs_less = [](const SheetLayout& x, const SheetLayout& y) { return x.cost < y.cost; };
       best = static_cast<size_t>(std::min_element(layouts.begin(), layouts.end(), costs_less) - layouts.begin());
     };
-    // With its holes cut open a sheet is laid out only where that may cost less.
-    const bool filled = !cuts.front().cut.hole.empty();
-    try_where([&](size_t c) { return cuts[c].cut.hole.empty() != filled; });
-    const auto open = [&](size_t c) { return cuts[c].cut.hole.empty() && filled; };
-    const auto first_open = std::find_if(ways.begin(), ways.end(), [&](const Way& w) { return open(w.cut); });
-    if (first_open != ways.end()) {
-      lay_out_start(first_open->cut);
-      if (!(layouts[best].cost <= least_cost(start[first_open->cut]))) try_where(open);
+    const auto is_open = [&](size_t i) { return cuts[ways[i].cut].cut.hole.empty(); };
+    size_t open = 0;  // the first way with the sheet's holes cut open
+    while (open < ways.size() && !is_open(open)) ++open;
+    if (open == 0 || open == ways.size()) {
+      try_where([](size_t) { return true; });
+    } else {
+      // The first taste tells which of the two is not worth the others, where it is clear.
+      constexpr double kClearly = 1.05;
+      try_where([](size_t i) { return i == 0; });
+      lay_out_start(ways[open].cut);
+      const double least = least_cost(start[ways[open].cut]);
+      if (layouts[0].cost > least) try_where([&](size_t i) { return i == open; });
+      if (!(layouts[0].cost > kClearly * layouts[open].cost)) try_where([&](size_t i) { return i < open; });
+      if (layouts[best].cost > least && !(layouts[open].cost > kClearly * layouts[0].cost)) {
+        try_where([&](size_t i) { return i > open; });
+      }
     }
   }
   if (failed[best]) std::rethrow_exception(failed[best]);
