@@ -17,12 +17,14 @@
 #include "develop/develop.h"
 #include "fit/fit_image.h"
 #include "fit/relax_samples.h"
+#include "flatten/open_holes.h"
 #include "flatten/uv_layout.h"
 #include "geocloth/asset/error.h"
 #include "geocloth/asset/grid_mesh.h"
 #include "geocloth/parametrize/parts.h"
 #include "mesh/point_math.h"
 #include "repair/canonical_order.h"
+#include "repair/filled_holes.h"
 #include "repair/small_pieces.h"
 #include "report/stage_files.h"
 #include "report/verify.h"
@@ -134,8 +136,74 @@ std::vector<CutSurface> all_cuts(const CleanSurface& clean, const CutOptions& op
   return cuts;
 }
 
+/// A surface cut open, in the ways that cut_options wants.
+struct Cuts {
+  CutOptions options;
+  std::vector<CutSurface> surface;
+};
+
+Cuts cut_open(const CleanSurface& surface, const FlattenOptions& options, const std::optional<MirrorPlane>& mirror,
+              const Progress& progress, Stages& stages) {
+  Cuts cuts{cut_options(surface, options, mirror), {}};
+  cuts.surface = stages.run("cut", [&] { return all_cuts(surface, cuts.options, progress); });
+  return cuts;
+}
+
+FlatSurface lay_flat(const CleanSurface& surface, const Cuts& cuts, const FlattenOptions& options,
+                     const Progress& progress, Stages& stages, const StageFiles& files) {
+  files.save(cuts.surface.front());
+  return stages.run("flatten", [&] {
+    FlattenOptions with_wishes = options;
+    with_wishes.prefer = cuts.options.prefer;
+    return flatten(surface, cuts.surface, with_wishes, progress);
+  });
+}
+
+/// A surface whose holes are filled where that may cost less than cuts to them, cut open.
+struct FilledCuts {
+  CleanSurface surface;
+  Cuts cuts;
+};
+
+/// Nothing when there are no such holes. Those that first cuts meet anyway are cut open like other borders.
+std::optional<FilledCuts> cut_filled(const CleanSurface& clean, const FlattenOptions& options,
+                                     const std::optional<MirrorPlane>& mirror, const Progress& progress,
+                                     Stages& stages) {
+  constexpr int kTries = 4;
+  constexpr size_t kMostCutOpen = 300;  // holes: to find cuts to more of them takes long
+  const size_t kept = clean.triangle.size();
+  std::vector<uint32_t> left_open;
+  for (int tries = 0; tries < kTries; ++tries) {
+    FilledSurface filled = fill_holes(clean, left_open);
+    if (filled.rim.empty()) return std::nullopt;
+    Cuts cuts = cut_open(filled.surface, options, mirror, progress, stages);
+    std::vector<uint32_t> met;
+    for (CutSurface& cut : cuts.surface) {
+      for (const uint32_t t : cut.clean_triangle) cut.hole.push_back(t < kept ? kNone : filled.hole[t - kept]);
+      const std::vector<uint32_t> of_cut = holes_on_cuts(cut);
+      met.insert(met.end(), of_cut.begin(), of_cut.end());
+    }
+    if (!met.empty() && tries + 1 < kTries) {
+      for (const uint32_t hole : met) left_open.push_back(filled.rim[hole]);
+      std::sort(left_open.begin(), left_open.end());
+      continue;
+    }
+    if (filled.rim.size() <= kMostCutOpen) {
+      CleanSurface as_it_is = clean;
+      as_it_is.point_count = filled.surface.point_count;  // points that cuts insert have numbers beyond all of these
+      for (CutSurface& cut : cut_open(as_it_is, options, mirror, progress, stages).surface) {
+        cuts.surface.push_back(std::move(cut));
+      }
+    }
+    return FilledCuts{std::move(filled.surface), std::move(cuts)};
+  }
+  return std::nullopt;
+}
+
 /// From the surface that the image is to reproduce to a verified asset.
-void lay_out(const TriangleMesh& mesh, const CarriedSurface& carried, const FlattenOptions& options,
+/// @param fill  whether holes are to cost no cut. @returns whether there is something laid out: not if `fill` and there
+///   are no such holes
+bool lay_out(const TriangleMesh& mesh, const CarriedSurface& carried, const FlattenOptions& options, bool fill,
              const Progress& progress, Stages& stages, const StageFiles& files, ConvertResult& result) {
   const CleanSurface& clean = carried.represented;
   ConvertReport& report = result.report;
@@ -145,14 +213,14 @@ void lay_out(const TriangleMesh& mesh, const CarriedSurface& carried, const Flat
   if (options.layout == Layout::panels) {
     report.mirror = stages.run("mirror", [&] { return find_mirror_plane(clean.position, clean.triangle); });
   }
-  const CutOptions how_to_cut = cut_options(clean, options, report.mirror);
-  const std::vector<CutSurface> cuts = stages.run("cut", [&] { return all_cuts(clean, how_to_cut, progress); });
-  files.save(cuts.front());
-  result.flat = stages.run("flatten", [&] {
-    FlattenOptions with_wishes = options;
-    with_wishes.prefer = how_to_cut.prefer;
-    return flatten(clean, cuts, with_wishes, progress);
-  });
+  if (fill) {
+    const std::optional<FilledCuts> filled = cut_filled(clean, options, report.mirror, progress, stages);
+    if (!filled) return false;
+    result.flat = lay_flat(filled->surface, filled->cuts, options, progress, stages, files);
+  } else {
+    const Cuts cuts = cut_open(clean, options, report.mirror, progress, stages);
+    result.flat = lay_flat(clean, cuts, options, progress, stages, files);
+  }
   const FlatSurface& flat = result.flat;
   files.save(flat);
 
@@ -179,6 +247,20 @@ void lay_out(const TriangleMesh& mesh, const CarriedSurface& carried, const Flat
     verify(mesh, clean, flat, raster, asset, report);
     return report.welded;
   });
+  return true;
+}
+
+/// The same; in panels with holes that cost no cut, if that can be.
+void lay_out_with_holes(const TriangleMesh& mesh, const CarriedSurface& carried, const FlattenOptions& options,
+                        const Progress& progress, Stages& stages, const StageFiles& files, ConvertResult& result) {
+  if (options.layout == Layout::panels) {
+    try {
+      if (lay_out(mesh, carried, options, true, progress, stages, files, result)) return;
+    } catch (const Error& e) {
+      if (e.code() != ErrorCode::verification && e.code() != ErrorCode::limit) throw;
+    }
+  }
+  lay_out(mesh, carried, options, false, progress, stages, files, result);
 }
 
 struct Attempt {
@@ -285,7 +367,7 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& optio
                  : carry_nothing(repaired.surface);
     });
     try {
-      lay_out(mesh, carried, attempts[i].options, progress, stages, files, result);
+      lay_out_with_holes(mesh, carried, attempts[i].options, progress, stages, files, result);
       finer = attempts[i].options.layout == Layout::panels &&
               (attempts[i].options.resolution > options.flatten.resolution ||
                attempts[i].options.spacing < options.flatten.spacing);

@@ -281,11 +281,16 @@ Picture draw_flat_surface(const FlatSurface& flat) {
       const Vec2 a = place(t, i), b = place(t, (i + 1) % 3);
       draw_line(picture, a.x, a.y, b.x, b.y, 0.6F, distinct_color(flat.chart[t]));
     }
-  for (const FlatChart& chart : flat.charts)
-    for (const OutlineSample& sample : chart.outline)
-      fill_disc(picture, (static_cast<float>(chart.x0 + sample.x) + 0.5F) * static_cast<float>(scale),
-                (static_cast<float>(chart.y0 + sample.y) + 0.5F) * static_cast<float>(scale),
-                std::max(1.F, static_cast<float>(scale) * 0.2F), kInk);
+  for (const FlatChart& chart : flat.charts) {
+    const auto draw = [&](const std::vector<OutlineSample>& loop) {
+      for (const OutlineSample& sample : loop)
+        fill_disc(picture, (static_cast<float>(chart.x0 + sample.x) + 0.5F) * static_cast<float>(scale),
+                  (static_cast<float>(chart.y0 + sample.y) + 0.5F) * static_cast<float>(scale),
+                  std::max(1.F, static_cast<float>(scale) * 0.2F), kInk);
+    };
+    draw(chart.outline);
+    for (const std::vector<OutlineSample>& hole : chart.holes) draw(hole);
+  }
   return picture;
 }
 

@@ -2,7 +2,9 @@
 #include "develop/chart.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 #include <queue>
 
 #include "cut/cut_graph.h"
@@ -28,6 +30,9 @@ Chart extract_chart(const CutSurface& cut, std::vector<uint32_t> triangles) {
     c.triangle[h / 3][h % 3] = static_cast<uint32_t>(c.cut_vertex.size() - 1);
   }
   c.opposite = opposite_half_edges(c.triangle);
+  if (!cut.hole.empty()) {
+    for (const uint32_t t : c.global_triangle) c.hole.push_back(cut.hole[t]);
+  }
   return c;
 }
 
@@ -39,7 +44,10 @@ std::vector<std::vector<uint32_t>> triangles_of_components(const CutSurface& cut
 
 double total_area(const Chart& c) {
   double area = 0;
-  for (const Triangle& t : c.triangle) area += triangle_area(c.position[t[0]], c.position[t[1]], c.position[t[2]]);
+  for (size_t i = 0; i < c.triangle.size(); ++i) {
+    const Triangle& t = c.triangle[i];
+    if (c.is_cloth(i)) area += triangle_area(c.position[t[0]], c.position[t[1]], c.position[t[2]]);
+  }
   return area;
 }
 
@@ -139,6 +147,7 @@ Chart opened(const Chart& c, std::span<const std::vector<uint32_t>> paths) {
   Chart result;
   result.triangle = std::move(o.triangle);
   result.global_triangle = c.global_triangle;
+  result.hole = c.hole;
   result.opposite = opposite_half_edges(result.triangle);
   for (const uint32_t v : o.original) {
     result.position.push_back(c.position[v]);
@@ -167,9 +176,29 @@ std::vector<Chart> separated(const Chart& c) {
     }
     piece.triangle.push_back(corners);
     piece.global_triangle.push_back(c.global_triangle[t]);
+    if (!c.hole.empty()) piece.hole.push_back(c.hole[t]);
   }
   for (Chart& piece : pieces) piece.opposite = opposite_half_edges(piece.triangle);
   return pieces;
+}
+
+std::vector<std::vector<uint32_t>> rim_loops(const Chart& c) {
+  std::vector<std::vector<uint32_t>> loops;
+  std::map<std::array<uint32_t, 2>, uint32_t> next;  // by hole and vertex
+  for (uint32_t h = 0; h < c.opposite.size(); ++h) {
+    if (c.is_cloth(h / 3) || c.opposite[h] == kNone || c.hole[c.opposite[h] / 3] == c.hole[h / 3]) continue;
+    next[{c.hole[h / 3], tail(c.triangle, h)}] = head(c.triangle, h);
+  }
+  while (!next.empty()) {
+    std::vector<uint32_t>& loop = loops.emplace_back();
+    for (auto edge = next.begin(); edge != next.end();) {
+      const uint32_t hole = edge->first[0], head = edge->second;
+      loop.push_back(edge->first[1]);
+      next.erase(edge);
+      edge = next.find({hole, head});
+    }
+  }
+  return loops;
 }
 
 double outline_length(const Chart& c) {

@@ -17,13 +17,16 @@ struct Chart {
   std::vector<Point3> position;           ///< per vertex [m]
   std::vector<uint32_t> cut_vertex;       ///< per vertex: vertex of the cut surface
   std::vector<Point2> uv;                 ///< per vertex [m], y up, triangles counter-clockwise; empty until embedded
+  std::vector<uint32_t> hole{};  ///< per triangle: the hole that it fills, kNone for cloth; empty: all is cloth
+
+  [[nodiscard]] bool is_cloth(size_t t) const { return hole.empty() || hole[t] == kNone; }
 };
 
 /// Some triangles of a cut surface as a chart without coordinates.
 [[nodiscard]] Chart extract_chart(const CutSurface& cut, std::vector<uint32_t> triangles);
 [[nodiscard]] std::vector<std::vector<uint32_t>> triangles_of_components(const CutSurface& cut);
 
-[[nodiscard]] double total_area(const Chart& chart);
+[[nodiscard]] double total_area(const Chart& chart);  ///< of its cloth
 /// Of a triangle in a chart's plane [m^2], positive when it is counter-clockwise.
 [[nodiscard]] inline double signed_area(const Point2& a, const Point2& b, const Point2& c) {
   return 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]));
@@ -62,6 +65,9 @@ struct Distances {
 /// The chart cut open along a path of vertices; the plane's coordinates stay.
 [[nodiscard]] Chart opened(const Chart& chart, const std::vector<uint32_t>& path);
 [[nodiscard]] Chart opened(const Chart& chart, std::span<const std::vector<uint32_t>> paths);
+
+/// The loops of vertices around the holes that are filled, as far as those lie inside the chart.
+[[nodiscard]] std::vector<std::vector<uint32_t>> rim_loops(const Chart& chart);
 
 /// The edge-connected pieces of a chart, in the order of their first triangles.
 [[nodiscard]] std::vector<Chart> separated(const Chart& chart);

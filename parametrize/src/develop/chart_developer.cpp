@@ -16,10 +16,10 @@
 
 #include <tbb/parallel_for.h>
 
+#include "develop/chart_energy.h"
 #include "develop/chart_overlap.h"
 #include "develop/embed_chart.h"
 #include "develop/layout_cost.h"
-#include "develop/symmetric_dirichlet.h"
 #include "geocloth/asset/error.h"
 #include "mesh/point_math.h"
 
@@ -42,6 +42,7 @@ std::vector<uint32_t> worst_vertices(const Chart& c, const std::vector<double>& 
                                      double least_cut, size_t count) {
   std::vector<double> ring(c.position.size(), 0), score(c.position.size(), 0);
   for (size_t t = 0; t < c.triangle.size(); ++t) {
+    if (!c.is_cloth(t)) continue;
     const Triangle& k = c.triangle[t];
     const double excess = (energy[t] - 4) * triangle_area(c.position[k[0]], c.position[k[1]], c.position[k[2]]);
     for (const uint32_t v : k) ring[v] += excess;
@@ -112,7 +113,7 @@ class Developer {
 
   /// Opens cuts while they pay.
   void relax(Open& open) {
-    double energy = SymmetricDirichlet(open.chart.position, open.chart.triangle, {}).energy(open.chart.uv);
+    double energy = chart_energy(open.chart).energy(open.chart.uv);
     Falls falls;
     while (cuts_left_ > 0 &&
            (energy > options_.target_energy || strained_area(open.chart) > kMostStrained * total_area(open.chart))) {
@@ -147,14 +148,13 @@ class Developer {
   /// Is a chart strained by triangles that are longer than cuts have to be? The ends of a closed pole of few triangles
   /// are smaller than a cut is worth, but what they lack is passed on from end to end.
   [[nodiscard]] bool is_spoilt(const Chart& chart) const {
-    const std::vector<double> energy =
-        SymmetricDirichlet(chart.position, chart.triangle, {}).energy_per_triangle(chart.uv);
+    const std::vector<double> energy = chart_energy(chart).energy_per_triangle(chart.uv);
     double spoilt = 0;
     for (size_t t = 0; t < energy.size(); ++t) {
       const auto& [a, b, c] = chart.triangle[t];
       const Point3 &p = chart.position[a], &q = chart.position[b], &r = chart.position[c];
       const bool is_long = std::max({distance(p, q), distance(q, r), distance(r, p)}) > options_.least_cut;
-      if (is_long && energy[t] > kMostStrain) spoilt += triangle_area(p, q, r);
+      if (is_long && chart.is_cloth(t) && energy[t] > kMostStrain) spoilt += triangle_area(p, q, r);
     }
     return spoilt > kSpoilt * total_area(chart);
   }
@@ -187,8 +187,7 @@ class Developer {
     const Distances way_out =
         distances(chart, outline_loop(chart), on_outline(chart),
                   {taste_.crease_discount, taste_.both_sides ? discount_ : std::span<const double>{}});
-    const std::vector<double> per_triangle =
-        SymmetricDirichlet(chart.position, chart.triangle, {}).energy_per_triangle(chart.uv);
+    const std::vector<double> per_triangle = chart_energy(chart).energy_per_triangle(chart.uv);
     const double side = std::sqrt(total_area(chart));
     const bool is_small = chart.triangle.size() < kSmallChart;
     const auto judge = [&](Trial& trial) {
@@ -257,7 +256,7 @@ class Developer {
     } else {
       if (!trial.energy) {
         trial.chart = opened(open.chart, trial.paths);
-        trial.energy.emplace(trial.chart.position, trial.chart.triangle, std::span<const uint8_t>{});
+        trial.energy = chart_energy(trial.chart);
         trial.fall = energy - trial.energy->minimise(trial.chart.uv, 1, kCutTolerance);
       }
       if (!is_first) trial.fall = energy - trial.energy->minimise(trial.chart.uv, kTrialSteps - 1, kCutTolerance);
@@ -319,7 +318,7 @@ class Developer {
   }
 
   static double minimise(Chart& chart, uint32_t iterations, double tolerance) {
-    return SymmetricDirichlet(chart.position, chart.triangle, {}).minimise(chart.uv, iterations, tolerance);
+    return chart_energy(chart).minimise(chart.uv, iterations, tolerance);
   }
 
   /// The pieces of a chart whose outline crosses itself, or nothing when it does not.

@@ -13,10 +13,10 @@
 
 #include <tbb/parallel_for.h>
 
+#include "develop/chart_energy.h"
 #include "develop/chart_overlap.h"
 #include "develop/embed_chart.h"
 #include "develop/layout_cost.h"
-#include "develop/symmetric_dirichlet.h"
 #include "mesh/half_edges.h"
 #include "mesh/point_math.h"
 
@@ -37,7 +37,7 @@ LayoutCost cost_of(const Chart& chart) {
 }
 
 double minimise(Chart& chart, uint32_t steps, double tolerance) {
-  return SymmetricDirichlet(chart.position, chart.triangle, {}).minimise(chart.uv, steps, tolerance);
+  return chart_energy(chart).minimise(chart.uv, steps, tolerance);
 }
 
 /// Two vertices become one, the first, at a place in the plane.

@@ -22,14 +22,15 @@
 
 #include "cut/edge_wishes.h"
 #include "develop/chart_developer.h"
+#include "develop/chart_energy.h"
 #include "develop/close_slits.h"
 #include "develop/grain.h"
 #include "develop/layout_cost.h"
 #include "develop/merge_charts.h"
+#include "develop/met_holes.h"
 #include "develop/mixed_cut.h"
 #include "develop/part_panels.h"
 #include "develop/straight_layout.h"
-#include "develop/symmetric_dirichlet.h"
 #include "geocloth/asset/error.h"
 #include "mesh/point_math.h"
 
@@ -89,19 +90,28 @@ struct Way {
   Taste taste;
 };
 
+/// What a cut is to a part.
+struct Worth {
+  bool tried = true;
+  bool wishful = false;  // with preferences
+};
+
 /// How many ways a part is worth: time grows with its triangles.
-/// @param worth  per cut: whether it is tried
-std::vector<Way> ways_for(size_t triangles, const std::vector<char>& worth) {
+std::vector<Way> ways_for(size_t triangles, const std::vector<Worth>& worth) {
   constexpr size_t kFurther = 1'500, kAll = 4'000, kTwo = 10'000;
   const size_t plain = triangles <= kAll ? kTastes.size() : triangles <= kTwo ? 2 : 1;
   const size_t wishful = triangles <= kAll ? kWishfulTastes.size() : triangles <= kMostWithWishes ? 1 : 0;
   std::vector<Way> ways;
-  for (size_t i = 0; i < plain; ++i) ways.push_back({0, kTastes.at(i)});
-  if (triangles <= kFurther) {
-    for (const Taste& taste : kFurtherTastes) ways.push_back({0, taste});
-  }
-  for (size_t c = 1; c < worth.size(); ++c) {
-    for (size_t i = 0; i < wishful && worth[c] != 0; ++i) ways.push_back({c, kWishfulTastes.at(i)});
+  for (size_t c = 0; c < worth.size(); ++c) {
+    if (!worth[c].tried) continue;
+    if (worth[c].wishful) {
+      for (size_t i = 0; i < wishful; ++i) ways.push_back({c, kWishfulTastes.at(i)});
+      continue;
+    }
+    for (size_t i = 0; i < plain; ++i) ways.push_back({c, kTastes.at(i)});
+    if (triangles <= kFurther) {
+      for (const Taste& taste : kFurtherTastes) ways.push_back({c, taste});
+    }
   }
   return ways;
 }
@@ -226,6 +236,44 @@ Likeness likeness_of(const std::vector<CutWay>& cuts, size_t sheet) {
   return result;
 }
 
+bool has_fillings(const CutWay& way, size_t sheet) {
+  const auto is_filling = [&](uint32_t t) { return way.cut.hole[t] != kNone; };
+  const std::vector<std::vector<uint32_t>>& components = way.triangles[sheet];
+  return !way.cut.hole.empty() && std::any_of(components.begin(), components.end(), [&](const auto& c) {
+    return std::any_of(c.begin(), c.end(), is_filling);
+  });
+}
+
+/// What the cuts are to a sheet. Those of the surface with its holes filled come first, then those of the surface as it
+/// is, which matter to sheets with holes only.
+/// @param alike  as of first_alike()
+std::vector<Worth> worth_of(const std::vector<CutWay>& cuts, size_t sheet, const std::vector<size_t>& alike,
+                            const DevelopOptions& options) {
+  std::vector<Worth> worth(cuts.size());
+  const bool filled = has_fillings(cuts.front(), sheet);
+  for (size_t c = 1; c < cuts.size(); ++c) {
+    const bool of_other_surface = cuts[c].cut.hole.empty() != cuts.front().cut.hole.empty();
+    worth[c].wishful = cuts[c].cut.hole.empty() == cuts[c - 1].cut.hole.empty();
+    if (of_other_surface && !filled) worth[c].tried = false;
+    if (worth[c].wishful && alike[c] < c && is_beside_mirror(cuts[c], sheet, options.prefer.mirror)) {
+      worth[c].tried = false;
+    }
+  }
+  return worth;
+}
+
+/// What a sheet costs at least when it is cut open like this: its first cuts stay, and it has no distortion.
+double least_cost(const std::vector<Chart>& start) {
+  constexpr double kShortened = 0.97;  // of outlines that are drawn straight
+  LayoutCost cost;
+  double outline = 0;
+  for (const Chart& c : start) {
+    cost.area += total_area(c);
+    outline += smooth_outline_length(c);
+  }
+  return kShortened * outline / 2 / std::sqrt(cost.area);
+}
+
 /// Lays the components of one sheet out and sews together again what needs no seam.
 /// @param twin  of the sheet, where one is laid out already: a pair of shoes is laid out in one way
 SheetLayout develop_sheet(const std::vector<CutWay>& cuts, size_t sheet, const DevelopOptions& options,
@@ -234,11 +282,7 @@ SheetLayout develop_sheet(const std::vector<CutWay>& cuts, size_t sheet, const D
   size_t triangles = 0;
   for (const std::vector<uint32_t>& c : cuts.front().triangles[sheet]) triangles += c.size();
   const std::vector<size_t> alike = first_alike(cuts, sheet);
-  std::vector<char> worth(cuts.size(), 1);
-  for (size_t c = 1; c < cuts.size(); ++c) {
-    if (alike[c] < c && is_beside_mirror(cuts[c], sheet, options.prefer.mirror)) worth[c] = 0;
-  }
-  const std::vector<Way> ways = ways_for(triangles, worth);
+  const std::vector<Way> ways = ways_for(triangles, worth_of(cuts, sheet, alike, options));
   std::vector<std::vector<Chart>> start(ways.back().cut + 1);
   std::vector<std::deque<TrialMemory>> memory(start.size());
   const auto lay_out_start = [&](size_t c) { start[c] = laid_out(cuts[c], sheet); };
@@ -268,6 +312,7 @@ SheetLayout develop_sheet(const std::vector<CutWay>& cuts, size_t sheet, const D
                    {.most_energy = options.target_energy,
                     .seam_price = options.cut_price,
                     .narrow = kNarrow * options.least_cut});
+      open_met_holes(layouts[i].charts);
       layouts[i].cost = ways.size() > 1 ? cost_of(layouts[i].charts, options) : 0;
     } catch (const Error&) {
       failed[i] = std::current_exception();
@@ -280,12 +325,35 @@ SheetLayout develop_sheet(const std::vector<CutWay>& cuts, size_t sheet, const D
     try_way(best);
   }
   if (twin == nullptr || !(layouts[best].cost <= kAsGood * twin->cost)) {
-    tbb::parallel_for(size_t{0}, start.size(), lay_out_start);
-    tbb::parallel_for(size_t{0}, ways.size(), [&](size_t i) {
-      if (layouts[i].charts.empty() && !failed[i]) try_way(i);
-    });
-    const auto costs_less = [](const SheetLayout& a, const SheetLayout& b) { return a.cost < b.cost; };
-    best = static_cast<size_t>(std::min_element(layouts.begin(), layouts.end(), costs_less) - layouts.begin());
+    const auto try_where = [&](const auto& wanted) {
+      std::vector<size_t> cut, way;
+      for (size_t i = 0; i < ways.size(); ++i) {
+        if (!wanted(i) || !layouts[i].charts.empty() || failed[i]) continue;
+        way.push_back(i);
+        if (start[ways[i].cut].empty() && (cut.empty() || cut.back() != ways[i].cut)) cut.push_back(ways[i].cut);
+      }
+      tbb::parallel_for(size_t{0}, cut.size(), [&](size_t k) { lay_out_start(cut[k]); });
+      tbb::parallel_for(size_t{0}, way.size(), [&](size_t k) { try_way(way[k]); });
+      const auto costs_less = [](const SheetLayout& x, const SheetLayout& y) { return x.cost < y.cost; };
+      best = static_cast<size_t>(std::min_element(layouts.begin(), layouts.end(), costs_less) - layouts.begin());
+    };
+    const auto is_open = [&](size_t i) { return cuts[ways[i].cut].cut.hole.empty(); };
+    size_t open = 0;  // the first way with the sheet's holes cut open
+    while (open < ways.size() && !is_open(open)) ++open;
+    if (open == 0 || open == ways.size()) {
+      try_where([](size_t) { return true; });
+    } else {
+      // The first taste tells which of the two is not worth the others, where it is clear.
+      constexpr double kClearly = 1.05;
+      try_where([](size_t i) { return i == 0; });
+      lay_out_start(ways[open].cut);
+      const double least = least_cost(start[ways[open].cut]);
+      if (layouts[0].cost > least) try_where([&](size_t i) { return i == open; });
+      if (!(layouts[0].cost > kClearly * layouts[open].cost)) try_where([&](size_t i) { return i < open; });
+      if (layouts[best].cost > least && !(layouts[open].cost > kClearly * layouts[0].cost)) {
+        try_where([&](size_t i) { return i > open; });
+      }
+    }
   }
   if (failed[best]) std::rethrow_exception(failed[best]);
   close_slits(layouts[best].charts, cuts[layouts[best].cut].sheet, options);
@@ -323,32 +391,6 @@ std::vector<SheetLayout> develop_sheets(const std::vector<CutWay>& cuts, const D
     });
   }
   return developed;
-}
-
-DevelopedSurface assembled(const CutSurface& cut, const std::vector<Chart>& charts) {
-  DevelopedSurface result;
-  CutSurface& out = result.cut;
-  out.triangle.resize(cut.triangle.size());
-  out.component.resize(cut.triangle.size());
-  out.point_count = cut.point_count;
-  out.clean_triangle = cut.clean_triangle;
-  for (const Chart& chart : charts) {
-    const auto first = static_cast<uint32_t>(out.position.size());
-    for (size_t v = 0; v < chart.position.size(); ++v) {
-      out.position.push_back(chart.position[v]);
-      out.point.push_back(cut.point[chart.cut_vertex[v]]);
-      out.clean_vertex.push_back(cut.clean_vertex[chart.cut_vertex[v]]);
-      result.uv.push_back(chart.uv[v]);
-    }
-    for (size_t t = 0; t < chart.triangle.size(); ++t) {
-      const Triangle& k = chart.triangle[t];
-      out.triangle[chart.global_triangle[t]] = {first + k[0], first + k[1], first + k[2]};
-      out.component[chart.global_triangle[t]] = out.component_count;
-    }
-    ++out.component_count;
-    result.energy.push_back(SymmetricDirichlet(chart.position, chart.triangle, {}).energy(chart.uv));
-  }
-  return result;
 }
 
 /// Energy by area.
@@ -546,6 +588,7 @@ DevelopedSurface develop(std::span<const CutSurface> cuts, const DevelopOptions&
   const CutSurface cut = put_together(cuts, choice, charts);
   ChartedSurface result = parted_where_that_pays(cut, find_sheet(cut), charts, options);
   even_out_stretch(result.charts);
+  open_met_holes(result.charts);
   return assembled(result.cut, result.charts);
 }
 

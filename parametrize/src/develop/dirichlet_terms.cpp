@@ -307,7 +307,8 @@ Element make_element(const Point3& a, const Point3& b, const Point3& c) {
 
 }  // namespace
 
-DirichletTerms::DirichletTerms(std::span<const Point3> position, std::span<const Triangle> triangle)
+DirichletTerms::DirichletTerms(std::span<const Point3> position, std::span<const Triangle> triangle,
+                               std::span<const double> share)
     : count_(triangle.size()) {
   const size_t filled_up = (count_ + kMostLanes - 1) / kMostLanes * kMostLanes;
   for (auto& c : corner_) c.resize(filled_up);
@@ -319,8 +320,8 @@ DirichletTerms::DirichletTerms(std::span<const Point3> position, std::span<const
     const Element e = make_element(position[k[0]], position[k[1]], position[k[2]]);
     for (size_t i = 0; i < k.size(); ++i) corner_[i][t] = 2 * static_cast<int64_t>(k[i]);
     for (size_t i = 0; i < kUnknowns; ++i) gradient_[i][t] = e.gradient[i];
-    weight_[t] = e.area;
-    if (t < count_) area += e.area;
+    weight_[t] = share.empty() ? e.area : e.area * share[std::min(t, count_ - 1)];
+    if (t < count_) area += weight_[t];
   }
   for (double& w : weight_) w /= area;
 }

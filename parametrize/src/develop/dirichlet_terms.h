@@ -21,7 +21,9 @@ class DirichletTerms {
   static constexpr size_t kLowerHalf = 21;  ///< entries of a symmetric matrix of these
 
   /// @param position  vertices of the surface [m]
-  DirichletTerms(std::span<const Point3> position, std::span<const Triangle> triangle);
+  /// @param share     per triangle: of its area that counts; empty: all of it
+  DirichletTerms(std::span<const Point3> position, std::span<const Triangle> triangle,
+                 std::span<const double> share = {});
 
   [[nodiscard]] size_t size() const { return count_; }
   /// Weights are shares of the area.

@@ -12,8 +12,8 @@
 
 #include <Eigen/SparseCholesky>
 
+#include "develop/chart_energy.h"
 #include "develop/chart_overlap.h"
-#include "develop/symmetric_dirichlet.h"
 #include "geocloth/asset/error.h"
 #include "mesh/point_math.h"
 
@@ -102,8 +102,7 @@ bool embed_flat(Chart& c) {
     const Point3 from = p - c.position[0];
     c.uv.push_back({dot(from, x), dot(from, y)});
   }
-  const bool flat = flip_free(c) && SymmetricDirichlet(c.position, c.triangle, {}).energy(c.uv) < 4 + kFlat &&
-                    !crossing_edges(c, outline_loop(c));
+  const bool flat = flip_free(c) && chart_energy(c).energy(c.uv) < 4 + kFlat && !crossing_edges(c, outline_loop(c));
   if (!flat) c.uv.clear();
   return flat;
 }

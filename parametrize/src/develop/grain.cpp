@@ -16,8 +16,8 @@
 #include <optional>
 #include <vector>
 
+#include "develop/chart_energy.h"
 #include "develop/chart_overlap.h"
-#include "develop/symmetric_dirichlet.h"
 #include "mesh/point_math.h"
 
 namespace geocloth {
@@ -48,17 +48,18 @@ Point3 spread_of(const std::array<Point2, 3>& uv, double area) {
 
 GrainSum sum_of(const Chart& c) {
   GrainSum sum;
-  std::vector<double> area;
-  area.reserve(c.triangle.size());
-  for (const Triangle& t : c.triangle) {
+  std::vector<double> area(c.triangle.size(), 0.0);
+  for (size_t i = 0; i < area.size(); ++i) {
+    if (!c.is_cloth(i)) continue;
+    const Triangle& t = c.triangle[i];
     const GrainSum one =
         grain_of_triangle({c.position[t[0]], c.position[t[1]], c.position[t[2]]}, {c.uv[t[0]], c.uv[t[1]], c.uv[t[2]]});
     sum.add(one);
-    area.push_back(one.area);
+    area[i] = one.area;
   }
   for (size_t i = 0; i < area.size(); ++i) {
     const Triangle& t = c.triangle[i];
-    if (area[i] < kLargeTriangle * sum.area) continue;
+    if (!c.is_cloth(i) || area[i] < kLargeTriangle * sum.area) continue;
     sum.square = sum.square + spread_of({c.uv[t[0]], c.uv[t[1]], c.uv[t[2]]}, area[i]);
   }
   return sum;
@@ -183,7 +184,7 @@ void turn_upright(Chart& c) {
 
 void straighten_threads(Chart& c, double share, std::span<const double> times) {
   const std::vector<Point2> before = c.uv;
-  SymmetricDirichlet energy(c.position, c.triangle, {});
+  SymmetricDirichlet energy = chart_energy(c);
   energy.set_shear_price(share * kShearPrice);
   energy.set_weights(times);
   // The energy knows the plane's axes, so that it turns the chart a little: that is undone, and what it lost regained.
@@ -220,7 +221,11 @@ std::optional<TriangleThreads> threads_of(const Chart& c, const Triangle& t) {
 std::vector<double> anisotropies(const Chart& c) {
   std::vector<double> result;
   result.reserve(c.triangle.size());
-  for (const Triangle& t : c.triangle) result.push_back(threads_of(c, t).value_or(TriangleThreads{}).anisotropy);
+  for (size_t i = 0; i < c.triangle.size(); ++i) {
+    const std::optional<TriangleThreads> threads =
+        c.is_cloth(i) ? threads_of(c, c.triangle[i]) : std::optional<TriangleThreads>{};
+    result.push_back(threads.value_or(TriangleThreads{}).anisotropy);
+  }
   return result;
 }
 
@@ -229,7 +234,9 @@ ThreadMeasure measure_threads(const std::vector<Chart>& charts) {
   std::vector<Weighted> angle, anisotropy;
   double all = 0;
   for (const Chart& c : charts) {
-    for (const Triangle& t : c.triangle) {
+    for (size_t i = 0; i < c.triangle.size(); ++i) {
+      if (!c.is_cloth(i)) continue;
+      const Triangle& t = c.triangle[i];
       const std::optional<TriangleThreads> threads = threads_of(c, t);
       if (!threads) continue;
       const double area = triangle_area(c.position[t[0]], c.position[t[1]], c.position[t[2]]);

@@ -7,28 +7,30 @@
 #include <algorithm>
 #include <cmath>
 
-#include "develop/symmetric_dirichlet.h"
+#include "develop/chart_energy.h"
 #include "mesh/point_math.h"
 
 namespace geocloth {
 
 double strained_area(const Chart& chart) {
-  const std::vector<double> energy =
-      SymmetricDirichlet(chart.position, chart.triangle, {}).energy_per_triangle(chart.uv);
+  const std::vector<double> energy = chart_energy(chart).energy_per_triangle(chart.uv);
   double strained = 0;
   for (size_t t = 0; t < energy.size(); ++t) {
     const Triangle& k = chart.triangle[t];
-    if (energy[t] > kMostStrain) {
+    if (chart.is_cloth(t) && energy[t] > kMostStrain) {
       strained += triangle_area(chart.position[k[0]], chart.position[k[1]], chart.position[k[2]]);
     }
   }
   return strained;
 }
 
-double smooth_outline_length(const Chart& chart) {
+namespace {
+
+double smooth_length(const Chart& chart, const std::vector<uint32_t>& loop) {
   constexpr int kRounds = 6;
   std::vector<Point2> place;
-  for (const uint32_t v : outline_loop(chart)) place.push_back(chart.uv[v]);
+  place.reserve(loop.size());
+  for (const uint32_t v : loop) place.push_back(chart.uv[v]);
   const size_t n = place.size();
   double length = 0;
   for (int round = 0; round <= kRounds; ++round) {
@@ -43,11 +45,19 @@ double smooth_outline_length(const Chart& chart) {
   return length;
 }
 
+}  // namespace
+
+double smooth_outline_length(const Chart& chart) {
+  double length = smooth_length(chart, outline_loop(chart));
+  for (const std::vector<uint32_t>& rim : rim_loops(chart)) length += smooth_length(chart, rim);
+  return length;
+}
+
 void LayoutCost::add(const Chart& chart, double outline_length) {
   const double own = total_area(chart);
   area += own;
   outline += outline_length;
-  energy += own * SymmetricDirichlet(chart.position, chart.triangle, {}).energy(chart.uv);
+  energy += own * chart_energy(chart).energy(chart.uv);
   strained += strained_area(chart);
 }
 

@@ -13,7 +13,8 @@ constexpr double kMostStrained = 0.05;  ///< of a chart's area: more of it is no
 /// The area that is stretched more one way than the other than kMostStrain tells.
 [[nodiscard]] double strained_area(const Chart& chart);
 
-/// The length of an outline in the plane when it runs straight where it is serrated now, about.
+/// The length of an outline in the plane when it runs straight where it is serrated now, about; with
+/// the rims of holes inside of it.
 [[nodiscard]] double smooth_outline_length(const Chart& chart);
 
 /// By what layouts of the same part are compared.

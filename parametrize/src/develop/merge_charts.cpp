@@ -14,10 +14,10 @@
 #include <optional>
 #include <set>
 
+#include "develop/chart_energy.h"
 #include "develop/chart_overlap.h"
 #include "develop/embed_chart.h"
 #include "develop/grain.h"
-#include "develop/symmetric_dirichlet.h"
 #include "mesh/half_edges.h"
 #include "mesh/point_math.h"
 
@@ -100,9 +100,7 @@ class Merger {
   }
 
  private:
-  [[nodiscard]] static double energy_of(const Chart& c) {
-    return SymmetricDirichlet(c.position, c.triangle, {}).energy(c.uv);
-  }
+  [[nodiscard]] static double energy_of(const Chart& c) { return chart_energy(c).energy(c.uv); }
   [[nodiscard]] uint32_t sheet_vertex(const Chart& c, uint32_t v) const { return sheet_.of_vertex[c.cut_vertex[v]]; }
 
   bool merge_once() {
@@ -189,9 +187,9 @@ class Merger {
     if (!flip_free(*merged)) {
       work_ += kFreshStart * merged->triangle.size();
       if (!embed_on_circle(*merged)) return std::nullopt;
-      (void)SymmetricDirichlet(merged->position, merged->triangle, {}).minimise(merged->uv, 60, 1e-3);
+      (void)chart_energy(*merged).minimise(merged->uv, 60, 1e-3);
     }
-    SymmetricDirichlet energy(merged->position, merged->triangle, {});
+    SymmetricDirichlet energy = chart_energy(*merged);
     // A few steps tell most failures.
     for (const uint32_t steps : {5U, 30U}) {
       work_ += merged->triangle.size();
@@ -232,6 +230,11 @@ class Merger {
     }
     for (const Triangle& t : b.triangle) merged.triangle.push_back({number[t[0]], number[t[1]], number[t[2]]});
     merged.global_triangle.insert(merged.global_triangle.end(), b.global_triangle.begin(), b.global_triangle.end());
+    if (!a.hole.empty() || !b.hole.empty()) {
+      merged.hole.resize(a.triangle.size(), kNone);
+      merged.hole.insert(merged.hole.end(), b.hole.begin(), b.hole.end());
+      merged.hole.resize(merged.triangle.size(), kNone);
+    }
     merged.opposite = opposite_half_edges(merged.triangle);
     return merged;
   }

@@ -35,6 +35,7 @@ class CutMixer {
       const auto number = static_cast<uint32_t>(result_.triangle.size());
       result_.triangle.push_back({vertex(which, k[0]), vertex(which, k[1]), vertex(which, k[2])});
       result_.clean_triangle.push_back(cut.clean_triangle[t]);
+      result_.hole.push_back(cut.hole.empty() ? kNone : cut.hole[t]);
       const auto fresh = static_cast<uint32_t>(component_.size());
       result_.component.push_back(component_.try_emplace({which, cut.component[t]}, fresh).first->second);
       t = number;
@@ -44,6 +45,8 @@ class CutMixer {
 
   CutSurface finish() {
     result_.component_count = static_cast<uint32_t>(component_.size());
+    const bool all_cloth = std::all_of(result_.hole.begin(), result_.hole.end(), [](uint32_t h) { return h == kNone; });
+    if (all_cloth) result_.hole.clear();
     return std::move(result_);
   }
 
@@ -70,7 +73,10 @@ class CutMixer {
 }  // namespace
 
 CutSurface put_together(std::span<const CutSurface> cuts, std::span<const size_t> choice, std::span<Chart> charts) {
-  const bool one = std::all_of(choice.begin(), choice.end(), [&](size_t c) { return c == choice.front(); });
+  size_t triangles = 0;
+  for (const Chart& c : charts) triangles += c.triangle.size();
+  const bool one = triangles == cuts[choice.front()].triangle.size() &&
+                   std::all_of(choice.begin(), choice.end(), [&](size_t c) { return c == choice.front(); });
   if (one) return cuts[choice.front()];
   CutMixer mixer(cuts);
   for (size_t i = 0; i < charts.size(); ++i) mixer.add(cuts[choice[i]], choice[i], charts[i]);

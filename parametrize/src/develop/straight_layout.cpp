@@ -12,10 +12,10 @@
 
 #include "cut/edge_wishes.h"
 #include "develop/carry_layout.h"
+#include "develop/chart_energy.h"
 #include "develop/chart_overlap.h"
 #include "develop/embed_chart.h"
 #include "develop/layout_cost.h"
-#include "develop/symmetric_dirichlet.h"
 #include "mesh/point_math.h"
 
 namespace geocloth {
@@ -103,11 +103,11 @@ bool settle(Chart& chart, const std::vector<uint32_t>& former_triangle, const Fo
   if (!carry_layout(chart, former_triangle, former) && !embed_on_circle(chart)) return false;
   if (!changed) {
     const std::vector<Point2> places = chart.uv;
-    SymmetricDirichlet(chart.position, chart.triangle, {}).minimise(chart.uv, kStraightSteps, 1e-6);
+    chart_energy(chart).minimise(chart.uv, kStraightSteps, 1e-6);
     if (crossing_edges(chart, outline_loop(chart))) chart.uv = places;
     return true;
   }
-  SymmetricDirichlet(chart.position, chart.triangle, {}).minimise(chart.uv, kStraightSteps, 1e-6);
+  chart_energy(chart).minimise(chart.uv, kStraightSteps, 1e-6);
   return is_as_good(standing_of(chart, target_energy), before) && !crossing_edges(chart, outline_loop(chart));
 }
 
@@ -129,6 +129,9 @@ ChartedSurface straighten_layout(const CutSurface& cut, const Sheet& sheet, cons
     hold_wished_cuts(mesh, prefer, lines);
     straighten_cuts(mesh, lines);
     ChartedSurface result{open_along(mesh, lines.cut), {}};
+    if (!cut.hole.empty()) {
+      for (const uint32_t t : result.cut.clean_triangle) result.cut.hole.push_back(cut.hole[t]);
+    }
     for (std::vector<uint32_t>& part : triangles_of_components(result.cut)) {
       result.charts.push_back(extract_chart(result.cut, std::move(part)));
     }

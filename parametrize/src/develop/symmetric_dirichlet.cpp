@@ -24,8 +24,8 @@
 namespace geocloth {
 
 struct SymmetricDirichlet::Impl {
-  Impl(std::span<const Point3> position, std::span<const Triangle> triangles)
-      : triangle(triangles.begin(), triangles.end()), terms(position, triangles) {}
+  Impl(std::span<const Point3> position, std::span<const Triangle> triangles, std::span<const double> share)
+      : triangle(triangles.begin(), triangles.end()), terms(position, triangles, share) {}
 
   std::vector<Triangle> triangle;
   DirichletTerms terms;
@@ -83,8 +83,8 @@ struct SymmetricDirichlet::Impl {
 };
 
 SymmetricDirichlet::SymmetricDirichlet(std::span<const Point3> position, std::span<const Triangle> triangle,
-                                       std::span<const uint8_t> fixed)
-    : impl_(std::make_unique<Impl>(position, triangle)) {
+                                       std::span<const uint8_t> fixed, std::span<const double> share)
+    : impl_(std::make_unique<Impl>(position, triangle, share)) {
   impl_->unknown.assign(position.size(), -1);
   std::vector<uint8_t> used(position.size(), 0);
   for (const Triangle& t : triangle) used[t[0]] = used[t[1]] = used[t[2]] = 1;

@@ -18,8 +18,9 @@ class SymmetricDirichlet {
   /// @param position  vertices of the surface [m]
   /// @param triangle  its triangles, area > 0
   /// @param fixed     per vertex: non-zero keeps it where it is; empty: all are free
+  /// @param share     per triangle: of its area that counts, > 0; empty: all of it
   SymmetricDirichlet(std::span<const Point3> position, std::span<const Triangle> triangle,
-                     std::span<const uint8_t> fixed);
+                     std::span<const uint8_t> fixed, std::span<const double> share = {});
   SymmetricDirichlet(SymmetricDirichlet&&) noexcept;
   SymmetricDirichlet& operator=(SymmetricDirichlet&&) noexcept;
   ~SymmetricDirichlet();

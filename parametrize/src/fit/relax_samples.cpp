@@ -117,12 +117,16 @@ class SampleRelaxation {
   }
 
   void add_corners(const FlatChart& chart, std::vector<GridCorner>& corner) const {
-    std::vector<Pixel> chain;
-    chain.reserve(chart.outline.size());
-    for (const OutlineSample& s : chart.outline) {
-      chain.push_back({static_cast<int32_t>(chart.x0 + s.x), static_cast<int32_t>(chart.y0 + s.y)});
-    }
-    const CellHalves cells(chain);
+    std::vector<std::vector<Pixel>> chains;
+    const auto add_chain = [&](const std::vector<OutlineSample>& loop) {
+      std::vector<Pixel>& chain = chains.emplace_back();
+      for (const OutlineSample& s : loop) {
+        chain.push_back({static_cast<int32_t>(chart.x0 + s.x), static_cast<int32_t>(chart.y0 + s.y)});
+      }
+    };
+    add_chain(chart.outline);
+    for (const std::vector<OutlineSample>& hole : chart.holes) add_chain(hole);
+    const CellHalves cells(chains);
     const auto index = [&](int32_t x, int32_t y) {
       return static_cast<uint32_t>(y) * raster_.width + static_cast<uint32_t>(x);
     };

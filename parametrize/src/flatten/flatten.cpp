@@ -2,6 +2,7 @@
 // Chooses the layout; each has a file of its own.
 #include "geocloth/parametrize/flatten.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <string>
@@ -16,7 +17,8 @@
 namespace geocloth {
 namespace {
 
-void check(const CleanSurface& clean, const CutSurface& cut, const FlattenOptions& options) {
+/// @param fillings  triangles of the clean surface that are no cloth: a cut surface need not have them
+void check(const CleanSurface& clean, const CutSurface& cut, size_t fillings, const FlattenOptions& options) {
   if (options.resolution < kMinResolution || options.resolution > kMaxResolution) {
     throw Error(ErrorCode::invalid_argument, "resolution " + std::to_string(options.resolution) + " is not in " +
                                                  std::to_string(kMinResolution) + ".." +
@@ -25,7 +27,7 @@ void check(const CleanSurface& clean, const CutSurface& cut, const FlattenOption
   if (!std::isfinite(options.spacing) || options.spacing < 0) {
     throw Error(ErrorCode::invalid_argument, "the spacing must be a positive length in metres");
   }
-  if (cut.triangle.size() < clean.triangle.size() || cut.clean_triangle.size() != cut.triangle.size() ||
+  if (cut.triangle.size() + fillings < clean.triangle.size() || cut.clean_triangle.size() != cut.triangle.size() ||
       cut.triangle.empty()) {
     throw Error(ErrorCode::invalid_argument, "the cut surface is not that of the clean surface");
   }
@@ -66,7 +68,10 @@ FlatSurface without_symmetry(const CleanSurface& clean, std::span<const CutSurfa
 FlatSurface flatten(const CleanSurface& clean, std::span<const CutSurface> cuts, const FlattenOptions& options,
                     const Progress& progress) {
   if (cuts.empty()) throw Error(ErrorCode::invalid_argument, "there is no cut surface to be laid out");
-  for (const CutSurface& cut : cuts) check(clean, cut, options);
+  const std::vector<uint32_t>& hole = cuts.front().hole;
+  const auto fillings =
+      static_cast<size_t>(std::count_if(hole.begin(), hole.end(), [](uint32_t h) { return h != kNone; }));
+  for (const CutSurface& cut : cuts) check(clean, cut, fillings, options);
   check_spacing(clean, options.spacing);
   using Cuts = const std::vector<CutSurface>&;
   switch (options.layout) {

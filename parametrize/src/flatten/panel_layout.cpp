@@ -19,7 +19,9 @@
 #include <tbb/parallel_for.h>
 
 #include "develop/develop.h"
+#include "develop/met_holes.h"
 #include "develop/round_chart.h"
+#include "flatten/open_holes.h"
 #include "geocloth/asset/error.h"
 #include "image/chain_targets.h"
 #include "image/chart_chain.h"
@@ -29,6 +31,7 @@
 #include "image/seam_samples.h"
 #include "image/seam_slide.h"
 #include "image/seam_steps.h"
+#include "mesh/half_edges.h"
 #include "mesh/point_math.h"
 #include "mesh/refined_mesh.h"
 #include "pack/pack.h"
@@ -57,25 +60,51 @@ struct Plan {
   std::vector<Shape> shape;     // per chart
 };
 
+/// Of the cloth.
 std::vector<double> chart_areas(const CutSurface& cut) {
   std::vector<double> area(cut.component_count, 0);
   for (size_t t = 0; t < cut.triangle.size(); ++t) {
+    if (!cut.hole.empty() && cut.hole[t] != kNone) continue;
     const Triangle& k = cut.triangle[t];
     area[cut.component[t]] += triangle_area(cut.position[k[0]], cut.position[k[1]], cut.position[k[2]]);
   }
   return area;
 }
 
-/// The spacing with which about resolution^2 pixels lie inside or on the outlines: area / h^2 + outline / (2 h).
-double choose_spacing(const std::vector<double>& area, const std::vector<Outline>& outlines,
+/// Holes that are filled as yet.
+struct Rims {
+  double length = 0;  // [m]
+  size_t count = 0;
+};
+
+Rims rims_of(const CutSurface& cut) {
+  Rims rims;
+  if (cut.hole.empty()) return rims;
+  const std::vector<uint32_t> opposite = opposite_half_edges(cut.triangle);
+  std::vector<uint32_t> holes;
+  for (uint32_t h = 0; h < opposite.size(); ++h) {
+    if (cut.hole[h / 3] == kNone) continue;
+    holes.push_back(cut.hole[h / 3]);
+    if (opposite[h] != kNone && cut.hole[opposite[h] / 3] == cut.hole[h / 3]) continue;
+    rims.length += distance(cut.position[tail(cut.triangle, h)], cut.position[head(cut.triangle, h)]);
+  }
+  std::sort(holes.begin(), holes.end());
+  rims.count = static_cast<size_t>(std::unique(holes.begin(), holes.end()) - holes.begin());
+  return rims;
+}
+
+/// The spacing with which about resolution^2 pixels lie on the cloth or its outlines: area / h^2 + outline / (2 h),
+/// rims of holes among the outlines. Of the pixels in a polygon those on its outline are no part of the hole (Pick
+/// 1899), which makes one less for every hole.
+double choose_spacing(const std::vector<double>& area, const std::vector<Outline>& outlines, const Rims& rims,
                       const FlattenOptions& options) {
   if (options.spacing > 0) return options.spacing;
-  double total = 0, border = 0;
+  double total = 0, border = rims.length;
   for (const double a : area) total += a;
   for (const Outline& o : outlines) {
     for (const OutlinePath& p : o.path) border += p.length;
   }
-  const double wanted = static_cast<double>(options.resolution) * options.resolution;
+  const double wanted = static_cast<double>(options.resolution) * options.resolution + static_cast<double>(rims.count);
   const double per_metre = (-border / 2 + std::sqrt(border * border / 4 + 4 * total * wanted)) / (2 * total);
   return 1 / per_metre;
 }
@@ -84,7 +113,7 @@ Plan make_plan(DevelopedSurface developed, const FlattenOptions& options) {
   Plan plan;
   plan.developed = std::move(developed);
   plan.outlines = trace_outlines(plan.developed.cut);
-  plan.spacing = choose_spacing(chart_areas(plan.developed.cut), plan.outlines, options);
+  plan.spacing = choose_spacing(chart_areas(plan.developed.cut), plan.outlines, rims_of(plan.developed.cut), options);
   plan.shape.assign(plan.outlines.size(), Shape::own);
   plan.steps = least_seam_steps(plan.developed.cut, plan.outlines);
   for (const Outline& outline : plan.outlines) {
@@ -312,17 +341,6 @@ FlatChart make_chart(Laid& laid, size_t c, const std::vector<Pixel>& chain) {
   return chart;
 }
 
-/// Metres per pixel of every chart, by its areas in space and in the plane.
-void set_spacing(FlatSurface& flat) {
-  std::vector<double> in_space(flat.charts.size(), 0), in_plane(flat.charts.size(), 0);
-  for (size_t t = 0; t < flat.triangle.size(); ++t) {
-    const Triangle& k = flat.triangle[t];
-    in_space[flat.chart[t]] += triangle_area(flat.position[k[0]], flat.position[k[1]], flat.position[k[2]]);
-    in_plane[flat.chart[t]] += signed_area_twice(flat.uv[k[0]], flat.uv[k[1]], flat.uv[k[2]]) / 2;
-  }
-  for (size_t c = 0; c < flat.charts.size(); ++c) flat.charts[c].spacing = std::sqrt(in_space[c] / in_plane[c]);
-}
-
 /// The side of a pixel before anything is cut, when only the area is known.
 double rough_spacing(const CutSurface& cut, const FlattenOptions& options) {
   if (options.spacing > 0) return options.spacing;
@@ -405,6 +423,32 @@ void find_fuller_image(Placed& placed, const FlattenOptions& options) {
   }
 }
 
+/// Charts with their holes; those that have no room in the image are cut open to the outline, all in the end.
+FlatSurface with_open_holes(DevelopedSurface developed, const FlattenOptions& options, const Progress& progress) {
+  constexpr int kTries = 4;
+  for (int tries = 0;; ++tries) {
+    std::vector<uint32_t> hole;  // per triangle of the clean surface
+    for (size_t t = 0; t < developed.cut.hole.size(); ++t) {
+      const uint32_t clean = developed.cut.clean_triangle[t];
+      if (clean >= hole.size()) hole.resize(clean + size_t{1}, kNone);
+      hole[clean] = developed.cut.hole[t];
+    }
+    std::vector<uint32_t> stuck;
+    for (const uint32_t h : hole) {
+      if (h != kNone) stuck.push_back(h);
+    }
+    if (stuck.empty()) return lay_out_developed(std::move(developed), options, progress);
+    std::sort(stuck.begin(), stuck.end());
+    stuck.erase(std::unique(stuck.begin(), stuck.end()), stuck.end());
+    if (tries < kTries) {
+      FlatSurface flat = lay_out_developed(developed, options, progress);
+      stuck = open_holes(flat, hole);
+      if (stuck.empty()) return flat;
+    }
+    developed = with_holes_cut_open(developed, stuck);
+  }
+}
+
 }  // namespace
 
 FlatSurface lay_out_panels(std::span<const CutSurface> cuts, const FlattenOptions& options, const Progress& progress) {
@@ -414,7 +458,7 @@ FlatSurface lay_out_panels(std::span<const CutSurface> cuts, const FlattenOption
   develop_options.parting.pixel = rough_spacing(cut, options);
   develop_options.straight_cuts = options.straight_cuts;
   develop_options.prefer = options.prefer;
-  return lay_out_developed(develop(cuts, develop_options, progress), options, progress);
+  return with_open_holes(develop(cuts, develop_options, progress), options, progress);
 }
 
 FlatSurface lay_out_developed(DevelopedSurface developed, const FlattenOptions& options, const Progress& progress) {
@@ -436,6 +480,16 @@ FlatSurface lay_out_developed(DevelopedSurface developed, const FlattenOptions& 
   set_spacing(flat);
   packing ? arrange_charts(flat, *packing) : pack_charts(flat);
   return flat;
+}
+
+void set_spacing(FlatSurface& flat) {
+  std::vector<double> in_space(flat.charts.size(), 0), in_plane(flat.charts.size(), 0);
+  for (size_t t = 0; t < flat.triangle.size(); ++t) {
+    const Triangle& k = flat.triangle[t];
+    in_space[flat.chart[t]] += triangle_area(flat.position[k[0]], flat.position[k[1]], flat.position[k[2]]);
+    in_plane[flat.chart[t]] += signed_area_twice(flat.uv[k[0]], flat.uv[k[1]], flat.uv[k[2]]) / 2;
+  }
+  for (size_t c = 0; c < flat.charts.size(); ++c) flat.charts[c].spacing = std::sqrt(in_space[c] / in_plane[c]);
 }
 
 }  // namespace geocloth

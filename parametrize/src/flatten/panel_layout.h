@@ -15,4 +15,7 @@ namespace geocloth {
 [[nodiscard]] FlatSurface lay_out_developed(DevelopedSurface developed, const FlattenOptions& options,
                                             const Progress& progress);
 
+/// Sets the metres per pixel of every chart, by its areas in space and in the plane.
+void set_spacing(FlatSurface& flat);
+
 }  // namespace geocloth

@@ -6,6 +6,20 @@
 namespace geocloth {
 
 CellHalves::CellHalves(std::span<const Pixel> chain) {
+  find_rectangle(chain);
+  std::vector<std::vector<int32_t>> crossing(static_cast<size_t>(high_[1] - low_[1]));  // [half pixels]
+  cross_rows(chain, crossing);
+  for (int32_t y = 0; y < high_[1] - low_[1]; ++y) fill_row(crossing[static_cast<size_t>(y)], y);
+}
+
+CellHalves::CellHalves(std::span<const std::vector<Pixel>> chains) {
+  find_rectangle(chains.front());
+  std::vector<std::vector<int32_t>> crossing(static_cast<size_t>(high_[1] - low_[1]));
+  for (const std::vector<Pixel>& chain : chains) cross_rows(chain, crossing);
+  for (int32_t y = 0; y < high_[1] - low_[1]; ++y) fill_row(crossing[static_cast<size_t>(y)], y);
+}
+
+void CellHalves::find_rectangle(std::span<const Pixel> chain) {
   low_ = high_ = chain.front();
   for (const Pixel& p : chain) {
     low_ = {std::min(low_[0], p[0]), std::min(low_[1], p[1])};
@@ -13,7 +27,9 @@ CellHalves::CellHalves(std::span<const Pixel> chain) {
   }
   width_ = high_[0] - low_[0];
   cell_.assign(static_cast<size_t>(width_) * static_cast<size_t>(high_[1] - low_[1]), Cell{});
-  std::vector<std::vector<int32_t>> crossing(static_cast<size_t>(high_[1] - low_[1]));  // [half pixels]
+}
+
+void CellHalves::cross_rows(std::span<const Pixel> chain, std::vector<std::vector<int32_t>>& crossing) {
   for (size_t i = 0; i < chain.size(); ++i) {
     const Pixel &a = chain[i], &b = chain[(i + 1) % chain.size()];
     if (a[1] == b[1]) continue;
@@ -23,7 +39,6 @@ CellHalves::CellHalves(std::span<const Pixel> chain) {
     const bool falls_right = (b[0] > a[0]) == (b[1] > a[1]);
     at(std::min(a[0], b[0]) - low_[0], row).diagonal = falls_right ? Diagonal::right : Diagonal::left;
   }
-  for (int32_t y = 0; y < high_[1] - low_[1]; ++y) fill_row(crossing[static_cast<size_t>(y)], y);
 }
 
 void CellHalves::fill_row(std::vector<int32_t>& crossing, int32_t y) {

@@ -19,6 +19,8 @@ class CellHalves {
   };
 
   explicit CellHalves(std::span<const Pixel> chain);
+  /// @param chains  the first, and those around holes inside of it
+  explicit CellHalves(std::span<const std::vector<Pixel>> chains);
 
   [[nodiscard]] const Pixel& low() const { return low_; }
   [[nodiscard]] const Pixel& high() const { return high_; }
@@ -54,6 +56,8 @@ class CellHalves {
 
  private:
   Cell& at(int32_t x, int32_t y) { return cell_[static_cast<size_t>(y * width_ + x)]; }
+  void find_rectangle(std::span<const Pixel> chain);
+  void cross_rows(std::span<const Pixel> chain, std::vector<std::vector<int32_t>>& crossing);
   void fill_row(std::vector<int32_t>& crossing, int32_t y);
 
   Pixel low_{}, high_{};

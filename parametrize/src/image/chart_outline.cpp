@@ -40,14 +40,12 @@ bool on_segment(const Point2& a, const Point2& b, const Point2& p) {
 
 ChartOutline::ChartOutline(const FlatChart& chart) {
   row_.resize(std::max(chart.height, 1U));
-  for (std::size_t k = 0; k < chart.outline.size(); ++k) {
-    const OutlineSample& from = chart.outline[k];
-    const OutlineSample& to = chart.outline[(k + 1) % chart.outline.size()];
+  for_outline_steps(chart, [&](const OutlineSample& from, const OutlineSample& to) {
     const auto index = static_cast<uint32_t>(edge_.size());
     edge_.push_back({{static_cast<double>(from.x), static_cast<double>(from.y)},
                      {static_cast<double>(to.x), static_cast<double>(to.y)}});
     for (uint32_t r = std::min(from.y, to.y); r <= std::max(from.y, to.y); ++r) row_[r].push_back(index);
-  }
+  });
 }
 
 uint32_t ChartOutline::row_of(double v) const {
@@ -102,11 +100,9 @@ bool ChartOutline::holds(const Point2& a, const Point2& b) const {
 
 std::vector<std::vector<uint32_t>> row_crossings(const FlatChart& chart) {
   std::vector<std::vector<uint32_t>> columns(chart.height);
-  for (std::size_t k = 0; k < chart.outline.size(); ++k) {
-    const OutlineSample& a = chart.outline[k];
-    const OutlineSample& b = chart.outline[(k + 1) % chart.outline.size()];
+  for_outline_steps(chart, [&](const OutlineSample& a, const OutlineSample& b) {
     if (a.y != b.y) columns[std::min(a.y, b.y)].push_back(a.y < b.y ? a.x : b.x);
-  }
+  });
   for (std::vector<uint32_t>& row : columns) std::sort(row.begin(), row.end());
   return columns;
 }

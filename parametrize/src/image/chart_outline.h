@@ -5,6 +5,16 @@
 
 namespace geocloth {
 
+/// Calls visit(sample, next) for every step of a chart's outline and around its holes.
+template <class Visit>
+void for_outline_steps(const FlatChart& chart, const Visit& visit) {
+  const auto around = [&](const std::vector<OutlineSample>& loop) {
+    for (std::size_t k = 0; k < loop.size(); ++k) visit(loop[k], loop[(k + 1) % loop.size()]);
+  };
+  around(chart.outline);
+  for (const std::vector<OutlineSample>& hole : chart.holes) around(hole);
+}
+
 /// The polygon of one chart's outline pixels, ready for many questions "does this segment stay inside?". Pixels, not
 /// the places that they sample: a spring belongs to the image when it stays inside of the image's outline.
 class ChartOutline {

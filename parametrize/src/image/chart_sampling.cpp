@@ -125,14 +125,20 @@ std::optional<Point3> surface_point(const FlatSurface& flat, const PlanePlace& f
 }
 
 std::vector<Point2> sampling_places(const FlatSurface& flat, const FlatChart& chart) {
-  std::vector<Pixel> chain;
-  std::vector<Point2> place;
+  std::vector<std::vector<Pixel>> chains;
+  std::vector<std::vector<Point2>> places;
   bool displaced = false;
-  for (const OutlineSample& s : chart.outline) {
-    chain.push_back({static_cast<int32_t>(s.x), static_cast<int32_t>(s.y)});
-    place.push_back(flat.uv[s.vertex]);
-    displaced = displaced || place.back()[0] != s.x || place.back()[1] != s.y;
-  }
+  const auto add = [&](const std::vector<OutlineSample>& loop) {
+    std::vector<Pixel>& chain = chains.emplace_back();
+    std::vector<Point2>& place = places.emplace_back();
+    for (const OutlineSample& s : loop) {
+      chain.push_back({static_cast<int32_t>(s.x), static_cast<int32_t>(s.y)});
+      place.push_back(flat.uv[s.vertex]);
+      displaced = displaced || place.back()[0] != s.x || place.back()[1] != s.y;
+    }
+  };
+  add(chart.outline);
+  for (const std::vector<OutlineSample>& hole : chart.holes) add(hole);
   if (!displaced) {
     std::vector<Point2> lattice;
     lattice.reserve(size_t{chart.width} * chart.height);
@@ -141,7 +147,7 @@ std::vector<Point2> sampling_places(const FlatSurface& flat, const FlatChart& ch
     }
     return lattice;
   }
-  GridRelaxation grid(chain, place);
+  GridRelaxation grid(chains, places);
   for (int k = 0; k < kSweeps; ++k) grid.sweep();
   return grid.places();
 }

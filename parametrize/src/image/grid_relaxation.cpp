@@ -17,9 +17,10 @@ constexpr int kDiffusionSteps = 12;
 
 }  // namespace
 
-GridRelaxation::GridRelaxation(std::span<const Pixel> chain, std::span<const Point2> place) {
-  low_ = high_ = chain[0];
-  for (const Pixel& p : chain) {
+GridRelaxation::GridRelaxation(std::span<const std::vector<Pixel>> chains,
+                               std::span<const std::vector<Point2>> places) {
+  low_ = high_ = chains[0][0];
+  for (const Pixel& p : chains[0]) {
     low_ = {std::min(low_[0], p[0]), std::min(low_[1], p[1])};
     high_ = {std::max(high_[0], p[0]), std::max(high_[1], p[1])};
   }
@@ -27,24 +28,28 @@ GridRelaxation::GridRelaxation(std::span<const Pixel> chain, std::span<const Poi
   for (int32_t y = low_[1]; y <= high_[1]; ++y) {
     for (int32_t x = low_[0]; x <= high_[0]; ++x) place_.push_back({static_cast<double>(x), static_cast<double>(y)});
   }
-  for (size_t i = 0; i < chain.size(); ++i) place_[index(chain[i])] = place[i];
-  add_corners(chain);
-  find_rings(chain);
+  for (size_t c = 0; c < chains.size(); ++c) {
+    for (size_t i = 0; i < chains[c].size(); ++i) place_[index(chains[c][i])] = places[c][i];
+  }
+  add_corners(chains);
+  find_rings(chains);
   diffuse();
 }
 
-void GridRelaxation::add_corners(std::span<const Pixel> chain) {
-  const CellHalves cells(chain);
+void GridRelaxation::add_corners(std::span<const std::vector<Pixel>> chains) {
+  const CellHalves cells(chains);
   std::vector<GridCorner> corner;
   const auto add = [&](const Pixel& at, int32_t dx, int32_t dy) {
     corner.push_back({index(at), index({at[0] + dx, at[1]}), index({at[0], at[1] + dy}), static_cast<double>(dx * dy)});
   };
   // Only those beside the pixels that move: the others take no part.
   std::vector<uint8_t> near(place_.size(), 0);
-  for (const Pixel& p : chain) {
-    const int32_t right = std::min(p[0] + kBand, high_[0] - 1), bottom = std::min(p[1] + kBand, high_[1] - 1);
-    for (int32_t y = std::max(p[1] - kBand - 1, low_[1]); y <= bottom; ++y) {
-      for (int32_t x = std::max(p[0] - kBand - 1, low_[0]); x <= right; ++x) near[index({x, y})] = 1;
+  for (const std::vector<Pixel>& chain : chains) {
+    for (const Pixel& p : chain) {
+      const int32_t right = std::min(p[0] + kBand, high_[0] - 1), bottom = std::min(p[1] + kBand, high_[1] - 1);
+      for (int32_t y = std::max(p[1] - kBand - 1, low_[1]); y <= bottom; ++y) {
+        for (int32_t x = std::max(p[0] - kBand - 1, low_[0]); x <= right; ++x) near[index({x, y})] = 1;
+      }
     }
   }
   for (int32_t y = low_[1]; y < high_[1]; ++y) {
@@ -55,12 +60,14 @@ void GridRelaxation::add_corners(std::span<const Pixel> chain) {
   corners_ = GridCorners(std::move(corner), place_.size());
 }
 
-void GridRelaxation::find_rings(std::span<const Pixel> chain) {
+void GridRelaxation::find_rings(std::span<const std::vector<Pixel>> chains) {
   std::vector<uint8_t> met(place_.size(), 0);
   std::vector<uint32_t> ring;
-  for (const Pixel& p : chain) {
-    ring.push_back(index(p));
-    met[ring.back()] = 1;
+  for (const std::vector<Pixel>& chain : chains) {
+    for (const Pixel& p : chain) {
+      ring.push_back(index(p));
+      met[ring.back()] = 1;
+    }
   }
   for (int k = 0; k < kBand && !ring.empty(); ++k) {
     std::vector<uint32_t> next;

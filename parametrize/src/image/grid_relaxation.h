@@ -17,7 +17,10 @@ class GridRelaxation {
  public:
   /// @param chain  the pixels of the outline, closed, anticlockwise or clockwise
   /// @param place  per outline pixel: where it samples the plane [pixels]
-  GridRelaxation(std::span<const Pixel> chain, std::span<const Point2> place);
+  GridRelaxation(const std::vector<Pixel>& chain, const std::vector<Point2>& place)
+      : GridRelaxation(std::span(&chain, 1), std::span(&place, 1)) {}
+  /// @param chains  the outline's, and those around the holes inside of it
+  GridRelaxation(std::span<const std::vector<Pixel>> chains, std::span<const std::vector<Point2>> places);
 
   [[nodiscard]] uint32_t index(const Pixel& p) const {
     return static_cast<uint32_t>(p[1] - low_[1]) * width_ + static_cast<uint32_t>(p[0] - low_[0]);
@@ -34,8 +37,8 @@ class GridRelaxation {
   void sweep();
 
  private:
-  void add_corners(std::span<const Pixel> chain);
-  void find_rings(std::span<const Pixel> chain);
+  void add_corners(std::span<const std::vector<Pixel>> chains);
+  void find_rings(std::span<const std::vector<Pixel>> chains);
   void diffuse();
   [[nodiscard]] double energy_of(const GridCorner& corner) const;
 

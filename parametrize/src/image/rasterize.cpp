@@ -108,20 +108,20 @@ class Rasterizer {
       if (chart.x0 + chart.width > flat_.width || chart.y0 + chart.height > flat_.height) {
         throw Error(ErrorCode::invalid_argument, "chart " + std::to_string(c) + " leaves the atlas");
       }
-      for (const OutlineSample& sample : chart.outline) {
+      for_outline_steps(chart, [&](const OutlineSample& sample, const OutlineSample&) {
         if (sample.x >= chart.width || sample.y >= chart.height || sample.vertex >= flat_.position.size()) {
           throw Error(ErrorCode::invalid_argument, "an outline sample of chart " + std::to_string(c) + " leaves it");
         }
         const std::size_t pixel = pixel_of(chart, sample.x, sample.y);
         if (out_.chart[pixel] != kNoChart) {
           overlapping_[pixel] = true;
-          continue;
+          return;
         }
         out_.chart[pixel] = static_cast<uint16_t>(c);
         out_.position[pixel] = flat_.position[sample.vertex];
         out_.point[pixel] = flat_.point[sample.vertex];
         out_.vertex[pixel] = sample.vertex;
-      }
+      });
     }
     give_outlines_a_triangle();
   }

@@ -18,6 +18,7 @@
 #include "mesh/half_edges.h"
 #include "mesh/point_math.h"
 #include "mesh/triangle_tree.h"
+#include "repair/border_loops.h"
 #include "repair/narrow_pieces.h"
 #include "repair/sewn_groups.h"
 
@@ -260,38 +261,6 @@ void leave_out_small_pieces(const TriangleMesh& mesh, const CleanSurface& clean,
   for (const uint32_t p : result.represented.point) result.piece_of_point[p] = kNone;
 }
 
-/// Border loops without ties, as half-edges in their order.
-std::vector<std::vector<uint32_t>> border_loops(const CleanSurface& surface) {
-  std::vector<uint8_t> copies(surface.point_count, 0);
-  for (const uint32_t p : surface.point) copies[p] = static_cast<uint8_t>(std::min(copies[p] + 1, 2));
-  const std::vector<uint32_t> opposite = opposite_half_edges(surface.triangle);
-  std::vector<uint32_t> leaving(surface.position.size(), kNone);
-  for (uint32_t h = 0; h < opposite.size(); ++h) {
-    if (opposite[h] == kNone) leaving[tail(surface.triangle, h)] = h;
-  }
-  std::vector<std::vector<uint32_t>> loops;
-  for (uint32_t start = 0; start < leaving.size(); ++start) {
-    std::vector<uint32_t> loop;
-    bool tied = false;
-    for (uint32_t v = start; leaving[v] != kNone;) {
-      loop.push_back(leaving[v]);
-      tied = tied || copies[surface.point[v]] > 1;
-      leaving[v] = kNone;
-      v = head(surface.triangle, loop.back());
-    }
-    if (!loop.empty() && !tied) loops.push_back(std::move(loop));
-  }
-  return loops;
-}
-
-double length_around(const CleanSurface& surface, const std::vector<uint32_t>& loop) {
-  double around = 0;
-  for (const uint32_t h : loop) {
-    around += distance(surface.position[tail(surface.triangle, h)], surface.position[head(surface.triangle, h)]);
-  }
-  return around;
-}
-
 /// Whether no two vertices of a loop are as far apart as `extent`.
 bool fits_into(const CleanSurface& surface, const std::vector<uint32_t>& loop, double extent) {
   const auto place = [&](uint32_t h) { return surface.position[tail(surface.triangle, h)]; };
@@ -301,43 +270,6 @@ bool fits_into(const CleanSurface& surface, const std::vector<uint32_t>& loop, d
     }
   }
   return true;
-}
-
-/// Fills a hole with a fan around its middle. @returns its area, or 0 and nothing done where that is larger than
-/// `most_area` or triangles would be needles
-double close_hole(CleanSurface& surface, const std::vector<uint32_t>& loop, double most_area) {
-  constexpr double kNeedle = 1e-4;
-  const double share = 1 / static_cast<double>(loop.size()), around = length_around(surface, loop);
-  Point3 middle{};
-  Point2 middle_uv{};
-  const bool has_uv = !surface.uv.empty();
-  for (const uint32_t h : loop) {
-    middle = middle + surface.position[tail(surface.triangle, h)] * share;
-    if (has_uv) {
-      const Point2& uv = surface.uv[h / 3][h % 3];
-      middle_uv = {middle_uv[0] + uv[0] * share, middle_uv[1] + uv[1] * share};
-    }
-  }
-  double area = 0;
-  for (const uint32_t h : loop) {
-    const double a =
-        triangle_area(surface.position[tail(surface.triangle, h)], surface.position[head(surface.triangle, h)], middle);
-    if (!(a > kNeedle * around * around)) return 0;
-    area += a;
-  }
-  if (area > most_area) return 0;
-  const auto centre = static_cast<uint32_t>(surface.position.size());
-  surface.position.push_back(middle);
-  surface.point.push_back(surface.point_count++);
-  for (const uint32_t h : loop) {
-    surface.triangle.push_back({head(surface.triangle, h), tail(surface.triangle, h), centre});
-    surface.component.push_back(surface.component[h / 3]);
-    surface.source_triangle.push_back(kNone);
-    if (!has_uv) continue;
-    const uint32_t end = next_half_edge(h);
-    surface.uv.push_back({surface.uv[end / 3][end % 3], surface.uv[h / 3][h % 3], middle_uv});
-  }
-  return area;
 }
 
 void close_small_holes(const TriangleMesh& mesh, double spacing, CarriedSurface& result) {
@@ -357,7 +289,7 @@ void close_small_holes(const TriangleMesh& mesh, double spacing, CarriedSurface&
     // The only opening of a piece is more than a hole: without it the piece is a closed bag.
     if (around >= kLongestHole * spacing || loops_left[component] < 2) continue;
     if (!fits_into(surface, loop, spacing)) continue;  // a slit
-    const double area = close_hole(surface, loop, left);
+    const double area = fill_with_fan(surface, loop, left);
     if (area <= 0) continue;
     left -= area;
     --loops_left[component];

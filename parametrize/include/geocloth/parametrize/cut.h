@@ -20,6 +20,8 @@ struct CutSurface {
   std::vector<uint32_t> clean_triangle;  ///< per triangle: the triangle of the clean surface it is part of
   std::vector<uint32_t> component;       ///< per triangle, 0..component_count-1
   uint32_t component_count = 0;
+  /// Per triangle: the hole in the cloth that it fills, kNone for cloth. Empty: all is cloth.
+  std::vector<uint32_t> hole{};
 };
 
 /// Where cuts would rather run: they may be longer there.

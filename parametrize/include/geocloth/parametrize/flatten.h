@@ -19,6 +19,8 @@ struct FlatChart {
   uint32_t width = 0, height = 0;      ///< [pixels]
   double spacing = 0;                  ///< [m] nominal spring length of this chart: sqrt(area / cells)
   std::vector<OutlineSample> outline;  ///< counter-clockwise in uv (y up); every outline pixel once
+  /// Around every hole inside, clockwise; those of layout panels only. Their pixels are outline pixels as well.
+  std::vector<std::vector<OutlineSample>> holes{};
 };
 
 /// Charts in the plane, packed into one atlas. Triangles have positive area in uv, charts do not overlap.
