@@ -365,37 +365,61 @@ class CutGraphFinder {
     return path;
   }
 
-  /// Marks the corners along the outline that bounds the sector into which `start` leads; `start` leaves a vertex and
-  /// is no longer cut. Where the vertex has no cut edge left, the outline is that vertex.
-  void label_outline(uint32_t start) {
-    ++label_;
-    labelled_.clear();
-    uint32_t h = start;
-    do {
-      if (graph_.cut[h]) break;
-      h = turn_right(h);
-    } while (h != start);
-    if (!graph_.cut[h]) {
-      around(
-          from(start), [&](uint32_t corner) { label(corner); }, [](uint32_t) {});
-      return;
+  /// Walks along the outline that bounds the sector into which a half-edge leads, which leaves a vertex and is no
+  /// longer cut. Where the vertex has no cut edge left, the outline is that vertex.
+  class OutlineWalk {
+   public:
+    OutlineWalk(const CutGraphFinder& finder, uint32_t start) : finder_(finder) {
+      uint32_t h = start;
+      do {
+        if (finder.graph_.cut[h]) break;
+        h = finder.turn_right(h);
+      } while (h != start);
+      first_ = at_ = h;
+      if (finder.graph_.cut[h]) return;
+      finder.around(
+          finder.from(start), [&](uint32_t corner) { corners_.push_back(corner); }, [](uint32_t) {});
+      is_done_ = true;
     }
-    const uint32_t first = h;
-    do {
-      uint32_t corner = h;
-      label(corner);
-      while (!graph_.cut[previous_half_edge(corner)]) {
-        corner = turn_left(corner);
-        label(corner);
+
+    /// Goes on by the corners at a vertex.
+    void step() {
+      uint32_t corner = at_;
+      corners_.push_back(corner);
+      while (!finder_.graph_.cut[previous_half_edge(corner)]) {
+        corner = finder_.turn_left(corner);
+        corners_.push_back(corner);
       }
       // previous_half_edge(corner) runs into the vertex along the outline; go on with the outline half-edge before it.
-      h = previous_half_edge(corner);
-    } while (h != first);
-  }
+      at_ = previous_half_edge(corner);
+      is_done_ = at_ == first_;
+    }
 
-  void label(uint32_t corner) {
-    corner_label_[corner] = label_;
-    labelled_.push_back(corner);
+    [[nodiscard]] bool is_done() const { return is_done_; }
+    [[nodiscard]] std::vector<uint32_t>& corners() { return corners_; }
+
+   private:
+    const CutGraphFinder& finder_;
+    std::vector<uint32_t> corners_;
+    uint32_t first_ = kNone, at_ = kNone;
+    bool is_done_ = false;
+  };
+
+  /// Marks the corners along one of the two outlines beside a path that was taken out: the one at its start, unless
+  /// that is long and the other one shorter. A net of many holes would be walked around for every one of its threads.
+  /// @returns whether it is the one at the start
+  bool label_outline(const std::vector<uint32_t>& path) {
+    constexpr size_t kLong = 20'000;
+    OutlineWalk at_start(*this, path.front()), at_end(*this, opposite(path.back()));
+    while (!at_start.is_done() && at_start.corners().size() < kLong) at_start.step();
+    while (!at_start.is_done() && !at_end.is_done()) {
+      at_end.step();
+      if (at_end.corners().size() >= at_start.corners().size()) at_start.step();
+    }
+    ++label_;
+    labelled_ = std::move((at_start.is_done() ? at_start : at_end).corners());
+    for (const uint32_t corner : labelled_) corner_label_[corner] = label_;
+    return at_start.is_done();
   }
 
   /// Shortest path from the labelled outline to any other, or to the lone vertex `target`, through vertices that are
@@ -456,8 +480,8 @@ class CutGraphFinder {
     std::vector<uint32_t> shorter;
     // With both ends bare the path was the whole graph of a sphere.
     if (degree_[start] > 0 || degree_[end] > 0) {
-      label_outline(path.front());
-      shorter = shortest_connection(degree_[end] == 0 ? end : kNone, old_price * (1 - 1e-9));
+      const uint32_t other = label_outline(path) ? end : start;
+      shorter = shortest_connection(degree_[other] == 0 ? other : kNone, old_price * (1 - 1e-9));
     }
     for (const uint32_t h : shorter.empty() ? path : shorter) {
       set_cut(h, true);

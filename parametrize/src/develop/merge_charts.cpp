@@ -10,9 +10,9 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <set>
+#include <unordered_map>
 
 #include "develop/chart_energy.h"
 #include "develop/chart_overlap.h"
@@ -91,7 +91,7 @@ class Merger {
  public:
   Merger(std::vector<Chart>& charts, const Sheet& sheet, const MergeOptions& options)
       : charts_(charts), sheet_(sheet), options_(options) {
-    for (const Chart& c : charts) energy_.push_back(energy_of(c));
+    for (const Chart& c : charts) of_chart_.push_back(measured(c));
   }
 
   void merge_all() {
@@ -100,7 +100,14 @@ class Merger {
   }
 
  private:
-  [[nodiscard]] static double energy_of(const Chart& c) { return chart_energy(c).energy(c.uv); }
+  /// What is asked of a chart again and again.
+  struct Known {
+    double energy, area, outline;
+    std::vector<uint32_t> loop;
+  };
+  [[nodiscard]] static Known measured(const Chart& c) {
+    return {chart_energy(c).energy(c.uv), total_area(c), outline_length(c), outline_loop(c)};
+  }
   [[nodiscard]] uint32_t sheet_vertex(const Chart& c, uint32_t v) const { return sheet_.of_vertex[c.cut_vertex[v]]; }
 
   bool merge_once() {
@@ -112,10 +119,10 @@ class Merger {
         refused_.insert(name);
         continue;
       }
-      energy_[arc.a] = energy_of(*merged);
+      of_chart_[arc.a] = measured(*merged);
       charts_[arc.a] = std::move(*merged);
       charts_.erase(charts_.begin() + static_cast<std::ptrdiff_t>(arc.b));
-      energy_.erase(energy_.begin() + static_cast<std::ptrdiff_t>(arc.b));
+      of_chart_.erase(of_chart_.begin() + static_cast<std::ptrdiff_t>(arc.b));
       return true;
     }
     return false;
@@ -127,11 +134,12 @@ class Merger {
       size_t chart, place;
     };
     std::vector<std::vector<uint32_t>> loop;
-    std::map<std::array<uint32_t, 2>, Side> ahead;  // outline edge as (tail, head) in sheet vertices
+    std::unordered_map<uint64_t, Side> ahead;  // outline edge as (tail, head) in sheet vertices
+    const auto name = [](uint32_t tail, uint32_t head) { return uint64_t{tail} << 32U | head; };
     for (size_t c = 0; c < charts_.size(); ++c) {
-      loop.push_back(outline_loop(charts_[c]));
+      loop.push_back(of_chart_[c].loop);
       for (uint32_t& v : loop[c]) v = sheet_vertex(charts_[c], v);
-      for (size_t i = 0; i < loop[c].size(); ++i) ahead[{loop[c][i], loop[c][(i + 1) % loop[c].size()]}] = {c, i};
+      for (size_t i = 0; i < loop[c].size(); ++i) ahead[name(loop[c][i], loop[c][(i + 1) % loop[c].size()])] = {c, i};
     }
     std::vector<Arc> result;
     for (size_t a = 0; a < charts_.size(); ++a) {
@@ -139,7 +147,7 @@ class Merger {
       // Per edge of the loop: the edge that lies on its other side.
       const auto other = [&](size_t i) -> std::optional<Side> {
         const uint32_t u = loop[a][i % n], v = loop[a][(i + 1) % n];
-        const auto found = ahead.find({v, u});
+        const auto found = ahead.find(name(v, u));
         if (found == ahead.end() || found->second.chart <= a) return std::nullopt;
         if (sheet_.tied[u] && sheet_.tied[v]) return std::nullopt;
         return found->second;
@@ -156,7 +164,7 @@ class Merger {
         while (edges < n && continues(i + edges)) ++edges;
         const Side last = *other(i + edges - 1);
         double length = 0;
-        const std::vector<uint32_t> vertices = outline_loop(charts_[a]);
+        const std::vector<uint32_t>& vertices = of_chart_[a].loop;
         for (size_t k = i; k < i + edges; ++k) {
           length += distance(charts_[a].position[vertices[k % n]], charts_[a].position[vertices[(k + 1) % n]]);
         }
@@ -169,17 +177,18 @@ class Merger {
 
   /// By the triangles beside its first edge: stays the same while other charts merge.
   [[nodiscard]] std::pair<uint32_t, uint32_t> name_of(const Arc& arc) const {
-    const auto vertices = outline_loop(charts_[arc.a]);
+    const std::vector<uint32_t>& vertices = of_chart_[arc.a].loop;
     return {sheet_vertex(charts_[arc.a], vertices[arc.first_a]),
             sheet_vertex(charts_[arc.a], vertices[(arc.first_a + arc.edges) % vertices.size()])};
   }
 
   std::optional<Chart> attempt(const Arc& arc) {
     const Chart &a = charts_[arc.a], &b = charts_[arc.b];
-    const double area = total_area(a) + total_area(b);
-    if (arc.length < kLeastShare * std::min(outline_length(a), outline_length(b))) return std::nullopt;
+    const Known &of_a = of_chart_[arc.a], &of_b = of_chart_[arc.b];
+    const double area = of_a.area + of_b.area;
+    if (arc.length < kLeastShare * std::min(of_a.outline, of_b.outline)) return std::nullopt;
     if (work_ + a.triangle.size() + b.triangle.size() > kMostAttempts) return std::nullopt;
-    const double before = (energy_[arc.a] * total_area(a) + energy_[arc.b] * total_area(b)) / area;
+    const double before = (of_a.energy * of_a.area + of_b.energy * of_b.area) / area;
     if (before > options_.most_energy + kStillFalls) return std::nullopt;  // sewn together they lie no better
     const double most = std::min(options_.most_energy, before + options_.seam_price * arc.length / std::sqrt(area));
     std::optional<Chart> merged = sewn(arc);
@@ -206,7 +215,7 @@ class Merger {
   [[nodiscard]] std::optional<Chart> sewn(const Arc& arc) const {
     const Chart& a = charts_[arc.a];
     Chart b = charts_[arc.b];
-    const std::vector<uint32_t> loop_a = outline_loop(a), loop_b = outline_loop(b);
+    const std::vector<uint32_t>&loop_a = of_chart_[arc.a].loop, &loop_b = of_chart_[arc.b].loop;
     std::vector<std::array<uint32_t, 2>> pair;  // vertices of a and b
     const size_t n = loop_a.size(), m = loop_b.size();
     for (size_t k = 0; k <= arc.edges; ++k) {
@@ -273,7 +282,7 @@ class Merger {
   std::vector<Chart>& charts_;
   const Sheet& sheet_;
   const MergeOptions options_;
-  std::vector<double> energy_;  // per chart
+  std::vector<Known> of_chart_;
   std::set<std::pair<uint32_t, uint32_t>> refused_;
   size_t work_ = 0;
 };

@@ -24,6 +24,17 @@ constexpr std::array<Pixel, 8> kStep{{{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, 
 constexpr float kNoWay = std::numeric_limits<float>::infinity();
 /// Cost of a turn by 0, 45, 90 and 135 degrees, in squared pixels: keeps straight outlines straight.
 constexpr std::array<float, 4> kTurnCost{0, 0, 0.3F, 2};
+/// The same by direction and that of the step before; back where it came from nothing goes.
+constexpr std::array<std::array<float, 8>, 8> kTurn = [] {
+  std::array<std::array<float, 8>, 8> cost{};
+  for (size_t to = 0; to < 8; ++to) {
+    for (size_t from = 0; from < 8; ++from) {
+      const size_t turn = std::min((to + 8 - from) % 8, (from + 8 - to) % 8);
+      cost[to][from] = turn < kTurnCost.size() ? kTurnCost[turn] : kNoWay;
+    }
+  }
+  return cost;
+}();
 /// By how much a distance along the outline is cheaper than one across: the sample can slide after its pixel later.
 constexpr double kEaseAlong = 0.5;
 constexpr int kRounds = 120, kFresh = 60;  // after each kFresh of them prices start anew
@@ -224,7 +235,9 @@ class Router {
       entry.assign(cells, -1);
       next_cost.assign(cells * 8, kNoWay);
     };
-    const auto arrive = [&](size_t i, const Pixel& from, size_t arriving, size_t direction, float so_far) {
+    /// Per direction of the step before: what it costs to arrive from there.
+    using Costs = std::array<float, 8>;
+    const auto arrive = [&](size_t i, const Pixel& from, size_t direction, const Costs& so_far) {
       const Pixel p = moved(from, direction);
       const int32_t x = p[0] - layer[i].corner[0], y = p[1] - layer[i].corner[1];
       if (x < 0 || y < 0 || x >= side || y >= side || !board_.holds(p)) return;
@@ -232,31 +245,29 @@ class Router {
       if (stretch.to && larger_extent(p, *stretch.to) > left) return;
       const auto cell = static_cast<size_t>(y * side + x);
       if (entry[cell] < 0) entry[cell] = entry_cost(wrapped(stretch.first + i), p);
-      const float total = so_far + entry[cell] + price_ * static_cast<float>(board_.crossed(from, direction));
-      const size_t state = cell * 8 + direction;
-      if (total >= next_cost[state]) return;
-      next_cost[state] = total;
+      const float entering = entry[cell], crossing = price_ * static_cast<float>(board_.crossed(from, direction));
+      Costs total;
+      for (size_t d = 0; d < 8; ++d) total[d] = so_far[d] + kTurn[direction][d] + entering + crossing;
+      const auto arriving = static_cast<size_t>(std::min_element(total.begin(), total.end()) - total.begin());
+      const size_t state = cell * 8 + direction;  // which no other pixel leads to
+      next_cost[state] = total[arriving];
       layer[i].from[state] = static_cast<uint8_t>(arriving);
     };
 
     open_layer(1);
-    for (size_t d = 0; d < 8; ++d) {
-      const size_t turn = stretch.arriving == kNoDirection ? 0 : turn_between(stretch.arriving, d);
-      if (turn < kTurnCost.size()) arrive(1, stretch.from, 0, d, kTurnCost[turn]);
-    }
+    Costs start;
+    start.fill(stretch.arriving == kNoDirection ? 0 : kNoWay);
+    if (stretch.arriving != kNoDirection) start[stretch.arriving] = 0;
+    for (size_t d = 0; d < 8; ++d) arrive(1, stretch.from, d, start);
     for (size_t i = 1; i < stretch.steps; ++i) {
       cost.swap(next_cost);
       open_layer(i + 1);
       for (size_t cell = 0; cell < cells; ++cell) {
+        Costs so_far;
+        std::copy_n(cost.begin() + static_cast<std::ptrdiff_t>(cell * 8), so_far.size(), so_far.begin());
+        if (*std::min_element(so_far.begin(), so_far.end()) == kNoWay) continue;
         const Pixel p = pixel_at(layer[i].corner, cell);
-        for (size_t d = 0; d < 8; ++d) {
-          const float so_far = cost[cell * 8 + d];
-          if (so_far == kNoWay) continue;
-          for (size_t turn = 0; turn < kTurnCost.size(); ++turn) {
-            arrive(i + 1, p, d, (d + turn) % 8, so_far + kTurnCost[turn]);
-            if (turn != 0) arrive(i + 1, p, d, (d + 8 - turn) % 8, so_far + kTurnCost[turn]);
-          }
-        }
+        for (size_t d = 0; d < 8; ++d) arrive(i + 1, p, d, so_far);
       }
     }
 
