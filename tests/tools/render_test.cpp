@@ -291,6 +291,22 @@ TEST_F(Render, a_texture_colours_the_garment) {
   EXPECT_THAT(renderer.warnings(), testing::ElementsAre(HasSubstr("red")));
 }
 
+// A heap of ten cloths of one asset was one blue lump.
+TEST_F(Render, cloths_without_colours_are_told_apart) {
+  ClothAsset sheet = test::make_sheet({.nx = 4, .ny = 4});
+  sheet.source.material.clear();
+  const Stage stage(sheet);
+  RenderScene scene = stage.scene;
+  scene.cloths.push_back(scene.cloths.front());
+  std::vector<Vec3> hidden = stage.position;
+  for (Vec3& p : hidden) p.z -= 5;
+  const ClothState front = stage.state(), back{hidden, stage.normal};
+  const std::array first{front, back}, second{back, front};
+  Renderer renderer = make_renderer(scene, small());
+  const Color a = renderer.render({}, first).at(160, 120), b = renderer.render({}, second).at(160, 120);
+  EXPECT_GT(std::abs(a.r - b.r) + std::abs(a.g - b.g) + std::abs(a.b - b.b), 30);
+}
+
 TEST_F(Render, strain_shows_stretch_red_and_compression_blue) {
   for (const float factor : {1.06F, 0.94F}) {
     Stage stage(test::make_sheet({.nx = 12, .ny = 12}));

@@ -18,7 +18,8 @@ namespace geocloth::render {
 namespace {
 
 constexpr vk::Format kFloat4 = vk::Format::eR32G32B32A32Sfloat;
-/// For materials without a colour of their own, in order: a garment of several still reads as several.
+/// For materials without a colour of their own, in order: a garment of several still reads as several. The next cloth
+/// begins with the next one.
 constexpr std::array<Color, 5> kFabrics{
     {{118, 142, 176, 255}, {186, 132, 108, 255}, {140, 160, 124, 255}, {172, 150, 178, 255}, {196, 176, 128, 255}}};
 constexpr Color kPaleFabric{196, 200, 206, 255};  ///< under grid lines and seams
@@ -159,11 +160,11 @@ std::span<const vk::VertexInputAttributeDescription> ribbon_attributes() {
   return attributes;
 }
 
-GpuCloth::GpuCloth(const ContextPtr& context, const ClothLayouts& layouts, const RenderCloth& cloth, Show show,
-                   const std::optional<VulkanClothImages>& lent, std::vector<std::string>& warnings)
+GpuCloth::GpuCloth(const ContextPtr& context, const ClothLayouts& layouts, const RenderCloth& cloth, size_t index,
+                   Show show, const std::optional<VulkanClothImages>& lent, std::vector<std::string>& warnings)
     : width_(cloth.asset->width), height_(cloth.asset->height), scale_(cloth.scale), mode_(draw_mode(show)) {
   make_geometry(context, cloth, show);
-  make_materials(context, *cloth.asset, show, warnings);
+  make_materials(context, *cloth.asset, index, show, warnings);
   make_images(context, *cloth.asset, lent);
   make_sets(context, layouts, lent);
 }
@@ -191,14 +192,14 @@ void GpuCloth::set_ribbons(const ContextPtr& context, RibbonLayer layer, std::sp
   if (!ribbons.empty()) target.instances = filled_buffer(context, ribbons, vk::BufferUsageFlagBits::eVertexBuffer);
 }
 
-void GpuCloth::make_materials(const ContextPtr& context, const ClothAsset& asset, Show show,
+void GpuCloth::make_materials(const ContextPtr& context, const ClothAsset& asset, size_t index, Show show,
                               std::vector<std::string>& warnings) {
   const Picture white(1, 1, {255, 255, 255, 255});
   if (show != Show::cloth) {
     materials_.push_back({linear(kPaleFabric), 0, texture_of(context, white)});
     return;
   }
-  size_t plain_count = 0;
+  size_t plain_count = index;
   for (const SourceMaterial& source : asset.source.material) {
     const auto& c = source.base_color;
     // What modelling programs write for "no material": grey without a texture.
@@ -217,7 +218,8 @@ void GpuCloth::make_materials(const ContextPtr& context, const ClothAsset& asset
         {plain ? linear(kFabrics[plain_count++ % kFabrics.size()]) : shader::vec4{c[0], c[1], c[2], c[3]},
          source.alpha_mask ? source.alpha_cutoff : 0.F, texture_of(context, texture)});
   }
-  if (materials_.empty()) materials_.push_back({linear(kFabrics[0]), 0, texture_of(context, white)});
+  if (materials_.empty())
+    materials_.push_back({linear(kFabrics[index % kFabrics.size()]), 0, texture_of(context, white)});
 }
 
 void GpuCloth::make_images(const ContextPtr& context, const ClothAsset& asset,

@@ -55,8 +55,9 @@ struct ClothRun {
 /// What the device keeps of a garment for one way of showing it.
 class GpuCloth {
  public:
-  /// @param lent  the solver's images; else the cloth has its own, filled by upload()
-  GpuCloth(const ContextPtr& context, const ClothLayouts& layouts, const RenderCloth& cloth, Show show,
+  /// @param index  of the cloth in its scene: cloths without colours of their own are told apart
+  /// @param lent   the solver's images; else the cloth has its own, filled by upload()
+  GpuCloth(const ContextPtr& context, const ClothLayouts& layouts, const RenderCloth& cloth, size_t index, Show show,
            const std::optional<VulkanClothImages>& lent, std::vector<std::string>& warnings);
 
   /// Puts a state into the staging buffer. The device must not be drawing.
@@ -86,7 +87,7 @@ class GpuCloth {
   };
 
   void make_geometry(const ContextPtr& context, const RenderCloth& cloth, Show show);
-  void make_materials(const ContextPtr& context, const ClothAsset& asset, Show show,
+  void make_materials(const ContextPtr& context, const ClothAsset& asset, size_t index, Show show,
                       std::vector<std::string>& warnings);
   void make_images(const ContextPtr& context, const ClothAsset& asset, const std::optional<VulkanClothImages>& lent);
   void make_sets(const ContextPtr& context, const ClothLayouts& layouts, const std::optional<VulkanClothImages>& lent);

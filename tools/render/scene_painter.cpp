@@ -228,7 +228,7 @@ class ScenePainter::Impl {
   std::unique_ptr<GpuCloth> make_cloth(size_t index, const RenderCloth& cloth, Show show) {
     std::optional<VulkanClothImages> lent;
     if (lender_ != nullptr) lent = vulkan_images(*lender_, static_cast<uint32_t>(index));
-    return std::make_unique<GpuCloth>(context_, cloth_layouts_, cloth, show, lent, warnings_);
+    return std::make_unique<GpuCloth>(context_, cloth_layouts_, cloth, index, show, lent, warnings_);
   }
 
   void find_ground_height(const RenderScene& scene) {
