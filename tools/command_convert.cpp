@@ -32,6 +32,7 @@ struct ConvertArguments {
   std::filesystem::path mesh, asset, pictures, stages;
   std::vector<std::filesystem::path> reports;
   std::string parts;
+  bool carry_loose = false;
   Layout layout = FlattenOptions{}.layout;
   uint32_t resolution = FlattenOptions{}.resolution;
   double spacing = 0;
@@ -46,6 +47,7 @@ constexpr const char* kListParts = "list";
 ConvertOptions convert_options(const ConvertArguments& options) {
   ConvertOptions result;
   result.parts = options.parts;
+  result.carry_loose = options.carry_loose;
   if (options.unit_option->count() > 0) result.import.scale = options.unit;
   if (options.scale_option->count() > 0) result.import.scale = options.scale;
   if (options.weld_option->count() > 0) result.repair.weld_distance = options.weld;
@@ -207,6 +209,10 @@ CommandRun add_convert(CLI::App& app) {
            "connected pieces of its only one",
            "default all")
       ->check(is_selection());
+  app.add_flag(
+      "--carry-loose", options->carry_loose,
+      "let small loose pieces that lie on the cloth all over, such as buttons and sequins, ride on it and have "
+      "no pixels [default off: only those smaller than a pixel]");
   app.callback([options, output] {
     if (options->parts != kListParts && output->count() == 0) throw CLI::RequiredError("--output");
     const std::string clash = find_name_clash({{"the mesh", options->mesh}}, written_files(*options));

@@ -326,13 +326,15 @@ std::optional<std::string> warning_of_cracks(const Cracks& cracks) {
 /// What looks like trimmings and is cloth for itself.
 std::optional<std::string> warning_of_loose_pieces(const LoosePiecesLeft& loose) {
   if (loose.count == 0) return std::nullopt;
-  char text[320];
-  std::snprintf(text, sizeof text,
-                "%u small %s, up to %.3g m across, %s attached to nothing and will fall or float by %s: merge %s with "
-                "the cloth in a modelling program, or leave %s out with --parts",
-                loose.count, loose.count == 1 ? "piece" : "pieces", loose.across, loose.count == 1 ? "is" : "are",
-                loose.count == 1 ? "itself" : "themselves", loose.count == 1 ? "it" : "them",
-                loose.count == 1 ? "it" : "them");
+  char text[400];
+  std::snprintf(
+      text, sizeof text,
+      "%u small %s, up to %.3g m across, %s attached to nothing and will fall or float by %s: let %s ride on "
+      "the cloth with --carry-loose if small enough, merge %s with the cloth in a modelling program, or leave "
+      "%s out with --parts",
+      loose.count, loose.count == 1 ? "piece" : "pieces", loose.across, loose.count == 1 ? "is" : "are",
+      loose.count == 1 ? "itself" : "themselves", loose.count == 1 ? "it" : "them", loose.count == 1 ? "it" : "them",
+      loose.count == 1 ? "it" : "them");
   return text;
 }
 
@@ -362,9 +364,9 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& optio
   for (size_t i = 0; i < attempts.size(); ++i) {
     carried = stages.run("carry", [&] {
       const bool square = attempts[i].options.layout == Layout::square;
-      return attempts[i].carry
-                 ? carry_small_pieces(mesh, repaired.surface, square ? options.flatten : attempts[i].options)
-                 : carry_nothing(repaired.surface);
+      return attempts[i].carry ? carry_small_pieces(mesh, repaired.surface,
+                                                    square ? options.flatten : attempts[i].options, options.carry_loose)
+                               : carry_nothing(repaired.surface);
     });
     try {
       lay_out_with_holes(mesh, carried, attempts[i].options, progress, stages, files, result);

@@ -62,8 +62,9 @@ void add_button(TriangleMesh& mesh, double x, double z, double size) {
   }
 }
 
-ConvertResult convert_at(const TriangleMesh& mesh, uint32_t resolution) {
+ConvertResult convert_at(const TriangleMesh& mesh, uint32_t resolution, bool carry_loose = false) {
   ConvertOptions options;
+  options.carry_loose = carry_loose;
   options.flatten.resolution = resolution;
   options.square_if_panels_fail = false;
   return convert(mesh, options);
@@ -132,12 +133,23 @@ TEST(SmallPieces, ASquareRepresentsAButtonUnderAPixel) {
   EXPECT_EQ(report.welded.euler_characteristic, report.cleaned.euler_characteristic);
 }
 
+// Its pixels make it cloth, sewn to nothing: the user is told how it rides.
+TEST(SmallPieces, AButtonOverAPixelIsClothUnlessItIsToRide) {
+  TriangleMesh mesh = sheet();
+  add_button(mesh, 0.52, 0.37, 0.03);
+  close_mesh(mesh);
+  const ConvertReport report = convert_at(mesh, 128).report;
+  EXPECT_TRUE(report.carried.empty());
+  EXPECT_EQ(report.welded.components, 2U);
+  EXPECT_THAT(report.warnings, Contains(HasSubstr("--carry-loose")));
+}
+
 // A thing of 10 cm on a sheet of 1 m is cloth. It is sewn to nothing, and the user is told.
 TEST(SmallPieces, WhatIsMoreThanATwentiethOfTheGarmentIsCloth) {
   TriangleMesh mesh = sheet();
   add_button(mesh, 0.52, 0.37, 0.06);
   close_mesh(mesh);
-  const ConvertReport report = convert_at(mesh, 32).report;
+  const ConvertReport report = convert_at(mesh, 32, true).report;
   EXPECT_TRUE(report.carried.empty());
   EXPECT_EQ(report.welded.components, 2U);
   EXPECT_THAT(report.warnings, Contains(HasSubstr("1 small piece, up to 0.104 m across, is attached to nothing")));
@@ -161,7 +173,7 @@ TEST(SmallPieces, AButtonOfSomePixelsRidesOnTheCloth) {
       add_square(mesh, 0.52, 0.004, 0.37, 0.03);
     }
     close_mesh(mesh);
-    const ConvertResult result = convert_at(mesh, 128);
+    const ConvertResult result = convert_at(mesh, 128, true);
     const ConvertReport& report = result.report;
     ASSERT_EQ(report.carried.size(), 1U);
     EXPECT_GT(report.carried[0].area_share * 128 * 128, 10);
@@ -183,7 +195,7 @@ TEST(SmallPieces, WhatDoesNotLieOnTheClothDoesNotRide) {
     add_square(mesh, 0.52, place.height, 0.37, place.side);
     add_square(mesh, 0.22, place.height, 0.37, place.side);
     close_mesh(mesh);
-    const ConvertReport report = convert_at(mesh, 256).report;
+    const ConvertReport report = convert_at(mesh, 256, true).report;
     EXPECT_TRUE(report.carried.empty());
     EXPECT_EQ(report.welded.components, 3U);
     EXPECT_THAT(report.warnings, Contains(HasSubstr("2 small pieces")));
@@ -196,20 +208,20 @@ TEST(SmallPieces, APocketDoesNotRide) {
   add_square(mesh, 0.52, 0.004, 0.37, 0.3);
   close_mesh(mesh);
   for (const uint32_t resolution : {8U, 64U}) {
-    const ConvertReport report = convert_at(mesh, resolution).report;
+    const ConvertReport report = convert_at(mesh, resolution, true).report;
     EXPECT_TRUE(report.carried.empty());
     EXPECT_EQ(report.welded.components, 2U);
     EXPECT_THAT(report.warnings, Not(Contains(HasSubstr("attached to nothing"))));
   }
 }
 
-// Of 600 sequins of half a pixel 400 were carried, and the rest became cloths of a pixel each.
+// Of 600 sequins of half a pixel 400 are carried else, and the rest become cloths of a pixel each.
 TEST(SmallPieces, OfEqualSequinsAllAreCarried) {
   TriangleMesh mesh = sheet();
   constexpr uint32_t kSequins = 100;
   for (uint32_t i = 0; i < kSequins; ++i) add_square(mesh, 0.03 + 0.1 * (i % 10), 0.002, 0.02 + 0.1 * (i / 10), 0.02);
   close_mesh(mesh);
-  const ConvertReport report = convert_at(mesh, 32).report;
+  const ConvertReport report = convert_at(mesh, 32, true).report;
   EXPECT_EQ(report.carried.size(), kSequins);
   EXPECT_EQ(report.welded.components, 1U);
   EXPECT_THAT(report.warnings, ElementsAre(HasSubstr("100 small pieces, 3.8 % of the area, have no pixels")));

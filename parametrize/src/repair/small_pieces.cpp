@@ -226,12 +226,13 @@ CleanSurface without(const CleanSurface& clean, const std::vector<LeftOut>& left
   return rest;
 }
 
-void leave_out_small_pieces(const TriangleMesh& mesh, const CleanSurface& clean, double spacing,
+void leave_out_small_pieces(const TriangleMesh& mesh, const CleanSurface& clean, double spacing, bool carry_loose,
                             CarriedSurface& result) {
   const std::vector<double> area = component_areas(clean);
   const double total = std::accumulate(area.begin(), area.end(), 0.0);
   double left = kMostCarried * total;
-  const LoosePieces loose = find_small_ones(clean, area, spacing);
+  const LoosePieces loose = carry_loose ? find_small_ones(clean, area, spacing)
+                                        : LoosePieces{{}, std::vector<uint8_t>(clean.component_count, 0), false, 0};
   std::vector<LeftOut> left_out = too_small(area, loose, spacing * spacing, left);
   add_narrow(clean, spacing, left, left_out);
   result.too_small = left_out.size();
@@ -321,14 +322,15 @@ CarriedSurface carry_nothing(const CleanSurface& clean) {
   return {clean, {}, 0, std::vector<uint32_t>(clean.point_count, kNone)};
 }
 
-CarriedSurface carry_small_pieces(const TriangleMesh& mesh, const CleanSurface& clean, const FlattenOptions& options) {
+CarriedSurface carry_small_pieces(const TriangleMesh& mesh, const CleanSurface& clean, const FlattenOptions& options,
+                                  bool carry_loose) {
   double total = 0;
   for (const Triangle& t : clean.triangle) total += area_of(clean, t);
   const double spacing = options.spacing > 0 ? options.spacing : std::sqrt(total) / options.resolution;
 
   CarriedSurface result;
   result.piece_of_point.assign(clean.point_count, kNone);
-  leave_out_small_pieces(mesh, clean, spacing, result);
+  leave_out_small_pieces(mesh, clean, spacing, carry_loose, result);
   if (result.carried.empty()) result.represented = clean;
   close_small_holes(mesh, spacing, result);
   return result;

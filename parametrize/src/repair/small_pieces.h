@@ -28,12 +28,12 @@ struct LoosePiecesLeft {
 
 /// Leaves out the pieces (connected manifold components) whose area is below that of a pixel, and then the strips of
 /// narrow_pieces.h, the smallest first, as long as they make up 1 % of the area together at most and something remains;
-/// and closes holes that are less than a pixel long and three pixels around. Where most of the surface is a garment,
-/// loose pieces below a pixel are left out even if they are more, and so are those that are up to a twentieth of the
-/// garment or three pixels across and lie on it all over, as buttons do.
-/// Spacing and pixel are those that the options ask for.
+/// and closes holes that are less than a pixel long and three pixels around. With `carry_loose`, and where most of the
+/// surface is a garment, loose pieces below a pixel are left out even if they are more, and so are those that are up to
+/// a twentieth of the garment or three pixels across and lie on it all over, as buttons do. Spacing and pixel are those
+/// that the options ask for.
 /// @param mesh  the file's mesh, for the names of its parts
 [[nodiscard]] CarriedSurface carry_small_pieces(const TriangleMesh& mesh, const CleanSurface& clean,
-                                                const FlattenOptions& options);
+                                                const FlattenOptions& options, bool carry_loose);
 
 }  // namespace geocloth

@@ -14,6 +14,10 @@ struct ConvertOptions {
   ImportOptions import;
   std::string parts;  ///< which parts to convert, as of select_parts(); empty: all
   RepairOptions repair;
+  /// Loose pieces that are up to a twentieth of the garment or three pixels across and lie on it all over, as buttons
+  /// and sequins do, ride on it; else those that are smaller than a pixel do, as far as they are 1 % of the area
+  /// together.
+  bool carry_loose = false;
   FlattenOptions flatten;
   /// Where Layout::panels is refused it gets up to six times the pixels, and after that falls back to Layout::square,
   /// with a warning in the report.
@@ -24,8 +28,9 @@ struct ConvertOptions {
 /// The files that ConvertOptions::stages names.
 [[nodiscard]] std::vector<std::filesystem::path> stage_files(const std::filesystem::path& folder);
 
-/// A piece that is too small for a pixel at the chosen spacing, or lies loose on the cloth as a button does, and rides
-/// on the cloth beside it; or a hole that is too small and is closed in the image.
+/// A piece that is too small for a pixel at the chosen spacing, or is to be carried as buttons are
+/// (ConvertOptions::carry_loose), and rides on the cloth beside it; or a hole that is too small and is closed in the
+/// image.
 struct CarriedPart {
   uint32_t part = 0;      ///< of the file (SourceMesh::part)
   uint32_t faces = 0;     ///< triangles left out; 0 for a hole
