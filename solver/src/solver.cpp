@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "check_input.h"
+#include "colliders/match.h"
 #include "cpu/cpu_name.h"
 #include "device_name.h"
 #include "geocloth/asset/error.h"
@@ -188,9 +189,31 @@ const Solver::Impl::Cloth& Solver::Impl::cloth_at(uint32_t cloth) const {
               "solver: there is no " + cloth_name(cloth) + "; it has " + std::to_string(cloths_.size()) + " cloths");
 }
 
+/// Colliders go on from where those of the last call are that they are the same as; others are placed.
+void Solver::Impl::take_places(std::span<const Collider> asked_before) {
+  if (std::ranges::equal(asked_before, colliders_to_, {}, &Collider::name, &Collider::name)) return;
+  std::vector<Vec3> expected = collider_ways_;
+  for (size_t i = 0; i < expected.size(); ++i)
+    expected[i] = collider_frame(colliders_from_[i]).translate + collider_ways_[i];
+  const std::vector<std::optional<uint32_t>> before = match_colliders(asked_before, expected, colliders_to_);
+  const std::vector<Collider> from = std::exchange(colliders_from_, colliders_to_);
+  const std::vector<Vec3> ways = std::exchange(collider_ways_, std::vector<Vec3>(colliders_to_.size()));
+  const std::vector<Vec3> seen = std::exchange(places_seen_, places_of(colliders_to_));
+  size_t known = 0;
+  for (size_t i = 0; i < before.size(); ++i) {
+    if (!before[i]) continue;
+    ++known;
+    colliders_from_[i] = from[*before[i]];
+    collider_ways_[i] = ways[*before[i]];
+    places_seen_[i] = seen[*before[i]];
+  }
+  scene_changed_ = scene_changed_ || known < std::max(from.size(), colliders_to_.size());
+}
+
 void Solver::Impl::set_colliders(std::span<const Collider> colliders, bool teleport) {
   for (size_t i = 0; i < colliders.size(); ++i) {
-    const bool known = i < colliders_to_.size() && has_same_field(colliders[i], colliders_to_[i]);
+    const bool known =
+        std::ranges::any_of(colliders_to_, [&](const Collider& c) { return has_same_field(colliders[i], c); });
     check(colliders[i], "colliders[" + std::to_string(i) + "]", known);
   }
   const std::vector<Collider> asked_before =
@@ -198,10 +221,7 @@ void Solver::Impl::set_colliders(std::span<const Collider> colliders, bool telep
   for (Collider& c : colliders_to_) {
     if (auto* plane = std::get_if<Plane>(&c.shape)) plane->normal = normalized(plane->normal);
   }
-  if (colliders_from_.size() != colliders_to_.size()) {
-    colliders_from_ = colliders_to_;
-    scene_changed_ = true;
-  }
+  take_places(asked_before);
   for (size_t i = 0; i < colliders_to_.size(); ++i) {
     if (!teleport && !colliders_to_[i].teleport) continue;
     scene_changed_ = scene_changed_ || !same_place(colliders_from_[i], colliders_to_[i]);
@@ -364,7 +384,6 @@ Vec3 Solver::Impl::middle_of_told(const Cloth& cloth) const {
 void Solver::Impl::follow_cloths() {
   constexpr float kFar = 3;  // [m]
   bool colliders_went = false;
-  if (places_seen_.size() != colliders_to_.size()) places_seen_ = places_of(colliders_to_);
   for (size_t i = 0; i < colliders_to_.size(); ++i)
     colliders_went = colliders_went || length(colliders_to_[i].pose.translate - places_seen_[i]) > kFar;
   if (colliders_went) places_seen_ = places_of(colliders_to_);

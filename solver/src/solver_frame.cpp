@@ -425,6 +425,8 @@ void Solver::Impl::step() {
   fall_asleep();
   measure_rides(factor);
   backend_->run_frame(frame_);
+  for (size_t i = 0; i < colliders_to_.size(); ++i)
+    collider_ways_[i] = collider_frame(colliders_to_[i]).translate - collider_frame(colliders_from_[i]).translate;
   colliders_from_ = colliders_to_;
   for (Cloth& cloth : cloths_) {
     cloth.parent_from = cloth.parent_to;

@@ -110,6 +110,7 @@ class Solver::Impl {
   [[nodiscard]] static float pull_of_pins(const Cloth& cloth, float least);
   [[nodiscard]] bool has_pins_above(const Cloth& cloth) const;
   [[nodiscard]] static bool sags_between_pins(const Cloth& cloth);
+  void take_places(std::span<const Collider> asked_before);
   void carry_over();
   [[nodiscard]] Vec3 middle_of_told(const Cloth& cloth) const;
   void follow_cloths();
@@ -137,6 +138,7 @@ class Solver::Impl {
   std::vector<Cloth> cloths_;
   SelfNumbers inter_;                                           ///< of the cloths that collide with each other
   std::vector<Collider> colliders_from_, colliders_to_;         ///< at the start and the end of the next frame
+  std::vector<Vec3> collider_ways_;                             ///< [m] that their frames went in the last frame
   std::vector<shader::ColliderShape> shapes_;                   ///< of colliders_to_
   std::shared_ptr<const std::vector<float>> collider_numbers_;  ///< of their hulls and meshes
   std::optional<Wind> wind_;

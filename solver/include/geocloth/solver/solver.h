@@ -121,8 +121,12 @@ class Solver {
   Solver& operator=(Solver&&) noexcept;
   ~Solver();
 
-  /// Takes effect in the next step. Colliders are matched by index with those of the last call: from there they move
-  /// evenly to the new pose over the frame. A changed number, or teleport, places them without a velocity.
+  /// Takes effect in the next step. Each collider moves evenly over the frame from where the last call put it. Which
+  /// one it is follows from its name: of those with one name (none is a name too) the first one is the first one of the
+  /// last call, and so on. Where there are more or fewer of that name than there were, those stay that have the same
+  /// shape as before, in their order, as many as there can be; among equal shapes those that are nearest to where
+  /// they would be if all went on as in the last frame. The others are placed without a velocity, as are all with
+  /// teleport. Give names to what comes and goes in one call.
   void set_colliders(std::span<const Collider> colliders, bool teleport = false);
   void set_wind(const Wind& wind);
   void set_gravity(const Vec3& gravity);
