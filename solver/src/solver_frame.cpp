@@ -181,9 +181,13 @@ bool Solver::Impl::sags_between_pins(const Cloth& cloth) {
 
 /// What a frame says of other pins than the one before had.
 void Solver::Impl::change_pins(Cloth& cloth, ClothFrame& frame) const {
-  frame.pins_changed = cloth.pins_changed;
-  if (!cloth.pins_changed) return;
-  cloth.pins_changed = cloth.hangs = false;
+  frame.pins_changed = std::exchange(cloth.pins_changed, false);
+  if (frame.pins_changed) take_pins(cloth, frame);
+}
+
+/// What follows from which points are pinned.
+void Solver::Impl::take_pins(Cloth& cloth, ClothFrame& frame) const {
+  cloth.hangs = false;
   frame.inverse_mass = cloth.free_inverse_mass;
   std::vector<uint32_t> pixels, pinned;
   for (const auto& [pixel, pin] : cloth.pins) {
@@ -247,7 +251,7 @@ void Solver::Impl::measure_rides(uint32_t factor) {
     shader::ClothParams& params = frame_.cloths[c].params;
     if (frame_.cloths[c].asleep) cloth.ride.carrier.reset();
     if (cloth.ride.carrier) {
-      cloth.ride.from = collider_frame(colliders_from_[*cloth.ride.carrier]);
+      cloth.ride.from = frames_from_[*cloth.ride.carrier];
       cloth.ride.to = collider_frame(colliders_to_[*cloth.ride.carrier]);
       cloth.ride.time = settings_.frame_time;
       params.carrier = motion_field(cloth.ride.from, cloth.ride.to, 1.F / static_cast<float>(substeps_), origin_);
@@ -289,7 +293,7 @@ uint32_t Solver::Impl::substeps_factor() {
   constexpr float kNearly = 0.5F;            // of a fast way: from here on it is known whether the cloth rides
   const auto most =
       static_cast<uint32_t>(std::clamp(settings_.frame_time / (kShortest * usual_substeps_), 1.0, double{kMost}));
-  collider_poses(colliders_from_, colliders_to_, usual_substeps_, origin_, frame_.poses);
+  collider_poses(frames_from_, colliders_to_, usual_substeps_, origin_, frame_.poses);
   measure_ways(frame_.shapes, frame_.poses, usual_substeps_, 0);
   uint32_t factor = 1;
   for (uint32_t c = 0; c < cloths_.size(); ++c) {
@@ -328,7 +332,7 @@ uint32_t Solver::Impl::substeps_factor() {
 void Solver::Impl::find_movers() {
   movers_.clear();
   for (uint32_t i = 0; i < colliders_to_.size(); ++i)
-    if (!same_place(colliders_from_[i], colliders_to_[i])) movers_.push_back(i);
+    if (!same_place(frames_from_[i], collider_frame(colliders_to_[i]))) movers_.push_back(i);
 }
 
 /// Whether a collider that moves in this frame may touch the cloth. Waits for the device, for a sleeping cloth once.
@@ -403,7 +407,7 @@ void Solver::Impl::step() {
   const uint32_t factor = substeps_factor();
   substeps_ = usual_substeps_ * factor;
   choose_compliance_step();
-  collider_poses(colliders_from_, colliders_to_, substeps_, origin_, frame_.poses);
+  collider_poses(frames_from_, colliders_to_, substeps_, origin_, frame_.poses);
   measure_ways(frame_.shapes, frame_.poses, substeps_, thickest(cloths_));
   substep_inputs(clock(), wind_, origin_, frame_.substeps);
   const float way = longest_way(frame_.shapes);
@@ -425,9 +429,11 @@ void Solver::Impl::step() {
   fall_asleep();
   measure_rides(factor);
   backend_->run_frame(frame_);
-  for (size_t i = 0; i < colliders_to_.size(); ++i)
-    collider_ways_[i] = collider_frame(colliders_to_[i]).translate - collider_frame(colliders_from_[i]).translate;
-  colliders_from_ = colliders_to_;
+  for (size_t i = 0; i < colliders_to_.size(); ++i) {
+    const Transform frame = collider_frame(colliders_to_[i]);
+    collider_ways_[i] = frame.translate - frames_from_[i].translate;
+    frames_from_[i] = frame;
+  }
   for (Cloth& cloth : cloths_) {
     cloth.parent_from = cloth.parent_to;
     if (!cloth.asleep) cloth.displaced_in = clock().dt;

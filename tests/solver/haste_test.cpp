@@ -31,6 +31,12 @@ class Counter final : public SolverBackend {
   void write_state(uint32_t c, std::span<const shader::vec4> x, std::span<const shader::vec4> before) override {
     backend_->write_state(c, x, before);
   }
+  void read_memory(uint32_t c, ClothMemory& out) override { backend_->read_memory(c, out); }
+  void write_memory(uint32_t c, const ClothMemory& memory, const ClothFrame& pins) override {
+    backend_->write_memory(c, memory, pins);
+  }
+  void read_found(FoundPoints& out) override { backend_->read_found(out); }
+  void write_found(const FoundPoints& found) override { backend_->write_found(found); }
   void replace_topology(uint32_t c, ClothData data) override { backend_->replace_topology(c, std::move(data)); }
   void shift(const Vec3& by) override { backend_->shift(by); }
   void replace_inter(InterData inter) override { backend_->replace_inter(std::move(inter)); }
