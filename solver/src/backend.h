@@ -141,7 +141,8 @@ class SolverBackend {
   SolverBackend& operator=(const SolverBackend&) = delete;
   virtual ~SolverBackend() = default;
 
-  /// Runs all substeps of a frame and its normals. May return before the work is done.
+  /// Runs all substeps of a frame and its normals, for the cloths that are not asleep; for others, which need another
+  /// number of substeps, it may be called again in the same frame. May return before the work is done.
   virtual void run_frame(const FrameInput& frame) = 0;
   /// Blocks until everything submitted is done. @throws Error(device) if the device failed
   virtual void wait() = 0;

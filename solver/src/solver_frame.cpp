@@ -97,7 +97,7 @@ float Solver::Impl::stretch_limit(const Cloth& cloth) const {
 void Solver::Impl::fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const {
   frame.params = cloth_params(cloth.material, clock(), settings_.gravity, wind_);
   frame.params.gravity_step.w = static_cast<float>(clock().dt / cloth.displaced_in);
-  frame.params.inverse_dt2 = static_cast<float>(1 / (compliance_step_ * compliance_step_));
+  frame.params.inverse_dt2 = static_cast<float>(1 / (cloth.compliance_step * cloth.compliance_step));
   frame.params.fine = fine_;
   frame.params.stretch_limit = stretch_limit(cloth);
   frame.params.width = cloth.asset->width;
@@ -181,8 +181,8 @@ bool Solver::Impl::sags_between_pins(const Cloth& cloth) {
 
 /// What a frame says of other pins than the one before had.
 void Solver::Impl::change_pins(Cloth& cloth, ClothFrame& frame) const {
-  frame.pins_changed = std::exchange(cloth.pins_changed, false);
-  if (frame.pins_changed) take_pins(cloth, frame);
+  cloth.pins_anew = std::exchange(cloth.pins_changed, false);
+  if (cloth.pins_anew) take_pins(cloth, frame);
 }
 
 /// What follows from which points are pinned.
@@ -243,23 +243,20 @@ float Solver::Impl::way_seen_from(const Ride* ride, uint32_t collider) const {
   return std::min(way, way_beside(frame_.shapes, frame_.poses, collider, motion, static_cast<float>(steps - 1)));
 }
 
-/// Has cloths measured in this frame as ride_of() wants to know it two frames later.
-void Solver::Impl::measure_rides(uint32_t factor) {
+/// Has a cloth measured in this frame as ride_of() wants to know it two frames later.
+void Solver::Impl::measure_ride(Cloth& cloth, ClothFrame& frame) const {
   constexpr float kLeft = 0.1F;  // spacings in a substep without haste
-  for (size_t c = 0; c < cloths_.size(); ++c) {
-    Cloth& cloth = cloths_[c];
-    shader::ClothParams& params = frame_.cloths[c].params;
-    if (frame_.cloths[c].asleep) cloth.ride.carrier.reset();
-    if (cloth.ride.carrier) {
-      cloth.ride.from = frames_from_[*cloth.ride.carrier];
-      cloth.ride.to = collider_frame(colliders_to_[*cloth.ride.carrier]);
-      cloth.ride.time = settings_.frame_time;
-      params.carrier = motion_field(cloth.ride.from, cloth.ride.to, 1.F / static_cast<float>(substeps_), origin_);
-      params.carried_at = static_cast<float>(substeps_ - 1);
-      params.left_behind = kLeft * params.spacing / static_cast<float>(factor);
-    }
-    cloth.rides[frame_.motion_word] = cloth.ride;
+  shader::ClothParams& params = frame.params;
+  if (frame.asleep) cloth.ride.carrier.reset();
+  if (cloth.ride.carrier) {
+    cloth.ride.from = frames_from_[*cloth.ride.carrier];
+    cloth.ride.to = collider_frame(colliders_to_[*cloth.ride.carrier]);
+    cloth.ride.time = settings_.frame_time;
+    params.carrier = motion_field(cloth.ride.from, cloth.ride.to, 1.F / static_cast<float>(substeps_), origin_);
+    params.carried_at = static_cast<float>(substeps_ - 1);
+    params.left_behind = kLeft * params.spacing / static_cast<float>(cloth.factor);
   }
+  cloth.rides[frame_.motion_word] = cloth.ride;
 }
 
 /// As many as substeps are asked for, or so many that a substep is at most a twentieth longer or shorter than in the
@@ -279,15 +276,15 @@ uint32_t Solver::Impl::even_substeps() {
 
 /// Springs are as stiff as their material at the length that the step has, but for a few percent while it varies: the
 /// constants that hold the step need not be made anew in every frame then.
-void Solver::Impl::choose_compliance_step() {
+void Solver::Impl::choose_compliance_step(Cloth& cloth) const {
   constexpr double kNear = 0.02;
   const double dt = clock().dt;
-  if (dt == last_step_ || !(std::abs(dt - compliance_step_) <= kNear * dt)) compliance_step_ = dt;
+  if (dt == cloth.last_step || !(std::abs(dt - cloth.compliance_step) <= kNear * dt)) cloth.compliance_step = dt;
 }
 
-/// More than one where a collider that may meet a cloth is too fast for it. What is told by pins and not by where the
-/// cloth is, which only the device knows.
-uint32_t Solver::Impl::substeps_factor() {
+/// More substeps for a cloth that may meet a collider which is too fast for it, and for those that it collides with.
+/// What is told by pins and not by where the cloth is, which only the device knows.
+void Solver::Impl::choose_factors() {
   constexpr uint32_t kMost = 32;
   constexpr double kShortest = 1.0 / 16000;  // [s] for a few frames; see kShortStep
   constexpr float kNearly = 0.5F;            // of a fast way: from here on it is known whether the cloth rides
@@ -295,23 +292,30 @@ uint32_t Solver::Impl::substeps_factor() {
       static_cast<uint32_t>(std::clamp(settings_.frame_time / (kShortest * usual_substeps_), 1.0, double{kMost}));
   collider_poses(frames_from_, colliders_to_, usual_substeps_, origin_, frame_.poses);
   measure_ways(frame_.shapes, frame_.poses, usual_substeps_, 0);
-  uint32_t factor = 1;
+  uint32_t others_factor = 1;  // of the cloths that collide with each other
   for (uint32_t c = 0; c < cloths_.size(); ++c) {
     Cloth& cloth = cloths_[c];
+    uint32_t factor = 1;
     const float spacing = cloth.asset->spacing * cloth.scale;
     const float margin = cloth.reach * stretch_limit(cloth) + cloth.material.thickness + spacing;
     cloth.meets_fast = false;
+    cloth.met_way.reset();
     cloth.ride = {};
     const Ride* const ride = ride_of(c);
     std::optional<std::optional<ClothBox>> box;  // looked for once
     float longest = 0;                           // [m] way of a collider as seen from the cloth
+    float met = 0;                               // [m] the same in the world, of those that may meet it
+    bool misses = false;
     for (uint32_t i = 0; i < frame_.shapes.size(); ++i) {
       const shader::ColliderShape& shape = frame_.shapes[i];
       if (shape.kind == shader::kShapePlane) continue;
       const Haste haste = haste_of(shape, spacing, most);
       const bool nearly_fast = shape.way > kNearly * haste.way;
       if (nearly_fast && !box) box = box_of_pins(cloth);
-      if (!nearly_fast || (*box && !may_reach(frame_.shapes, frame_.poses, i, **box, margin))) {
+      const bool out_of_reach = nearly_fast && *box && !may_reach(frame_.shapes, frame_.poses, i, **box, margin);
+      misses = misses || out_of_reach;
+      if (!out_of_reach) met = std::max(met, shape.way);
+      if (!nearly_fast || out_of_reach) {
         longest = std::max(longest, shape.way);
         continue;
       }
@@ -325,8 +329,12 @@ uint32_t Solver::Impl::substeps_factor() {
     }
     cloth.rides_on = ride != nullptr && cloth.ride.carrier;
     if (cloth.rides_on) cloth.ride.way = longest;
+    if (misses) cloth.met_way = met;
+    cloth.factor = std::max(1U, std::min(factor, kMostSubsteps / usual_substeps_));
+    if (meets_others(cloth)) others_factor = std::max(others_factor, cloth.factor);
   }
-  return std::max(1U, std::min(factor, kMostSubsteps / usual_substeps_));
+  for (Cloth& cloth : cloths_)
+    if (meets_others(cloth)) cloth.factor = others_factor;
 }
 
 void Solver::Impl::find_movers() {
@@ -372,7 +380,7 @@ void Solver::Impl::fall_asleep() {
     Cloth& cloth = cloths_[c];
     if (!cloth.asleep) cloth.asleep = meets_others(cloth) ? others_sleep : is_calm(c);
     if (!cloth.asleep) ++cloth.calm_frames;
-    frame_.cloths[c].asleep = cloth.asleep;
+    if (cloth.asleep) cloth.factor = 1;
   }
 }
 
@@ -387,13 +395,50 @@ bool Solver::Impl::is_calm(uint32_t c) {
   constexpr uint32_t kLatency = 2;  // frames
   Cloth& cloth = cloths_[c];
   if (cloth.calm_frames < kLatency) return false;
-  const double speed = backend_->longest_way(c, frame_.motion_word) / measured_steps_[frame_.motion_word];
+  const double speed = backend_->longest_way(c, frame_.motion_word) / cloth.measured_steps[frame_.motion_word];
   cloth.calm_for = speed <= settings_.sleep_speed ? cloth.calm_for + settings_.frame_time : 0;
   if (!(cloth.calm_for > 0 && cloth.calm_for >= settings_.sleep_time)) return false;
   cloth.resting.reset();
   if (!is_reached(c)) return true;
   cloth.calm_for = 0;
   return false;
+}
+
+/// Runs the frame for the cloths with so many times the usual substeps. Those of other groups are left as they are.
+void Solver::Impl::run_group(uint32_t factor) {
+  substeps_ = usual_substeps_ * factor;
+  if (factor > 1) {
+    collider_poses(frames_from_, colliders_to_, substeps_, origin_, frame_.poses);
+    measure_ways(frame_.shapes, frame_.poses, substeps_, thickest(cloths_));
+  }
+  substep_inputs(clock(), wind_, origin_, frame_.substeps);
+  const float way = longest_way(frame_.shapes);
+  for (size_t c = 0; c < cloths_.size(); ++c) {
+    Cloth& cloth = cloths_[c];
+    ClothFrame& frame = frame_.cloths[c];
+    const bool belongs = cloth.factor == factor;
+    frame.asleep = !belongs || cloth.asleep;
+    frame.pins_changed = belongs && cloth.pins_anew;
+    if (!belongs) continue;
+    const float spacing = cloth.asset->spacing * cloth.scale;
+    const bool hasty = factor > 1 && cloth.meets_fast;
+    const bool seams = cloth.asset->splits.rows() > 0;
+    const auto in_step = [&](const std::optional<float>& usual) {
+      return std::min(way, usual.value_or(way) / static_cast<float>(factor));
+    };
+    const float seen = std::min(in_step(cloth.ride.way), in_step(cloth.met_way));
+    frame.cell_rounds = cloth.collide_cells ? cell_rounds(seen, spacing, seams, hasty) : 0;
+    choose_compliance_step(cloth);
+    fill_cloth_frame(cloth, frame);
+    frame.params.spacing = spacing;
+    const bool leaves = cloth.collide_cells && !hasty;
+    frame.params.leave_near = leaves ? shader::kLeaveNear * spacing : 0;
+    frame.params.grip = grip_of(frame, spacing);
+    measure_ride(cloth, frame);
+    if (!cloth.asleep) cloth.displaced_in = clock().dt;
+    cloth.measured_steps[frame_.motion_word] = cloth.last_step = clock().dt;
+  }
+  backend_->run_frame(frame_);
 }
 
 void Solver::Impl::step() {
@@ -404,41 +449,23 @@ void Solver::Impl::step() {
   frame_.cloths.resize(cloths_.size());
   for (size_t c = 0; c < cloths_.size(); ++c) change_pins(cloths_[c], frame_.cloths[c]);
   usual_substeps_ = even_substeps();
-  const uint32_t factor = substeps_factor();
-  substeps_ = usual_substeps_ * factor;
-  choose_compliance_step();
-  collider_poses(frames_from_, colliders_to_, substeps_, origin_, frame_.poses);
-  measure_ways(frame_.shapes, frame_.poses, substeps_, thickest(cloths_));
-  substep_inputs(clock(), wind_, origin_, frame_.substeps);
-  const float way = longest_way(frame_.shapes);
-  for (size_t c = 0; c < cloths_.size(); ++c) {
-    Cloth& cloth = cloths_[c];
-    const float spacing = cloth.asset->spacing * cloth.scale;
-    const bool hasty = factor > 1 && cloth.meets_fast;
-    cloth.collide_cells = cloth.collide_cells || may_slip_through(frame_.shapes, spacing);
-    const bool seams = cloth.asset->splits.rows() > 0;
-    const float seen = std::min(way, cloth.ride.way.value_or(way) / static_cast<float>(factor));
-    frame_.cloths[c].cell_rounds = cloth.collide_cells ? cell_rounds(seen, spacing, seams, hasty) : 0;
-    fill_cloth_frame(cloth, frame_.cloths[c]);
-    frame_.cloths[c].params.spacing = spacing;
-    const bool leaves = cloth.collide_cells && !hasty;
-    frame_.cloths[c].params.leave_near = leaves ? shader::kLeaveNear * spacing : 0;
-    frame_.cloths[c].params.grip = grip_of(frame_.cloths[c], spacing);
-  }
+  choose_factors();
+  measure_ways(frame_.shapes, frame_.poses, usual_substeps_, thickest(cloths_));
   find_movers();
   fall_asleep();
-  measure_rides(factor);
-  backend_->run_frame(frame_);
+  uint32_t most = 1;
+  for (Cloth& cloth : cloths_) {
+    cloth.collide_cells = cloth.collide_cells || may_slip_through(frame_.shapes, cloth.asset->spacing * cloth.scale);
+    most = std::max(most, cloth.factor);
+  }
+  for (uint32_t factor = 1; factor <= most; ++factor)
+    if (std::ranges::any_of(cloths_, [&](const Cloth& cloth) { return cloth.factor == factor; })) run_group(factor);
   for (size_t i = 0; i < colliders_to_.size(); ++i) {
     const Transform frame = collider_frame(colliders_to_[i]);
     collider_ways_[i] = frame.translate - frames_from_[i].translate;
     frames_from_[i] = frame;
   }
-  for (Cloth& cloth : cloths_) {
-    cloth.parent_from = cloth.parent_to;
-    if (!cloth.asleep) cloth.displaced_in = clock().dt;
-  }
-  measured_steps_[frame_.motion_word] = last_step_ = clock().dt;
+  for (Cloth& cloth : cloths_) cloth.parent_from = cloth.parent_to;
   time_ += settings_.frame_time;
 }
 

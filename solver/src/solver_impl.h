@@ -88,27 +88,33 @@ class Solver::Impl {
     std::optional<SelfCollision> self_collision;
     SelfNumbers self;
     std::optional<InterCollision> inter_collision;
-    bool collide_cells = false;  ///< a collider was met that may slip through between pixels
-    bool teleport = false;       ///< the parent jumps before the next frame
-    double placed_at = -1;       ///< [s] time_ when a state was written where the parent had jumped to
-    bool meets_fast = false;     ///< in the next frame, if a collider is fast that may meet it
-    Ride ride;                   ///< in the next frame
-    bool rides_on = false;       ///< it rode in the last frame
-    std::array<Ride, 2> rides;   ///< in the last two, by the word that was measured into
-    float limit = 0;             ///< ClothParams::stretch_limit of the last frame, as it sinks
-    double pulled_at = 0;        ///< [s] when pins last pulled it apart
-    bool hangs = false;          ///< every point has an attachment or is pinned
-    float reach = 0;             ///< [m] of the longest attachment; without pins of the whole cloth
+    bool collide_cells = false;    ///< a collider was met that may slip through between pixels
+    bool teleport = false;         ///< the parent jumps before the next frame
+    double placed_at = -1;         ///< [s] time_ when a state was written where the parent had jumped to
+    bool pins_anew = false;        ///< in the next frame other points are pinned than before
+    bool meets_fast = false;       ///< in the next frame, if a collider is fast that may meet it
+    std::optional<float> met_way;  ///< [m] longest of a collider in a usual substep, if some cannot meet it
+    uint32_t factor = 1;           ///< times as many substeps as usual in the next frame
+    Ride ride;                     ///< in the next frame
+    bool rides_on = false;         ///< it rode in the last frame
+    std::array<Ride, 2> rides;     ///< in the last two, by the word that was measured into
+    float limit = 0;               ///< ClothParams::stretch_limit of the last frame, as it sinks
+    double pulled_at = 0;          ///< [s] when pins last pulled it apart
+    bool hangs = false;            ///< every point has an attachment or is pinned
+    float reach = 0;               ///< [m] of the longest attachment; without pins of the whole cloth
     uint64_t particles = 0, springs_per_sweep = 0;
     size_t most_seam_springs = 0, most_self_words = 0;  ///< of any cut
     std::optional<uint64_t> mark;                       ///< of what it was made with, once asked for
 
     bool asleep = false;
-    bool disturbed = true;            ///< since the last step
-    uint32_t calm_frames = 0;         ///< since it was disturbed
-    double calm_for = 0;              ///< [s] that it has been slow
-    std::optional<ClothBox> resting;  ///< about it where it sleeps, once a collider has moved meanwhile
-    double displaced_in = 0;          ///< [s] step length of the displacements that the backend holds
+    bool disturbed = true;                   ///< since the last step
+    uint32_t calm_frames = 0;                ///< since it was disturbed
+    double calm_for = 0;                     ///< [s] that it has been slow
+    std::optional<ClothBox> resting;         ///< about it where it sleeps, once a collider has moved meanwhile
+    double displaced_in = 0;                 ///< [s] step length of the displacements that the backend holds
+    double compliance_step = 0;              ///< [s] the length that compliances are of
+    double last_step = 0;                    ///< [s] of the last frame's substeps
+    std::array<double, 2> measured_steps{};  ///< [s] of the substeps in the last two frames, by motion_word
   };
 
   struct Saved;
@@ -147,11 +153,12 @@ class Solver::Impl {
   [[nodiscard]] FrameClock clock() const;
   [[nodiscard]] std::optional<ClothBox> box_of_pins(const Cloth& cloth) const;
   [[nodiscard]] uint32_t even_substeps();
-  [[nodiscard]] uint32_t substeps_factor();
-  void choose_compliance_step();
+  void choose_factors();
+  void choose_compliance_step(Cloth& cloth) const;
+  void run_group(uint32_t factor);
   [[nodiscard]] const Ride* ride_of(uint32_t cloth);
   [[nodiscard]] float way_seen_from(const Ride* ride, uint32_t collider) const;
-  void measure_rides(uint32_t factor);
+  void measure_ride(Cloth& cloth, ClothFrame& frame) const;
   void find_movers();
   [[nodiscard]] bool is_reached(uint32_t cloth);
   void fall_asleep();
@@ -177,10 +184,7 @@ class Solver::Impl {
   double step_length_ = 0;        ///< [s] of a substep, that the last frame's were to have without haste; 0: no frame
   double calm_step_;              ///< [s] of a substep, about which steps may vary without waking cloth
   uint32_t usual_substeps_;       ///< of the next frame without haste
-  uint32_t substeps_;             ///< of the next frame
-  double compliance_step_ = 0;    ///< [s] the length that compliances are of
-  double last_step_ = 0;          ///< [s] of the last frame's substeps
-  std::array<double, 2> measured_steps_{};  ///< [s] of the substeps in the last two frames, by motion_word
+  uint32_t substeps_;             ///< of the cloths that are told about the next frame
   std::vector<std::pair<std::shared_ptr<const DistanceField>, uint64_t>> field_marks_;  ///< of saved colliders
   FrameInput frame_;  ///< of the last step, whose memory the next one uses again
   std::unique_ptr<SolverBackend> backend_;

@@ -272,7 +272,8 @@ struct Solver::Impl::SavedCloth {
   Transform parent_first;
   Vec3 middle, inertia_scale;
   bool collide_cells = false, teleport = false, rides_on = false, asleep = false, disturbed = false;
-  double placed_at = 0, pulled_at = 0, calm_for = 0, displaced_in = 0;
+  double placed_at = 0, pulled_at = 0, calm_for = 0, displaced_in = 0, compliance_step = 0, last_step = 0;
+  std::array<double, 2> measured_steps{};
   std::array<Ride, 2> rides;
   float limit = 0, reach = 0;
   uint32_t calm_frames = 0;
@@ -300,7 +301,9 @@ struct Solver::Impl::SavedCloth {
     bytes.value(middle);
     bytes.value(inertia_scale);
     for (bool* flag : {&collide_cells, &teleport, &rides_on, &asleep, &disturbed}) bytes.flag(*flag);
-    for (double* time : {&placed_at, &pulled_at, &calm_for, &displaced_in}) bytes.value(*time);
+    for (double* time : {&placed_at, &pulled_at, &calm_for, &displaced_in, &compliance_step, &last_step})
+      bytes.value(*time);
+    bytes.value(measured_steps);
     for (Ride& ride : rides) {
       bytes.optional(ride.carrier, [&](uint32_t& carrier) { bytes.value(carrier); });
       bytes.value(ride.from);
@@ -328,8 +331,7 @@ struct Solver::Impl::Saved {
   Vec3 gravity;
   std::optional<Wind> wind;
   Vec3 origin, inter_origin;
-  double time = 0, step_length = 0, calm_step = 0, compliance_step = 0, last_step = 0;
-  std::array<double, 2> measured_steps{};
+  double time = 0, step_length = 0, calm_step = 0;
   uint32_t motion_word = 0;
   bool scene_changed = false;
   bool has_colliders = false;  ///< set_colliders() was called
@@ -356,8 +358,7 @@ struct Solver::Impl::Saved {
     bytes.optional(wind, [&](Wind& w) { bytes.value(w); });
     bytes.value(origin);
     bytes.value(inter_origin);
-    for (double* time_of : {&time, &step_length, &calm_step, &compliance_step, &last_step}) bytes.value(*time_of);
-    bytes.value(measured_steps);
+    for (double* time_of : {&time, &step_length, &calm_step}) bytes.value(*time_of);
     bytes.value(motion_word);
     bytes.flag(scene_changed);
     bytes.flag(has_colliders);
@@ -440,6 +441,9 @@ void Solver::Impl::keep_cloth(uint32_t index, SavedCloth& saved) {
   saved.pulled_at = cloth.pulled_at;
   saved.calm_for = cloth.calm_for;
   saved.displaced_in = cloth.displaced_in;
+  saved.compliance_step = cloth.compliance_step;
+  saved.last_step = cloth.last_step;
+  saved.measured_steps = cloth.measured_steps;
   saved.rides = cloth.rides;
   saved.limit = cloth.limit;
   saved.reach = cloth.reach;
@@ -470,9 +474,6 @@ void Solver::Impl::save(std::vector<std::byte>& out) {
   saved.time = time_;
   saved.step_length = step_length_;
   saved.calm_step = calm_step_;
-  saved.compliance_step = compliance_step_;
-  saved.last_step = last_step_;
-  saved.measured_steps = measured_steps_;
   saved.motion_word = frame_.motion_word;
   saved.scene_changed = scene_changed_;
   saved.has_colliders = collider_numbers_ != nullptr;
@@ -511,8 +512,7 @@ void Solver::Impl::check_scene(const Saved& saved) const {
   if (saved.wind) check(*saved.wind, "wind");
   check_position(saved.origin, "origin");
   check_position(saved.inter_origin, "inter_origin");
-  for (const double time : {saved.time, saved.step_length, saved.compliance_step, saved.last_step,
-                            saved.measured_steps[0], saved.measured_steps[1]})
+  for (const double time : {saved.time, saved.step_length})
     require(finite(time) && time >= 0, "a time", " is not finite, or below 0");
   require(finite(saved.calm_step) && saved.calm_step > 0, "calm_step", " is not above 0");
   require(saved.motion_word <= 1, "motion_word", " is not 0 or 1");
@@ -583,6 +583,8 @@ void Solver::Impl::check_cloth(SavedCloth& saved, uint32_t index) const {
   require(finite(saved.middle), where, ": its middle is not finite");
   for (const double time : {saved.placed_at, saved.pulled_at, saved.calm_for})
     require(finite(time), where, ": a time is not finite");
+  for (const double time : {saved.compliance_step, saved.last_step, saved.measured_steps[0], saved.measured_steps[1]})
+    require(finite(time) && time >= 0, where, ": a step is not finite, or below 0");
   require(finite(saved.displaced_in) && saved.displaced_in > 0, where, ": displaced_in is not above 0");
   for (const Ride& ride : saved.rides) {
     check_pose(ride.from, where + ": what carries it");
@@ -618,9 +620,6 @@ void Solver::Impl::take_scene(Saved& saved) {
   time_ = saved.time;
   step_length_ = saved.step_length;
   calm_step_ = saved.calm_step;
-  compliance_step_ = saved.compliance_step;
-  last_step_ = saved.last_step;
-  measured_steps_ = saved.measured_steps;
   frame_.motion_word = saved.motion_word;
   const std::vector<Collider> before = std::exchange(colliders_to_, {});
   frames_from_.clear();
@@ -664,6 +663,9 @@ void Solver::Impl::take_cloth(SavedCloth& saved, uint32_t index) {
   cloth.pulled_at = saved.pulled_at;
   cloth.calm_for = saved.calm_for;
   cloth.displaced_in = saved.displaced_in;
+  cloth.compliance_step = saved.compliance_step;
+  cloth.last_step = saved.last_step;
+  cloth.measured_steps = saved.measured_steps;
   cloth.rides = saved.rides;
   cloth.limit = saved.limit;
   cloth.reach = saved.reach;

@@ -14,13 +14,15 @@
 namespace geocloth {
 namespace {
 
-/// The cpu's, and how many substeps it was told to do.
+/// The cpu's, and how many substeps it was told to do with each cloth in the last frame that this was awake.
 class Counter final : public SolverBackend {
  public:
-  Counter(std::unique_ptr<SolverBackend> backend, size_t& substeps)
+  Counter(std::unique_ptr<SolverBackend> backend, std::vector<size_t>& substeps)
       : backend_(std::move(backend)), substeps_(substeps) {}
   void run_frame(const FrameInput& frame) override {
-    substeps_ = frame.substeps.size();
+    substeps_.resize(frame.cloths.size());
+    for (size_t c = 0; c < frame.cloths.size(); ++c)
+      if (!frame.cloths[c].asleep) substeps_[c] = frame.substeps.size();
     backend_->run_frame(frame);
   }
   void wait() override { backend_->wait(); }
@@ -46,7 +48,7 @@ class Counter final : public SolverBackend {
 
  private:
   std::unique_ptr<SolverBackend> backend_;
-  size_t& substeps_;
+  std::vector<size_t>& substeps_;
 };
 
 class Haste : public testing::Test {
@@ -70,7 +72,7 @@ class Haste : public testing::Test {
     solver_.set_time_step(double{frame_time}, 8);
     solver_.set_colliders(all, false);
     solver_.step();
-    return substeps_;
+    return substeps_.front();
   }
   /// The most of the last few frames at one speed.
   size_t settle(float speed, float turn = 0, float frame_time = test::kFrame) {
@@ -82,7 +84,7 @@ class Haste : public testing::Test {
     return most;
   }
 
-  size_t substeps_ = 0;
+  std::vector<size_t> substeps_;
   Solver::Impl solver_;
   std::vector<Collider> others_;
   float way_ = 0, turned_ = 0, below_ = 0;
@@ -129,6 +131,65 @@ TEST_F(Haste, StaysWhereWhatIsFastPassesTheCloth) {
   size_t least = 1000;
   for (int f = 0; f < 30; ++f) least = std::min(least, go(4));
   EXPECT_GT(least, 8U);
+}
+
+/// Curtains side by side, ten metres apart, and a ball that is thrown at the first one.
+class Curtains : public testing::Test {
+ protected:
+  explicit Curtains(float inter_distance = 0) {
+    cloths_.assign(2, test::describe(test::make_sheet({.nx = 21, .ny = 21})));
+    for (uint32_t c = 0; c < 2; ++c) {
+      cloths_[c].transform.translate = {10.F * static_cast<float>(c), 0, 0};
+      if (inter_distance > 0) cloths_[c].inter_collision = InterCollision{inter_distance};
+    }
+  }
+
+  /// Frames with a ball of this speed [m/s], of which the second one's positions come back.
+  std::vector<Vec3> throw_at_first(float speed, std::vector<size_t>& most) {
+    std::vector<size_t> substeps;
+    Solver::Impl solver(cloths_, test::eight_substeps(), [&](SimulationData data) {
+      return std::make_unique<Counter>(make_cpu_backend(std::move(data), 1), substeps);
+    });
+    most.assign(2, 0);
+    Collider ball{"ball", Sphere{{}, 0.1F}, 0.3F, {{0, 0, -0.8F}, {}, 1}};
+    for (int f = 0; f < 8; ++f) {
+      for (uint32_t c = 0; c < 2; ++c)
+        solver.set_pins(c, test::pins_at_rest(*cloths_[c].asset, "top", cloths_[c].transform.translate));
+      ball.pose.translate.z += speed * test::kFrame;
+      solver.set_colliders(std::vector{ball}, false);
+      solver.step();
+      for (uint32_t c = 0; c < 2; ++c) most[c] = std::max(most[c], substeps[c]);
+    }
+    std::vector<Vec3> positions;
+    solver.read_positions(1, positions);
+    return positions;
+  }
+
+  std::vector<ClothDesc> cloths_;
+};
+
+// A thrown ball would cost a level of many cloths all of its frame time otherwise.
+TEST_F(Curtains, OnlyTheOneThatIsHitHasMoreSubsteps) {
+  std::vector<size_t> thrown, still;
+  const std::vector<Vec3> beside_thrown = throw_at_first(12, thrown), beside_still = throw_at_first(0, still);
+  EXPECT_GT(thrown[0], 8U);
+  EXPECT_EQ(thrown[1], 8U);
+  EXPECT_EQ(still, (std::vector<size_t>{8, 8}));
+  // Nor does it move otherwise because another one is hit.
+  EXPECT_EQ(hash_state(*cloths_[1].asset, beside_thrown), hash_state(*cloths_[1].asset, beside_still));
+}
+
+class CurtainsThatMeet : public Curtains {
+ protected:
+  CurtainsThatMeet() : Curtains(0.05F) {}
+};
+
+// They meet substep by substep.
+TEST_F(CurtainsThatMeet, HaveTheirSubstepsTogether) {
+  std::vector<size_t> thrown;
+  throw_at_first(12, thrown);
+  EXPECT_GT(thrown[0], 8U);
+  EXPECT_EQ(thrown[1], thrown[0]);
 }
 
 }  // namespace

@@ -151,8 +151,9 @@ void VulkanBackend::run_frame(const FrameInput& frame) {
     Slot& slot = *slots_[next_slot_];
     next_slot_ = (next_slot_ + 1) % kSlots;
     finish(slot);
-    for (const ClothResources& cloth : cloths_) {
-      const std::span<uint32_t> measures = cloth.measures.as<uint32_t>();  // the frame before is over
+    for (uint32_t c = 0; c < cloths_.size(); ++c) {
+      if (frame.cloths[c].asleep) continue;                                     // others of this frame may be under way
+      const std::span<uint32_t> measures = cloths_[c].measures.as<uint32_t>();  // its frame before is over
       measures[shader::kMeasureWay + frame.motion_word] = measures[shader::kMeasureLeft + frame.motion_word] = 0;
     }
     const bool sets_changed = slot.frame.write(frame, cloths_);
