@@ -380,6 +380,7 @@ void Solver::Impl::carry_over() {
     }
     backend_->write_state(state.cloth, state.position, state.previous);
     c.rides = {};
+    c.seen.reset();
     c.parent_from = c.parent_to;
     c.teleport = false;
   }
@@ -424,7 +425,10 @@ void Solver::Impl::follow_cloths() {
   if (by == Vec3{}) return;
   backend_->shift(by);
   origin_ = origin_ + by;
-  for (Cloth& cloth : cloths_) cloth.resting.reset();
+  for (Cloth& cloth : cloths_) {
+    cloth.resting.reset();
+    cloth.seen.reset();
+  }
 }
 
 void Solver::Impl::read_positions(uint32_t cloth, std::vector<Vec3>& out) {
@@ -529,6 +533,7 @@ void Solver::Impl::write_state(uint32_t cloth, std::span<const Vec3> positions, 
   Cloth& written = cloths_[cloth];
   written.disturbed = true;
   written.rides = {};
+  written.seen.reset();
   if (written.teleport) {  // the state is where the parent has jumped to, and so are the pins
     written.teleport = false;
     written.parent_from = written.parent_to;

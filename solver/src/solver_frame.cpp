@@ -282,8 +282,74 @@ void Solver::Impl::choose_compliance_step(Cloth& cloth) const {
   if (dt == cloth.last_step || !(std::abs(dt - cloth.compliance_step) <= kNear * dt)) cloth.compliance_step = dt;
 }
 
+/// [m/s] Nothing about a cloth is faster in this frame: colliders, wind and pins.
+float Solver::Impl::fastest_about(const Cloth& cloth) const {
+  const auto frame_time = static_cast<float>(settings_.frame_time);
+  float way = 0;
+  for (const shader::ColliderShape& shape : frame_.shapes)
+    way = std::max(way, shape.way * static_cast<float>(usual_substeps_));
+  for (const auto& [pixel, pin] : cloth.pins) way = std::max(way, length(pin.target - pin.from));
+  const float wind = wind_ ? (1 + wind_->turbulence) * length(wind_->velocity) : 0;
+  return std::max(way / frame_time, wind);
+}
+
+/// [m] That a cloth goes from where it was seen in this frame, at most; springs that were drawn throw points faster
+/// than what drew them.
+float Solver::Impl::way_of_seen(const Cloth& cloth) const {
+  constexpr float kThrown = 2, kStart = 1;  // [1], [m/s]
+  const auto frame_time = static_cast<float>(settings_.frame_time);
+  const float speed = kThrown * std::max(cloth.seen->speed, fastest_about(cloth)) + kStart;
+  return (speed + length(settings_.gravity) * frame_time) * frame_time;
+}
+
+void Solver::Impl::look_at(uint32_t index) {
+  Cloth& cloth = cloths_[index];
+  backend_->read_positions(index, looked_position_);
+  backend_->read_previous(index, looked_previous_);
+  Seen& seen = cloth.seen.emplace();
+  for (uint32_t p = 0; p < looked_position_.size(); ++p) {
+    if (!cloth.asset->valid(p)) continue;
+    const vec4 &x = looked_position_[p], &before = looked_previous_[p];
+    seen.box.add({x.x, x.y, x.z});
+    seen.speed = std::max(seen.speed, std::hypot(x.x - before.x, x.y - before.y, x.z - before.z));
+  }
+  seen.speed /= static_cast<float>(cloth.displaced_in);
+  cloth.looked_at = true;
+}
+
+bool Solver::Impl::is_seen_near(const Cloth& cloth, uint32_t collider) const {
+  const float margin = way_of_seen(cloth) + cloth.material.thickness + cloth.asset->spacing * cloth.scale;
+  return may_reach(frame_.shapes, frame_.poses, collider, cloth.seen->box, margin);
+}
+
+/// It goes on in this frame, nobody sees where.
+void Solver::Impl::let_seen_go(Cloth& cloth) const {
+  if (!cloth.looked_for) cloth.seen.reset();
+  if (!cloth.seen) return;
+  cloth.seen->box.grow(way_of_seen(cloth));
+  cloth.seen->speed = std::max(cloth.seen->speed, fastest_about(cloth)) +
+                      length(settings_.gravity) * static_cast<float>(settings_.frame_time);
+}
+
+/// Whether a cloth without pins that tell where it is may meet a fast collider. It is looked at, which waits for the
+/// device, when the collider becomes fast and when it has come near; what is near is not looked at again for a while.
+/// @param rides  it is where its carrier is
+bool Solver::Impl::may_meet(uint32_t index, uint32_t collider, bool rides) {
+  constexpr double kLookAgain = 0.5;  // [s]
+  Cloth& cloth = cloths_[index];
+  cloth.looked_for = !rides && (!cloth.parent_to || same_place(*cloth.parent_from, *cloth.parent_to));
+  if (!cloth.looked_for) return true;
+  if (cloth.seen && !is_seen_near(cloth, collider)) return false;
+  if (!cloth.looked_at && time_ >= cloth.look_again) {
+    look_at(index);
+    if (!is_seen_near(cloth, collider)) return false;
+  }
+  cloth.look_again = std::max(cloth.look_again, cloth.looked_at ? time_ + kLookAgain : 0.0);
+  return true;
+}
+
 /// More substeps for a cloth that may meet a collider which is too fast for it, and for those that it collides with.
-/// What is told by pins and not by where the cloth is, which only the device knows.
+/// What is told by pins is enough where they hold all of it.
 void Solver::Impl::choose_factors() {
   constexpr uint32_t kMost = 32;
   constexpr double kShortest = 1.0 / 16000;  // [s] for a few frames; see kShortStep
@@ -300,6 +366,7 @@ void Solver::Impl::choose_factors() {
     const float margin = cloth.reach * stretch_limit(cloth) + cloth.material.thickness + spacing;
     cloth.meets_fast = false;
     cloth.met_way.reset();
+    cloth.looked_for = cloth.looked_at = false;
     cloth.ride = {};
     const Ride* const ride = ride_of(c);
     std::optional<std::optional<ClothBox>> box;  // looked for once
@@ -312,7 +379,8 @@ void Solver::Impl::choose_factors() {
       const Haste haste = haste_of(shape, spacing, most);
       const bool nearly_fast = shape.way > kNearly * haste.way;
       if (nearly_fast && !box) box = box_of_pins(cloth);
-      const bool out_of_reach = nearly_fast && *box && !may_reach(frame_.shapes, frame_.poses, i, **box, margin);
+      const bool out_of_reach = nearly_fast && !(*box ? may_reach(frame_.shapes, frame_.poses, i, **box, margin)
+                                                      : may_meet(c, i, ride != nullptr));
       misses = misses || out_of_reach;
       if (!out_of_reach) met = std::max(met, shape.way);
       if (!nearly_fast || out_of_reach) {
@@ -330,6 +398,7 @@ void Solver::Impl::choose_factors() {
     cloth.rides_on = ride != nullptr && cloth.ride.carrier;
     if (cloth.rides_on) cloth.ride.way = longest;
     if (misses) cloth.met_way = met;
+    let_seen_go(cloth);
     cloth.factor = std::max(1U, std::min(factor, kMostSubsteps / usual_substeps_));
     if (meets_others(cloth)) others_factor = std::max(others_factor, cloth.factor);
   }

@@ -66,6 +66,11 @@ class Solver::Impl {
     double time = 0;                  ///< [s] of the frame
     std::optional<float> way;  ///< [m] that the fastest collider goes in a substep as seen from the cloth, if it rides
   };
+  /// Where a cloth is that no pins tell of.
+  struct Seen {
+    ClothBox box;     ///< [m] relative to the origin, at the start of the next frame
+    float speed = 0;  ///< [m/s] of its points
+  };
   struct Cloth {
     std::shared_ptr<const ClothAsset> asset, original;  ///< as cuts have left it, and as it was given
     Material material;
@@ -96,12 +101,15 @@ class Solver::Impl {
     std::optional<float> met_way;  ///< [m] longest of a collider in a usual substep, if some cannot meet it
     uint32_t factor = 1;           ///< times as many substeps as usual in the next frame
     Ride ride;                     ///< in the next frame
-    bool rides_on = false;         ///< it rode in the last frame
-    std::array<Ride, 2> rides;     ///< in the last two, by the word that was measured into
-    float limit = 0;               ///< ClothParams::stretch_limit of the last frame, as it sinks
-    double pulled_at = 0;          ///< [s] when pins last pulled it apart
-    bool hangs = false;            ///< every point has an attachment or is pinned
-    float reach = 0;               ///< [m] of the longest attachment; without pins of the whole cloth
+    std::optional<Seen> seen;      ///< once it had to be looked for; grown since then by the way that it may have gone
+    double look_again = 0;         ///< [s] time_ from which on it may be looked for
+    bool looked_for = false, looked_at = false;  ///< in the next frame
+    bool rides_on = false;                       ///< it rode in the last frame
+    std::array<Ride, 2> rides;                   ///< in the last two, by the word that was measured into
+    float limit = 0;                             ///< ClothParams::stretch_limit of the last frame, as it sinks
+    double pulled_at = 0;                        ///< [s] when pins last pulled it apart
+    bool hangs = false;                          ///< every point has an attachment or is pinned
+    float reach = 0;                             ///< [m] of the longest attachment; without pins of the whole cloth
     uint64_t particles = 0, springs_per_sweep = 0;
     size_t most_seam_springs = 0, most_self_words = 0;  ///< of any cut
     std::optional<uint64_t> mark;                       ///< of what it was made with, once asked for
@@ -154,6 +162,12 @@ class Solver::Impl {
   [[nodiscard]] std::optional<ClothBox> box_of_pins(const Cloth& cloth) const;
   [[nodiscard]] uint32_t even_substeps();
   void choose_factors();
+  [[nodiscard]] bool may_meet(uint32_t cloth, uint32_t collider, bool rides);
+  [[nodiscard]] bool is_seen_near(const Cloth& cloth, uint32_t collider) const;
+  [[nodiscard]] float fastest_about(const Cloth& cloth) const;
+  [[nodiscard]] float way_of_seen(const Cloth& cloth) const;
+  void look_at(uint32_t cloth);
+  void let_seen_go(Cloth& cloth) const;
   void choose_compliance_step(Cloth& cloth) const;
   void run_group(uint32_t factor);
   [[nodiscard]] const Ride* ride_of(uint32_t cloth);
@@ -186,6 +200,7 @@ class Solver::Impl {
   uint32_t usual_substeps_;       ///< of the next frame without haste
   uint32_t substeps_;             ///< of the cloths that are told about the next frame
   std::vector<std::pair<std::shared_ptr<const DistanceField>, uint64_t>> field_marks_;  ///< of saved colliders
+  std::vector<shader::vec4> looked_position_, looked_previous_;                         ///< memory of look_at()
   FrameInput frame_;  ///< of the last step, whose memory the next one uses again
   std::unique_ptr<SolverBackend> backend_;
 };

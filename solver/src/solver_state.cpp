@@ -275,6 +275,8 @@ struct Solver::Impl::SavedCloth {
   double placed_at = 0, pulled_at = 0, calm_for = 0, displaced_in = 0, compliance_step = 0, last_step = 0;
   std::array<double, 2> measured_steps{};
   std::array<Ride, 2> rides;
+  std::optional<Seen> seen;
+  double look_again = 0;
   float limit = 0, reach = 0;
   uint32_t calm_frames = 0;
   std::array<float, 2> longest_way{};
@@ -311,6 +313,8 @@ struct Solver::Impl::SavedCloth {
       bytes.value(ride.time);
       bytes.optional(ride.way, [&](float& way) { bytes.value(way); });
     }
+    bytes.optional(seen, [&](Seen& s) { bytes.value(s); });
+    bytes.value(look_again);
     bytes.value(limit);
     bytes.value(reach);
     bytes.value(calm_frames);
@@ -445,6 +449,8 @@ void Solver::Impl::keep_cloth(uint32_t index, SavedCloth& saved) {
   saved.last_step = cloth.last_step;
   saved.measured_steps = cloth.measured_steps;
   saved.rides = cloth.rides;
+  saved.seen = cloth.seen;
+  saved.look_again = cloth.look_again;
   saved.limit = cloth.limit;
   saved.reach = cloth.reach;
   saved.calm_frames = cloth.calm_frames;
@@ -581,7 +587,7 @@ void Solver::Impl::check_cloth(SavedCloth& saved, uint32_t index) const {
   require(!saved.teleport || saved.parent_to, where, " follows a parent that it does not have");
   check_parent(saved.parent_first, saved.inertia_scale, where + ": parent");
   require(finite(saved.middle), where, ": its middle is not finite");
-  for (const double time : {saved.placed_at, saved.pulled_at, saved.calm_for})
+  for (const double time : {saved.placed_at, saved.pulled_at, saved.calm_for, saved.look_again})
     require(finite(time), where, ": a time is not finite");
   for (const double time : {saved.compliance_step, saved.last_step, saved.measured_steps[0], saved.measured_steps[1]})
     require(finite(time) && time >= 0, where, ": a step is not finite, or below 0");
@@ -592,6 +598,8 @@ void Solver::Impl::check_cloth(SavedCloth& saved, uint32_t index) const {
     require(finite(ride.time) && (!ride.carrier || ride.time > 0) && finite(ride.way.value_or(0)), where,
             ": how it was carried is not finite");
   }
+  require(!saved.seen || (finite(saved.seen->box.low) && finite(saved.seen->box.high) && finite(saved.seen->speed)),
+          where, ": where it was seen is not finite");
   require(finite(saved.limit) && saved.limit >= 0 && finite(saved.reach) && saved.reach >= 0, where,
           ": its attachments are not finite, or below 0");
   for (const float way : saved.longest_way)
@@ -667,6 +675,8 @@ void Solver::Impl::take_cloth(SavedCloth& saved, uint32_t index) {
   cloth.last_step = saved.last_step;
   cloth.measured_steps = saved.measured_steps;
   cloth.rides = saved.rides;
+  cloth.seen = saved.seen;
+  cloth.look_again = saved.look_again;
   cloth.limit = saved.limit;
   cloth.reach = saved.reach;
   cloth.calm_frames = saved.calm_frames;

@@ -153,7 +153,7 @@ class Curtains : public testing::Test {
     most.assign(2, 0);
     Collider ball{"ball", Sphere{{}, 0.1F}, 0.3F, {{0, 0, -0.8F}, {}, 1}};
     for (int f = 0; f < 8; ++f) {
-      for (uint32_t c = 0; c < 2; ++c)
+      for (uint32_t c = 0; c < 2 && pinned_; ++c)
         solver.set_pins(c, test::pins_at_rest(*cloths_[c].asset, "top", cloths_[c].transform.translate));
       ball.pose.translate.z += speed * test::kFrame;
       solver.set_colliders(std::vector{ball}, false);
@@ -166,6 +166,7 @@ class Curtains : public testing::Test {
   }
 
   std::vector<ClothDesc> cloths_;
+  bool pinned_ = true;
 };
 
 // A thrown ball would cost a level of many cloths all of its frame time otherwise.
@@ -177,6 +178,57 @@ TEST_F(Curtains, OnlyTheOneThatIsHitHasMoreSubsteps) {
   EXPECT_EQ(still, (std::vector<size_t>{8, 8}));
   // Nor does it move otherwise because another one is hit.
   EXPECT_EQ(hash_state(*cloths_[1].asset, beside_thrown), hash_state(*cloths_[1].asset, beside_still));
+}
+
+// Where nothing is pinned only the device knows where cloth is; it has to be asked.
+TEST_F(Curtains, NorHasOneThatFallsFreelyElsewhere) {
+  pinned_ = false;
+  cloths_[1].transform.translate.y = 3;
+  std::vector<size_t> thrown, still;
+  const std::vector<Vec3> beside_thrown = throw_at_first(12, thrown), beside_still = throw_at_first(0, still);
+  EXPECT_GT(thrown[0], 8U);
+  EXPECT_EQ(thrown[1], 8U);
+  EXPECT_EQ(hash_state(*cloths_[1].asset, beside_thrown), hash_state(*cloths_[1].asset, beside_still));
+}
+
+/// A sheet falls freely, and a ball of 10 cm comes from afar.
+class FreeSheet : public testing::Test {
+ protected:
+  /// Substeps of every frame, until the ball has gone so far [m].
+  std::vector<size_t> meets(float from, float to, float speed) {
+    const ClothDesc cloth = test::describe(test::make_sheet({.nx = 21, .ny = 21}));
+    std::vector<size_t> substeps, all;
+    SolverSettings settings = test::eight_substeps();
+    settings.gravity = {0, -1, 0};
+    Solver::Impl solver({&cloth, 1}, settings, [&](SimulationData data) {
+      return std::make_unique<Counter>(make_cpu_backend(std::move(data), 1), substeps);
+    });
+    Collider ball{"ball", Sphere{{}, 0.1F}, 0.3F, {{0, 0, from}, {}, 1}};
+    for (; (ball.pose.translate.z < to) == (speed > 0); ball.pose.translate.z += speed * test::kFrame) {
+      solver.set_colliders(std::vector{ball}, false);
+      solver.step();
+      all.push_back(substeps.front());
+    }
+    solver.read_positions(0, positions_);
+    return all;
+  }
+  std::vector<Vec3> positions_;
+};
+
+TEST_F(FreeSheet, HasMoreSubstepsOnlyWhenTheBallIsNear) {
+  const std::vector<size_t> coming = meets(-8, 0.3F, 12);
+  EXPECT_EQ(coming[1], 8U);
+  EXPECT_EQ(coming[coming.size() / 2], 8U);  // 4 m away
+  EXPECT_GT(coming[coming.size() - 3], 8U);
+  float farthest = 0;
+  for (const Vec3& p : positions_) farthest = std::max(farthest, p.z);
+  EXPECT_GT(farthest, 0.25F);  // it is pushed, not passed
+}
+
+TEST_F(FreeSheet, HasAsManyAsEverOnceTheBallIsGone) {
+  const std::vector<size_t> going = meets(0.3F, 12, 12);
+  EXPECT_GT(going[1], 8U);
+  EXPECT_EQ(going.back(), 8U);
 }
 
 class CurtainsThatMeet : public Curtains {

@@ -285,6 +285,21 @@ TEST_P(State, WhatCarriesAClothIsKnown) {
   comes_back(scene);
 }
 
+TEST_P(State, WhereClothWasSeenWhenAColliderWasFastIsKnown) {
+  Scene scene;
+  scene.cloths = {sheet({.nx = 9, .ny = 9})};
+  scene.settings.substeps = 2;
+  scene.before_frame = [](Solver& solver, int f) {
+    solver.set_colliders(std::vector{ball(0, 0.3F * static_cast<float>(f) - 4)});
+  };
+  scene.frames = 14;
+  for (const int at : {4, 9, 12}) {
+    SCOPED_TRACE(at);
+    scene.saved_at = at;
+    comes_back(scene);
+  }
+}
+
 TEST_P(State, FarFromWhereItBeganAndAfterAJump) {
   Scene scene = busy();
   scene.before_frame = [asset = scene.cloths[0].asset](Solver& solver, int f) {

@@ -164,7 +164,8 @@ class Solver {
   /// a cloth open in a substep, it has up to four times as many in that frame, up to 32 times for small ones. @throws
   /// Error(invalid_argument)
   void set_time_step(double frame_time, uint32_t substeps);
-  /// Advances by one frame: on Vulkan it only submits.
+  /// Advances by one frame: on Vulkan it only submits, but for cloth without pins, which it has to look for where a
+  /// collider becomes fast or comes near while it is.
   void step();
 
   /// Waits for the device and copies positions [m] or unit normals, one per pixel (zero where not valid).
