@@ -290,7 +290,8 @@ float Solver::Impl::fastest_about(const Cloth& cloth) const {
     way = std::max(way, shape.way * static_cast<float>(usual_substeps_));
   for (const auto& [pixel, pin] : cloth.pins) way = std::max(way, length(pin.target - pin.from));
   const float wind = wind_ ? (1 + wind_->turbulence) * length(wind_->velocity) : 0;
-  return std::max(way / frame_time, wind);
+  constexpr float kAnySpeed = 1e6F;  // planes that turn have no bound
+  return std::min(std::max(way / frame_time, wind), kAnySpeed);
 }
 
 /// [m] That a cloth goes from where it was seen in this frame, at most; springs that were drawn throw points faster
@@ -306,7 +307,7 @@ void Solver::Impl::look_at(uint32_t index) {
   Cloth& cloth = cloths_[index];
   backend_->read_positions(index, looked_position_);
   backend_->read_previous(index, looked_previous_);
-  Seen& seen = cloth.seen.emplace();
+  Seen seen;
   for (uint32_t p = 0; p < looked_position_.size(); ++p) {
     if (!cloth.asset->valid(p)) continue;
     const vec4 &x = looked_position_[p], &before = looked_previous_[p];
@@ -314,6 +315,7 @@ void Solver::Impl::look_at(uint32_t index) {
     seen.speed = std::max(seen.speed, std::hypot(x.x - before.x, x.y - before.y, x.z - before.z));
   }
   seen.speed /= static_cast<float>(cloth.displaced_in);
+  cloth.seen = seen;
   cloth.looked_at = true;
 }
 

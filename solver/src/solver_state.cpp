@@ -77,6 +77,14 @@ void check_pose(const std::optional<Transform>& pose, const std::string& where) 
   require(pose->scale == 1, where, " has a scale");
 }
 
+/// What poses of shapes and colliders make together.
+void check_frame(const Transform& frame, const std::string& where) {
+  const Quat& q = frame.rotate;
+  const double turn2 =
+      double{q.x} * double{q.x} + double{q.y} * double{q.y} + double{q.z} * double{q.z} + double{q.w} * double{q.w};
+  require(finite(frame.translate) && std::abs(turn2 - 1) < 0.01 && frame.scale == 1, where, " is no pose");
+}
+
 std::string cloth_name(uint32_t cloth) {
   return "cloth " + std::to_string(cloth);
 }
@@ -516,8 +524,7 @@ void Solver::Impl::check_scene(const Saved& saved) const {
   settings.gravity = saved.gravity;
   check(settings);
   if (saved.wind) check(*saved.wind, "wind");
-  check_position(saved.origin, "origin");
-  check_position(saved.inter_origin, "inter_origin");
+  require(finite(saved.origin) && finite(saved.inter_origin), "the origin", " is not finite");
   for (const double time : {saved.time, saved.step_length})
     require(finite(time) && time >= 0, "a time", " is not finite, or below 0");
   require(finite(saved.calm_step) && saved.calm_step > 0, "calm_step", " is not above 0");
@@ -542,7 +549,7 @@ void Solver::Impl::check_colliders(Saved& saved) {
       }
     }
     check(c.collider, where, true);
-    check_pose(c.from, where + ": from");
+    check_frame(c.from, where + ": from");
     require(finite(c.way) && finite(c.place_seen), where, ": its way is not finite");
   }
 }
@@ -577,7 +584,7 @@ void Solver::Impl::check_cloth(SavedCloth& saved, uint32_t index) const {
     require(pixel < cloth.asset->pixel_count() && cloth.asset->valid(pixel) && (!last || *last < pixel), where,
             ": a pin is where no cloth is, or out of order");
     last = pixel;
-    check_position(pin.from, where + ": a pin");
+    require(finite(pin.from), where, ": a pin is not finite");
     check_position(pin.target, where + ": a pin");
     check_pin_frequency(pin.frequency, where + ": a pin");
   }
@@ -593,8 +600,8 @@ void Solver::Impl::check_cloth(SavedCloth& saved, uint32_t index) const {
     require(finite(time) && time >= 0, where, ": a step is not finite, or below 0");
   require(finite(saved.displaced_in) && saved.displaced_in > 0, where, ": displaced_in is not above 0");
   for (const Ride& ride : saved.rides) {
-    check_pose(ride.from, where + ": what carries it");
-    check_pose(ride.to, where + ": what carries it");
+    check_frame(ride.from, where + ": what carries it");
+    check_frame(ride.to, where + ": what carries it");
     require(finite(ride.time) && (!ride.carrier || ride.time > 0) && finite(ride.way.value_or(0)), where,
             ": how it was carried is not finite");
   }

@@ -106,7 +106,9 @@ class StateReader {
     bool has = false;
     flag(has);
     v.reset();
-    if (has) held(v.emplace());
+    if (!has) return;
+    v = T{};
+    held(*v);
   }
   void end() const {
     if (at_ < bytes_.size()) refuse_state("it has " + std::to_string(bytes_.size() - at_) + " bytes too many");
