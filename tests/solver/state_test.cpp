@@ -69,6 +69,7 @@ class State : public test::MachineTest<> {
   /// it is saved before a frame is told anything, once after that.
   void comes_back(const Scene& scene) {
     for (const bool told : {false, true}) {
+      if (machine().slow() && !told) continue;
       SCOPED_TRACE(told ? "told" : "not told");
       Solver solver = make_for(scene), other = make_for(scene);
       go_to(solver, scene, 0, scene.saved_at);
@@ -92,7 +93,7 @@ class State : public test::MachineTest<> {
         EXPECT_EQ(back->save(), state) << name;
         expect_same(go_on(*back), wanted, name);
       }
-      if (machine().slow()) return;
+      if (machine().slow()) continue;
       Solver never = make_for(scene);
       go_to(never, scene, 0, scene.saved_at);
       if (told) scene.before_frame(never, scene.saved_at);
@@ -187,7 +188,7 @@ TEST_P(State, WhatTheNextFrameIsToldIsSavedToo) {
     solver.set_pins(0, test::pins_at_rest(*asset, "top", {3, 0, 0}));
   };
   scene.frames = 9;
-  for (scene.saved_at = 3; scene.saved_at < 7; ++scene.saved_at) {
+  for (scene.saved_at = machine().slow() ? 6 : 3; scene.saved_at < 7; ++scene.saved_at) {
     SCOPED_TRACE(scene.saved_at);
     comes_back(scene);
   }
@@ -216,8 +217,8 @@ TEST_P(State, SelfCollisionKeepsItsNeighbours) {
   scene.before_frame = [](Solver& solver, int) {
     solver.set_colliders(std::vector<Collider>{{"floor", Plane{{0, 0, 0}, {0, 1, 0}}, 0.3F, {}}});
   };
-  scene.frames = 20;
-  for (scene.saved_at = 14; scene.saved_at < 17; ++scene.saved_at) comes_back(scene);
+  scene.frames = machine().slow() ? 17 : 20;
+  for (scene.saved_at = 14; scene.saved_at < (machine().slow() ? 15 : 17); ++scene.saved_at) comes_back(scene);
 }
 
 TEST_P(State, TinyStepsKeepWhatRoundingTakes) {
@@ -295,6 +296,7 @@ TEST_P(State, WhereClothWasSeenWhenAColliderWasFastIsKnown) {
   scene.frames = 14;
   for (const int at : {4, 9, 12}) {
     SCOPED_TRACE(at);
+    if (machine().slow() && at != 9) continue;
     scene.saved_at = at;
     comes_back(scene);
   }
@@ -326,8 +328,9 @@ TEST_P(State, CutsAreUndoneAndMadeAgain) {
     if (f == 5) severed = solver.cut(2, {Vec3{0, -3, -3}, Vec3{0, -3, 3}, Vec3{0, 6, 0}}).springs;
     EXPECT_GT(severed, 0U);
   };
-  for (const int at : {2, 4, 6}) {
+  for (const int at : {4, 2, 6}) {
     SCOPED_TRACE(at);
+    if (machine().slow() && at != 4) continue;
     scene.saved_at = at;
     comes_back(scene);
   }
