@@ -78,6 +78,21 @@ struct ClothData {
   }
 };
 
+/// What looking up near points has left for the substeps to come.
+struct FoundPoints {
+  uint32_t age = 0;             ///< as in lib/self_words.h; 0: nothing
+  std::vector<uint32_t> words;  ///< see found_words() of rest/self_points.h
+};
+
+/// All of a cloth that its next frame follows from, besides what that is told.
+struct ClothMemory {
+  std::vector<shader::vec4> position, previous, carry;  ///< one per pixel
+  std::vector<shader::vec4> offset;                     ///< the same with SimulationData::fine, else empty
+  FoundPoints found;                                    ///< with self-collision
+  std::array<float, 2> longest_way{};                   ///< [m] by word
+  std::array<uint32_t, 2> left_behind{};                ///< points, by word
+};
+
 struct SimulationData {
   std::vector<ClothData> cloths;
   InterData inter;
@@ -126,7 +141,8 @@ class SolverBackend {
   SolverBackend& operator=(const SolverBackend&) = delete;
   virtual ~SolverBackend() = default;
 
-  /// Runs all substeps of a frame and its normals. May return before the work is done.
+  /// Runs all substeps of a frame and its normals, for the cloths that are not asleep; for others, which need another
+  /// number of substeps, it may be called again in the same frame. May return before the work is done.
   virtual void run_frame(const FrameInput& frame) = 0;
   /// Blocks until everything submitted is done. @throws Error(device) if the device failed
   virtual void wait() = 0;
@@ -141,14 +157,23 @@ class SolverBackend {
   virtual void write_state(uint32_t cloth, std::span<const shader::vec4> position,
                            std::span<const shader::vec4> previous) = 0;
 
+  /// These wait. What was read brings back the same bits in the frames to come, also on another backend.
+  virtual void read_memory(uint32_t cloth, ClothMemory& out) = 0;
+  /// Recomputes the normals, too.
+  /// @param pins  pins, inverse_mass and attachments as ClothFrame has them when the pins have changed
+  virtual void write_memory(uint32_t cloth, const ClothMemory& memory, const ClothFrame& pins) = 0;
+  /// Of the points of all cloths that collide with each other, which there must be.
+  virtual void read_found(FoundPoints& out) = 0;
+  virtual void write_found(const FoundPoints& found) = 0;
+
   /// Subtracts whole metres from all positions and previous positions of all cloths; waits.
   virtual void shift(const Vec3& by) = 0;
 
-  /// Replaces springs, cells, bends over seams and the split-vertex table by those of the same cloth after a cut, which
-  /// has fewer of each; waits. Positions stay.
+  /// Replaces springs, cells, bends over seams and the split-vertex table by those of the same cloth after a cut, or
+  /// before one; waits. There are never more than at the start. Positions stay.
   virtual void replace_topology(uint32_t cloth, ClothData data) = 0;
-  /// Replaces the points of the cloths that collide with each other after a cut of one; waits. They are the same
-  /// cloths.
+  /// Replaces the points of the cloths that collide with each other after a cut of one, or by those before one; waits.
+  /// They are the same cloths.
   virtual void replace_inter(InterData inter) = 0;
 
   /// [m] the longest way of a point of a cloth in the last substep of the frame before the last one, which had measured

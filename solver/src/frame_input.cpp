@@ -243,9 +243,8 @@ Transform collider_frame(const Collider& collider) {
   return compose({collider.pose.translate, collider.pose.rotate, 1}, std::visit(LocalFrame{}, collider.shape));
 }
 
-bool same_place(const Collider& a, const Collider& b) {
-  const Transform p = collider_frame(a), q = collider_frame(b);
-  return p.translate == q.translate && p.rotate == q.rotate;
+bool same_place(const Transform& a, const Transform& b) {
+  return a.translate == b.translate && a.rotate == b.rotate;
 }
 
 shader::ColliderShape grid_of(const DistanceField& field) {
@@ -266,14 +265,14 @@ shader::ColliderShape collider_shape_of(const Collider& collider, std::vector<fl
   return shape;
 }
 
-void collider_poses(std::span<const Collider> from, std::span<const Collider> to, uint32_t substeps, const Vec3& origin,
-                    std::vector<shader::ColliderPose>& poses) {
+void collider_poses(std::span<const Transform> from, std::span<const Collider> to, uint32_t substeps,
+                    const Vec3& origin, std::vector<shader::ColliderPose>& poses) {
   poses.clear();
   poses.reserve(from.size() * (substeps + 1));
   for (uint32_t s = 0; s <= substeps; ++s) {
     const float t = static_cast<float>(s) / static_cast<float>(substeps);
     for (size_t i = 0; i < from.size(); ++i) {
-      const Transform a = collider_frame(from[i]);
+      const Transform& a = from[i];
       const Transform b = collider_frame(to[i]);
       const Vec3 translate = s == substeps ? b.translate : a.translate + t * (b.translate - a.translate);
       poses.push_back(

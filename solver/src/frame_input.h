@@ -20,8 +20,8 @@ struct FrameClock {
 
 /// Where the local frame of a collider's shape (see shared/layout.h) lies in the world.
 [[nodiscard]] Transform collider_frame(const Collider& collider);
-/// Whether their poses are the same.
-[[nodiscard]] bool same_place(const Collider& a, const Collider& b);
+/// Whether two of them are the same.
+[[nodiscard]] bool same_place(const Transform& a, const Transform& b);
 /// Of a body, for questions of distance: its numbers are the field's own, and how deep it is stays 0.
 [[nodiscard]] shader::ColliderShape grid_of(const DistanceField& field);
 /// @param numbers  those of convex hulls and meshes are appended
@@ -29,9 +29,10 @@ struct FrameClock {
 
 /// Poses of all colliders before the first substep and after each: (substeps + 1) * colliders, relative to the origin.
 /// From and to have as many entries; translations go straight, rotations along the shortest arc.
+/// @param from   frames of their shapes, see collider_frame()
 /// @param poses  replaced; its memory is used again
-void collider_poses(std::span<const Collider> from, std::span<const Collider> to, uint32_t substeps, const Vec3& origin,
-                    std::vector<shader::ColliderPose>& poses);
+void collider_poses(std::span<const Transform> from, std::span<const Collider> to, uint32_t substeps,
+                    const Vec3& origin, std::vector<shader::ColliderPose>& poses);
 
 /// [m] of a ball about the origin of a shape's frame that holds all of it; infinite where none does.
 [[nodiscard]] double radius_of(const shader::ColliderShape& shape);

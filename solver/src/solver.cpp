@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "check_input.h"
+#include "colliders/match.h"
 #include "cpu/cpu_name.h"
 #include "device_name.h"
 #include "geocloth/asset/error.h"
@@ -75,6 +76,12 @@ std::vector<Vec3> places_of(const std::vector<Collider>& colliders) {
   std::vector<Vec3> places(colliders.size());
   std::ranges::transform(colliders, places.begin(), [](const Collider& c) { return c.pose.translate; });
   return places;
+}
+
+std::vector<Transform> frames_of(const std::vector<Collider>& colliders) {
+  std::vector<Transform> frames(colliders.size());
+  std::ranges::transform(colliders, frames.begin(), collider_frame);
+  return frames;
 }
 
 bool same_shape(const shader::ColliderShape& a, const shader::ColliderShape& b) {
@@ -147,7 +154,7 @@ Solver::Impl::Impl(std::span<const ClothDesc> cloths, const SolverSettings& sett
   for (const ClothDesc& desc : cloths) {
     ClothData& uploaded = data.cloths.emplace_back(make_cloth_data(desc, origin_));
     Cloth& cloth = cloths_.emplace_back();
-    cloth.asset = desc.asset;
+    cloth.asset = cloth.original = desc.asset;
     cloth.material = desc.material;
     cloth.self_collision = desc.self_collision;
     cloth.inter_collision = desc.inter_collision;
@@ -159,27 +166,37 @@ Solver::Impl::Impl(std::span<const ClothDesc> cloths, const SolverSettings& sett
     cloth.middle = cloth.start_middle = box_of(*desc.asset, uploaded.position).middle() + origin_;
     cloth.springs_per_sweep = uploaded.springs_per_sweep;
     cloth.self = uploaded.self.numbers;
+    cloth.most_seam_springs = uploaded.most_seam_springs;
+    cloth.most_self_words = uploaded.self.most_words;
     for (const vec4& p : uploaded.position) cloth.free_inverse_mass.push_back(p.w);
   }
-  data.inter = inter_data();
+  data.inter = inter_data(assets(), origin_);
+  inter_origin_ = origin_;
   inter_ = data.inter.points.numbers;
   backend_ = factory(std::move(data));
 }
 
+std::vector<const ClothAsset*> Solver::Impl::assets() const {
+  std::vector<const ClothAsset*> assets;
+  for (const Cloth& cloth : cloths_) assets.push_back(cloth.asset.get());
+  return assets;
+}
+
 /// Nothing where fewer than two cloths collide with others.
-InterData Solver::Impl::inter_data() const {
+/// @param assets  of all cloths
+InterData Solver::Impl::inter_data(std::span<const ClothAsset* const> assets, const Vec3& origin) const {
   std::vector<InterCloth> meeting;
   for (uint32_t c = 0; c < cloths_.size(); ++c) {
     const Cloth& cloth = cloths_[c];
     if (!cloth.inter_collision) continue;
     meeting.push_back({.cloth = c,
-                       .asset = cloth.asset.get(),
+                       .asset = assets[c],
                        .start = cloth.start,
                        .inverse_mass = cloth.free_inverse_mass,
                        .distance = cloth.inter_collision->distance,
                        .friction = cloth.material.friction});
   }
-  return meeting.size() > 1 ? make_inter_data(meeting, origin_) : InterData{};
+  return meeting.size() > 1 ? make_inter_data(meeting, origin) : InterData{};
 }
 
 const Solver::Impl::Cloth& Solver::Impl::cloth_at(uint32_t cloth) const {
@@ -188,9 +205,30 @@ const Solver::Impl::Cloth& Solver::Impl::cloth_at(uint32_t cloth) const {
               "solver: there is no " + cloth_name(cloth) + "; it has " + std::to_string(cloths_.size()) + " cloths");
 }
 
+/// Colliders go on from where those of the last call are that they are the same as; others are placed.
+void Solver::Impl::take_places(std::span<const Collider> asked_before) {
+  if (std::ranges::equal(asked_before, colliders_to_, {}, &Collider::name, &Collider::name)) return;
+  std::vector<Vec3> expected = collider_ways_;
+  for (size_t i = 0; i < expected.size(); ++i) expected[i] = frames_from_[i].translate + collider_ways_[i];
+  const std::vector<std::optional<uint32_t>> before = match_colliders(asked_before, expected, colliders_to_);
+  const std::vector<Transform> from = std::exchange(frames_from_, frames_of(colliders_to_));
+  const std::vector<Vec3> ways = std::exchange(collider_ways_, std::vector<Vec3>(colliders_to_.size()));
+  const std::vector<Vec3> seen = std::exchange(places_seen_, places_of(colliders_to_));
+  size_t known = 0;
+  for (size_t i = 0; i < before.size(); ++i) {
+    if (!before[i]) continue;
+    ++known;
+    frames_from_[i] = from[*before[i]];
+    collider_ways_[i] = ways[*before[i]];
+    places_seen_[i] = seen[*before[i]];
+  }
+  scene_changed_ = scene_changed_ || known < std::max(from.size(), colliders_to_.size());
+}
+
 void Solver::Impl::set_colliders(std::span<const Collider> colliders, bool teleport) {
   for (size_t i = 0; i < colliders.size(); ++i) {
-    const bool known = i < colliders_to_.size() && has_same_field(colliders[i], colliders_to_[i]);
+    const bool known =
+        std::ranges::any_of(colliders_to_, [&](const Collider& c) { return has_same_field(colliders[i], c); });
     check(colliders[i], "colliders[" + std::to_string(i) + "]", known);
   }
   const std::vector<Collider> asked_before =
@@ -198,15 +236,17 @@ void Solver::Impl::set_colliders(std::span<const Collider> colliders, bool telep
   for (Collider& c : colliders_to_) {
     if (auto* plane = std::get_if<Plane>(&c.shape)) plane->normal = normalized(plane->normal);
   }
-  if (colliders_from_.size() != colliders_to_.size()) {
-    colliders_from_ = colliders_to_;
-    scene_changed_ = true;
-  }
+  take_places(asked_before);
   for (size_t i = 0; i < colliders_to_.size(); ++i) {
     if (!teleport && !colliders_to_[i].teleport) continue;
-    scene_changed_ = scene_changed_ || !same_place(colliders_from_[i], colliders_to_[i]);
-    colliders_from_[i] = colliders_to_[i];
+    const Transform frame = collider_frame(colliders_to_[i]);
+    scene_changed_ = scene_changed_ || !same_place(frames_from_[i], frame);
+    frames_from_[i] = frame;
   }
+  take_shapes(asked_before);
+}
+
+void Solver::Impl::take_shapes(std::span<const Collider> asked_before) {
   // Most often only poses change, and the field of a body has half a million numbers.
   const auto looks_the_same = [](const Collider& a, const Collider& b) {
     return a.shape == b.shape && a.friction == b.friction;
@@ -340,6 +380,7 @@ void Solver::Impl::carry_over() {
     }
     backend_->write_state(state.cloth, state.position, state.previous);
     c.rides = {};
+    c.seen.reset();
     c.parent_from = c.parent_to;
     c.teleport = false;
   }
@@ -364,7 +405,6 @@ Vec3 Solver::Impl::middle_of_told(const Cloth& cloth) const {
 void Solver::Impl::follow_cloths() {
   constexpr float kFar = 3;  // [m]
   bool colliders_went = false;
-  if (places_seen_.size() != colliders_to_.size()) places_seen_ = places_of(colliders_to_);
   for (size_t i = 0; i < colliders_to_.size(); ++i)
     colliders_went = colliders_went || length(colliders_to_[i].pose.translate - places_seen_[i]) > kFar;
   if (colliders_went) places_seen_ = places_of(colliders_to_);
@@ -385,7 +425,10 @@ void Solver::Impl::follow_cloths() {
   if (by == Vec3{}) return;
   backend_->shift(by);
   origin_ = origin_ + by;
-  for (Cloth& cloth : cloths_) cloth.resting.reset();
+  for (Cloth& cloth : cloths_) {
+    cloth.resting.reset();
+    cloth.seen.reset();
+  }
 }
 
 void Solver::Impl::read_positions(uint32_t cloth, std::vector<Vec3>& out) {
@@ -406,20 +449,32 @@ CutResult Solver::Impl::cut(uint32_t cloth, const std::array<Vec3, 3>& triangle)
   read_normals(cloth, normal);
   CutCloth cut = cut_asset(*c.asset, {position, normal, c.scale}, triangle);
   if (!cut.asset) return {};
-  c.asset = std::move(cut.asset);
-  c.row_of_pixel = rows_of_pixels(*c.asset);
-  ClothData data = make_cloth_data({c.asset, c.material, c.start, c.self_collision}, origin_);
-  c.springs_per_sweep = data.springs_per_sweep;
-  c.self = data.self.numbers;
+  ClothData data = cloth_data(c, cut.asset);
+  take_asset(cloth, std::move(cut.asset), std::move(data));
   c.pins_changed = true;  // attachments run around the cut
   c.disturbed = true;
-  backend_->replace_topology(cloth, std::move(data));
-  if (meets_others(c)) {
-    InterData inter = inter_data();
-    inter_ = inter.points.numbers;
-    backend_->replace_inter(std::move(inter));
-  }
+  if (meets_others(c)) take_inter(inter_data(assets(), origin_), origin_);
   return cut.result;
+}
+
+ClothData Solver::Impl::cloth_data(const Cloth& cloth, const std::shared_ptr<const ClothAsset>& asset) const {
+  return make_cloth_data({asset, cloth.material, cloth.start, cloth.self_collision}, origin_);
+}
+
+/// Another topology of the same cloth.
+void Solver::Impl::take_asset(uint32_t cloth, std::shared_ptr<const ClothAsset> asset, ClothData data) {
+  Cloth& c = cloths_[cloth];
+  c.asset = std::move(asset);
+  c.row_of_pixel = rows_of_pixels(*c.asset);
+  c.springs_per_sweep = data.springs_per_sweep;
+  c.self = data.self.numbers;
+  backend_->replace_topology(cloth, std::move(data));
+}
+
+void Solver::Impl::take_inter(InterData inter, const Vec3& origin) {
+  inter_ = inter.points.numbers;
+  inter_origin_ = origin;
+  backend_->replace_inter(std::move(inter));
 }
 
 void Solver::Impl::read_normals(uint32_t cloth, std::vector<Vec3>& out) {
@@ -478,6 +533,7 @@ void Solver::Impl::write_state(uint32_t cloth, std::span<const Vec3> positions, 
   Cloth& written = cloths_[cloth];
   written.disturbed = true;
   written.rides = {};
+  written.seen.reset();
   if (written.teleport) {  // the state is where the parent has jumped to, and so are the pins
     written.teleport = false;
     written.parent_from = written.parent_to;
@@ -570,6 +626,17 @@ uint32_t Solver::cloth_count() const {
 }
 SolverStatistics Solver::statistics() {
   return impl_->statistics();
+}
+std::vector<std::byte> Solver::save() {
+  std::vector<std::byte> state;
+  impl_->save(state);
+  return state;
+}
+void Solver::save(std::vector<std::byte>& state) {
+  impl_->save(state);
+}
+void Solver::restore(std::span<const std::byte> state) {
+  impl_->restore(state);
 }
 void Solver::wait() {
   impl_->backend().wait();

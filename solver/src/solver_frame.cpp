@@ -97,7 +97,7 @@ float Solver::Impl::stretch_limit(const Cloth& cloth) const {
 void Solver::Impl::fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const {
   frame.params = cloth_params(cloth.material, clock(), settings_.gravity, wind_);
   frame.params.gravity_step.w = static_cast<float>(clock().dt / cloth.displaced_in);
-  frame.params.inverse_dt2 = static_cast<float>(1 / (compliance_step_ * compliance_step_));
+  frame.params.inverse_dt2 = static_cast<float>(1 / (cloth.compliance_step * cloth.compliance_step));
   frame.params.fine = fine_;
   frame.params.stretch_limit = stretch_limit(cloth);
   frame.params.width = cloth.asset->width;
@@ -181,9 +181,13 @@ bool Solver::Impl::sags_between_pins(const Cloth& cloth) {
 
 /// What a frame says of other pins than the one before had.
 void Solver::Impl::change_pins(Cloth& cloth, ClothFrame& frame) const {
-  frame.pins_changed = cloth.pins_changed;
-  if (!cloth.pins_changed) return;
-  cloth.pins_changed = cloth.hangs = false;
+  cloth.pins_anew = std::exchange(cloth.pins_changed, false);
+  if (cloth.pins_anew) take_pins(cloth, frame);
+}
+
+/// What follows from which points are pinned.
+void Solver::Impl::take_pins(Cloth& cloth, ClothFrame& frame) const {
+  cloth.hangs = false;
   frame.inverse_mass = cloth.free_inverse_mass;
   std::vector<uint32_t> pixels, pinned;
   for (const auto& [pixel, pin] : cloth.pins) {
@@ -239,23 +243,20 @@ float Solver::Impl::way_seen_from(const Ride* ride, uint32_t collider) const {
   return std::min(way, way_beside(frame_.shapes, frame_.poses, collider, motion, static_cast<float>(steps - 1)));
 }
 
-/// Has cloths measured in this frame as ride_of() wants to know it two frames later.
-void Solver::Impl::measure_rides(uint32_t factor) {
+/// Has a cloth measured in this frame as ride_of() wants to know it two frames later.
+void Solver::Impl::measure_ride(Cloth& cloth, ClothFrame& frame) const {
   constexpr float kLeft = 0.1F;  // spacings in a substep without haste
-  for (size_t c = 0; c < cloths_.size(); ++c) {
-    Cloth& cloth = cloths_[c];
-    shader::ClothParams& params = frame_.cloths[c].params;
-    if (frame_.cloths[c].asleep) cloth.ride.carrier.reset();
-    if (cloth.ride.carrier) {
-      cloth.ride.from = collider_frame(colliders_from_[*cloth.ride.carrier]);
-      cloth.ride.to = collider_frame(colliders_to_[*cloth.ride.carrier]);
-      cloth.ride.time = settings_.frame_time;
-      params.carrier = motion_field(cloth.ride.from, cloth.ride.to, 1.F / static_cast<float>(substeps_), origin_);
-      params.carried_at = static_cast<float>(substeps_ - 1);
-      params.left_behind = kLeft * params.spacing / static_cast<float>(factor);
-    }
-    cloth.rides[frame_.motion_word] = cloth.ride;
+  shader::ClothParams& params = frame.params;
+  if (frame.asleep) cloth.ride.carrier.reset();
+  if (cloth.ride.carrier) {
+    cloth.ride.from = frames_from_[*cloth.ride.carrier];
+    cloth.ride.to = collider_frame(colliders_to_[*cloth.ride.carrier]);
+    cloth.ride.time = settings_.frame_time;
+    params.carrier = motion_field(cloth.ride.from, cloth.ride.to, 1.F / static_cast<float>(substeps_), origin_);
+    params.carried_at = static_cast<float>(substeps_ - 1);
+    params.left_behind = kLeft * params.spacing / static_cast<float>(cloth.factor);
   }
+  cloth.rides[frame_.motion_word] = cloth.ride;
 }
 
 /// As many as substeps are asked for, or so many that a substep is at most a twentieth longer or shorter than in the
@@ -275,39 +276,116 @@ uint32_t Solver::Impl::even_substeps() {
 
 /// Springs are as stiff as their material at the length that the step has, but for a few percent while it varies: the
 /// constants that hold the step need not be made anew in every frame then.
-void Solver::Impl::choose_compliance_step() {
+void Solver::Impl::choose_compliance_step(Cloth& cloth) const {
   constexpr double kNear = 0.02;
   const double dt = clock().dt;
-  if (dt == last_step_ || !(std::abs(dt - compliance_step_) <= kNear * dt)) compliance_step_ = dt;
+  if (dt == cloth.last_step || !(std::abs(dt - cloth.compliance_step) <= kNear * dt)) cloth.compliance_step = dt;
 }
 
-/// More than one where a collider that may meet a cloth is too fast for it. What is told by pins and not by where the
-/// cloth is, which only the device knows.
-uint32_t Solver::Impl::substeps_factor() {
+/// [m/s] Nothing about a cloth is faster in this frame: colliders, wind and pins.
+float Solver::Impl::fastest_about(const Cloth& cloth) const {
+  const auto frame_time = static_cast<float>(settings_.frame_time);
+  float way = 0;
+  for (const shader::ColliderShape& shape : frame_.shapes)
+    way = std::max(way, shape.way * static_cast<float>(usual_substeps_));
+  for (const auto& [pixel, pin] : cloth.pins) way = std::max(way, length(pin.target - pin.from));
+  const float wind = wind_ ? (1 + wind_->turbulence) * length(wind_->velocity) : 0;
+  constexpr float kAnySpeed = 1e6F;  // planes that turn have no bound
+  return std::min(std::max(way / frame_time, wind), kAnySpeed);
+}
+
+/// [m] That a cloth goes from where it was seen in this frame, at most; springs that were drawn throw points faster
+/// than what drew them.
+float Solver::Impl::way_of_seen(const Cloth& cloth) const {
+  constexpr float kThrown = 2, kStart = 1;  // [1], [m/s]
+  const auto frame_time = static_cast<float>(settings_.frame_time);
+  const float speed = kThrown * std::max(cloth.seen->speed, fastest_about(cloth)) + kStart;
+  return (speed + length(settings_.gravity) * frame_time) * frame_time;
+}
+
+void Solver::Impl::look_at(uint32_t index) {
+  Cloth& cloth = cloths_[index];
+  backend_->read_positions(index, looked_position_);
+  backend_->read_previous(index, looked_previous_);
+  Seen seen;
+  for (uint32_t p = 0; p < looked_position_.size(); ++p) {
+    if (!cloth.asset->valid(p)) continue;
+    const vec4 &x = looked_position_[p], &before = looked_previous_[p];
+    seen.box.add({x.x, x.y, x.z});
+    seen.speed = std::max(seen.speed, std::hypot(x.x - before.x, x.y - before.y, x.z - before.z));
+  }
+  seen.speed /= static_cast<float>(cloth.displaced_in);
+  cloth.seen = seen;
+  cloth.looked_at = true;
+}
+
+bool Solver::Impl::is_seen_near(const Cloth& cloth, uint32_t collider) const {
+  const float margin = way_of_seen(cloth) + cloth.material.thickness + cloth.asset->spacing * cloth.scale;
+  return may_reach(frame_.shapes, frame_.poses, collider, cloth.seen->box, margin);
+}
+
+/// It goes on in this frame, nobody sees where.
+void Solver::Impl::let_seen_go(Cloth& cloth) const {
+  if (!cloth.looked_for) cloth.seen.reset();
+  if (!cloth.seen) return;
+  cloth.seen->box.grow(way_of_seen(cloth));
+  cloth.seen->speed = std::max(cloth.seen->speed, fastest_about(cloth)) +
+                      length(settings_.gravity) * static_cast<float>(settings_.frame_time);
+}
+
+/// Whether a cloth without pins that tell where it is may meet a fast collider. It is looked at, which waits for the
+/// device, when the collider becomes fast and when it has come near; what is near is not looked at again for a while.
+/// @param rides  it is where its carrier is
+bool Solver::Impl::may_meet(uint32_t index, uint32_t collider, bool rides) {
+  constexpr double kLookAgain = 0.5;  // [s]
+  Cloth& cloth = cloths_[index];
+  cloth.looked_for = !rides && (!cloth.parent_to || same_place(*cloth.parent_from, *cloth.parent_to));
+  if (!cloth.looked_for) return true;
+  if (cloth.seen && !is_seen_near(cloth, collider)) return false;
+  if (!cloth.looked_at && time_ >= cloth.look_again) {
+    look_at(index);
+    if (!is_seen_near(cloth, collider)) return false;
+  }
+  cloth.look_again = std::max(cloth.look_again, cloth.looked_at ? time_ + kLookAgain : 0.0);
+  return true;
+}
+
+/// More substeps for a cloth that may meet a collider which is too fast for it, and for those that it collides with.
+/// What is told by pins is enough where they hold all of it.
+void Solver::Impl::choose_factors() {
   constexpr uint32_t kMost = 32;
   constexpr double kShortest = 1.0 / 16000;  // [s] for a few frames; see kShortStep
   constexpr float kNearly = 0.5F;            // of a fast way: from here on it is known whether the cloth rides
   const auto most =
       static_cast<uint32_t>(std::clamp(settings_.frame_time / (kShortest * usual_substeps_), 1.0, double{kMost}));
-  collider_poses(colliders_from_, colliders_to_, usual_substeps_, origin_, frame_.poses);
+  collider_poses(frames_from_, colliders_to_, usual_substeps_, origin_, frame_.poses);
   measure_ways(frame_.shapes, frame_.poses, usual_substeps_, 0);
-  uint32_t factor = 1;
+  uint32_t others_factor = 1;  // of the cloths that collide with each other
   for (uint32_t c = 0; c < cloths_.size(); ++c) {
     Cloth& cloth = cloths_[c];
+    uint32_t factor = 1;
     const float spacing = cloth.asset->spacing * cloth.scale;
     const float margin = cloth.reach * stretch_limit(cloth) + cloth.material.thickness + spacing;
     cloth.meets_fast = false;
+    cloth.met_way.reset();
+    cloth.looked_for = cloth.looked_at = false;
     cloth.ride = {};
     const Ride* const ride = ride_of(c);
     std::optional<std::optional<ClothBox>> box;  // looked for once
     float longest = 0;                           // [m] way of a collider as seen from the cloth
+    float met = 0;                               // [m] the same in the world, of those that may meet it
+    bool misses = false;
     for (uint32_t i = 0; i < frame_.shapes.size(); ++i) {
       const shader::ColliderShape& shape = frame_.shapes[i];
       if (shape.kind == shader::kShapePlane) continue;
       const Haste haste = haste_of(shape, spacing, most);
       const bool nearly_fast = shape.way > kNearly * haste.way;
       if (nearly_fast && !box) box = box_of_pins(cloth);
-      if (!nearly_fast || (*box && !may_reach(frame_.shapes, frame_.poses, i, **box, margin))) {
+      const bool out_of_reach = nearly_fast && !(*box ? may_reach(frame_.shapes, frame_.poses, i, **box, margin)
+                                                      : may_meet(c, i, ride != nullptr));
+      misses = misses || out_of_reach;
+      if (!out_of_reach) met = std::max(met, shape.way);
+      if (!nearly_fast || out_of_reach) {
         longest = std::max(longest, shape.way);
         continue;
       }
@@ -321,14 +399,19 @@ uint32_t Solver::Impl::substeps_factor() {
     }
     cloth.rides_on = ride != nullptr && cloth.ride.carrier;
     if (cloth.rides_on) cloth.ride.way = longest;
+    if (misses) cloth.met_way = met;
+    let_seen_go(cloth);
+    cloth.factor = std::max(1U, std::min(factor, kMostSubsteps / usual_substeps_));
+    if (meets_others(cloth)) others_factor = std::max(others_factor, cloth.factor);
   }
-  return std::max(1U, std::min(factor, kMostSubsteps / usual_substeps_));
+  for (Cloth& cloth : cloths_)
+    if (meets_others(cloth)) cloth.factor = others_factor;
 }
 
 void Solver::Impl::find_movers() {
   movers_.clear();
   for (uint32_t i = 0; i < colliders_to_.size(); ++i)
-    if (!same_place(colliders_from_[i], colliders_to_[i])) movers_.push_back(i);
+    if (!same_place(frames_from_[i], collider_frame(colliders_to_[i]))) movers_.push_back(i);
 }
 
 /// Whether a collider that moves in this frame may touch the cloth. Waits for the device, for a sleeping cloth once.
@@ -368,7 +451,7 @@ void Solver::Impl::fall_asleep() {
     Cloth& cloth = cloths_[c];
     if (!cloth.asleep) cloth.asleep = meets_others(cloth) ? others_sleep : is_calm(c);
     if (!cloth.asleep) ++cloth.calm_frames;
-    frame_.cloths[c].asleep = cloth.asleep;
+    if (cloth.asleep) cloth.factor = 1;
   }
 }
 
@@ -383,13 +466,50 @@ bool Solver::Impl::is_calm(uint32_t c) {
   constexpr uint32_t kLatency = 2;  // frames
   Cloth& cloth = cloths_[c];
   if (cloth.calm_frames < kLatency) return false;
-  const double speed = backend_->longest_way(c, frame_.motion_word) / measured_steps_[frame_.motion_word];
+  const double speed = backend_->longest_way(c, frame_.motion_word) / cloth.measured_steps[frame_.motion_word];
   cloth.calm_for = speed <= settings_.sleep_speed ? cloth.calm_for + settings_.frame_time : 0;
   if (!(cloth.calm_for > 0 && cloth.calm_for >= settings_.sleep_time)) return false;
   cloth.resting.reset();
   if (!is_reached(c)) return true;
   cloth.calm_for = 0;
   return false;
+}
+
+/// Runs the frame for the cloths with so many times the usual substeps. Those of other groups are left as they are.
+void Solver::Impl::run_group(uint32_t factor) {
+  substeps_ = usual_substeps_ * factor;
+  if (factor > 1) {
+    collider_poses(frames_from_, colliders_to_, substeps_, origin_, frame_.poses);
+    measure_ways(frame_.shapes, frame_.poses, substeps_, thickest(cloths_));
+  }
+  substep_inputs(clock(), wind_, origin_, frame_.substeps);
+  const float way = longest_way(frame_.shapes);
+  for (size_t c = 0; c < cloths_.size(); ++c) {
+    Cloth& cloth = cloths_[c];
+    ClothFrame& frame = frame_.cloths[c];
+    const bool belongs = cloth.factor == factor;
+    frame.asleep = !belongs || cloth.asleep;
+    frame.pins_changed = belongs && cloth.pins_anew;
+    if (!belongs) continue;
+    const float spacing = cloth.asset->spacing * cloth.scale;
+    const bool hasty = factor > 1 && cloth.meets_fast;
+    const bool seams = cloth.asset->splits.rows() > 0;
+    const auto in_step = [&](const std::optional<float>& usual) {
+      return std::min(way, usual.value_or(way) / static_cast<float>(factor));
+    };
+    const float seen = std::min(in_step(cloth.ride.way), in_step(cloth.met_way));
+    frame.cell_rounds = cloth.collide_cells ? cell_rounds(seen, spacing, seams, hasty) : 0;
+    choose_compliance_step(cloth);
+    fill_cloth_frame(cloth, frame);
+    frame.params.spacing = spacing;
+    const bool leaves = cloth.collide_cells && !hasty;
+    frame.params.leave_near = leaves ? shader::kLeaveNear * spacing : 0;
+    frame.params.grip = grip_of(frame, spacing);
+    measure_ride(cloth, frame);
+    if (!cloth.asleep) cloth.displaced_in = clock().dt;
+    cloth.measured_steps[frame_.motion_word] = cloth.last_step = clock().dt;
+  }
+  backend_->run_frame(frame_);
 }
 
 void Solver::Impl::step() {
@@ -400,37 +520,23 @@ void Solver::Impl::step() {
   frame_.cloths.resize(cloths_.size());
   for (size_t c = 0; c < cloths_.size(); ++c) change_pins(cloths_[c], frame_.cloths[c]);
   usual_substeps_ = even_substeps();
-  const uint32_t factor = substeps_factor();
-  substeps_ = usual_substeps_ * factor;
-  choose_compliance_step();
-  collider_poses(colliders_from_, colliders_to_, substeps_, origin_, frame_.poses);
-  measure_ways(frame_.shapes, frame_.poses, substeps_, thickest(cloths_));
-  substep_inputs(clock(), wind_, origin_, frame_.substeps);
-  const float way = longest_way(frame_.shapes);
-  for (size_t c = 0; c < cloths_.size(); ++c) {
-    Cloth& cloth = cloths_[c];
-    const float spacing = cloth.asset->spacing * cloth.scale;
-    const bool hasty = factor > 1 && cloth.meets_fast;
-    cloth.collide_cells = cloth.collide_cells || may_slip_through(frame_.shapes, spacing);
-    const bool seams = cloth.asset->splits.rows() > 0;
-    const float seen = std::min(way, cloth.ride.way.value_or(way) / static_cast<float>(factor));
-    frame_.cloths[c].cell_rounds = cloth.collide_cells ? cell_rounds(seen, spacing, seams, hasty) : 0;
-    fill_cloth_frame(cloth, frame_.cloths[c]);
-    frame_.cloths[c].params.spacing = spacing;
-    const bool leaves = cloth.collide_cells && !hasty;
-    frame_.cloths[c].params.leave_near = leaves ? shader::kLeaveNear * spacing : 0;
-    frame_.cloths[c].params.grip = grip_of(frame_.cloths[c], spacing);
-  }
+  choose_factors();
+  measure_ways(frame_.shapes, frame_.poses, usual_substeps_, thickest(cloths_));
   find_movers();
   fall_asleep();
-  measure_rides(factor);
-  backend_->run_frame(frame_);
-  colliders_from_ = colliders_to_;
+  uint32_t most = 1;
   for (Cloth& cloth : cloths_) {
-    cloth.parent_from = cloth.parent_to;
-    if (!cloth.asleep) cloth.displaced_in = clock().dt;
+    cloth.collide_cells = cloth.collide_cells || may_slip_through(frame_.shapes, cloth.asset->spacing * cloth.scale);
+    most = std::max(most, cloth.factor);
   }
-  measured_steps_[frame_.motion_word] = last_step_ = clock().dt;
+  for (uint32_t factor = 1; factor <= most; ++factor)
+    if (std::ranges::any_of(cloths_, [&](const Cloth& cloth) { return cloth.factor == factor; })) run_group(factor);
+  for (size_t i = 0; i < colliders_to_.size(); ++i) {
+    const Transform frame = collider_frame(colliders_to_[i]);
+    collider_ways_[i] = frame.translate - frames_from_[i].translate;
+    frames_from_[i] = frame;
+  }
+  for (Cloth& cloth : cloths_) cloth.parent_from = cloth.parent_to;
   time_ += settings_.frame_time;
 }
 

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "backend.h"
@@ -40,6 +44,8 @@ class Solver::Impl {
   void read_velocities(uint32_t cloth, std::vector<Vec3>& out);
   void write_state(uint32_t cloth, std::span<const Vec3> positions, std::span<const Vec3> velocities);
   [[nodiscard]] SolverStatistics statistics();
+  void save(std::vector<std::byte>& out);
+  void restore(std::span<const std::byte> bytes);
 
   [[nodiscard]] SolverBackend& backend() { return *backend_; }
   [[nodiscard]] Vec3 origin() const { return origin_; }
@@ -60,8 +66,13 @@ class Solver::Impl {
     double time = 0;                  ///< [s] of the frame
     std::optional<float> way;  ///< [m] that the fastest collider goes in a substep as seen from the cloth, if it rides
   };
+  /// Where a cloth is that no pins tell of.
+  struct Seen {
+    ClothBox box;     ///< [m] relative to the origin, at the start of the next frame
+    float speed = 0;  ///< [m/s] of its points
+  };
   struct Cloth {
-    std::shared_ptr<const ClothAsset> asset;
+    std::shared_ptr<const ClothAsset> asset, original;  ///< as cuts have left it, and as it was given
     Material material;
     Transform start;  ///< where its rest shape started
     float scale = 1;
@@ -82,48 +93,86 @@ class Solver::Impl {
     std::optional<SelfCollision> self_collision;
     SelfNumbers self;
     std::optional<InterCollision> inter_collision;
-    bool collide_cells = false;  ///< a collider was met that may slip through between pixels
-    bool teleport = false;       ///< the parent jumps before the next frame
-    double placed_at = -1;       ///< [s] time_ when a state was written where the parent had jumped to
-    bool meets_fast = false;     ///< in the next frame, if a collider is fast that may meet it
-    Ride ride;                   ///< in the next frame
-    bool rides_on = false;       ///< it rode in the last frame
-    std::array<Ride, 2> rides;   ///< in the last two, by the word that was measured into
-    float limit = 0;             ///< ClothParams::stretch_limit of the last frame, as it sinks
-    double pulled_at = 0;        ///< [s] when pins last pulled it apart
-    bool hangs = false;          ///< every point has an attachment or is pinned
-    float reach = 0;             ///< [m] of the longest attachment; without pins of the whole cloth
+    bool collide_cells = false;    ///< a collider was met that may slip through between pixels
+    bool teleport = false;         ///< the parent jumps before the next frame
+    double placed_at = -1;         ///< [s] time_ when a state was written where the parent had jumped to
+    bool pins_anew = false;        ///< in the next frame other points are pinned than before
+    bool meets_fast = false;       ///< in the next frame, if a collider is fast that may meet it
+    std::optional<float> met_way;  ///< [m] longest of a collider in a usual substep, if some cannot meet it
+    uint32_t factor = 1;           ///< times as many substeps as usual in the next frame
+    Ride ride;                     ///< in the next frame
+    std::optional<Seen> seen;      ///< once it had to be looked for; grown since then by the way that it may have gone
+    double look_again = 0;         ///< [s] time_ from which on it may be looked for
+    bool looked_for = false, looked_at = false;  ///< in the next frame
+    bool rides_on = false;                       ///< it rode in the last frame
+    std::array<Ride, 2> rides;                   ///< in the last two, by the word that was measured into
+    float limit = 0;                             ///< ClothParams::stretch_limit of the last frame, as it sinks
+    double pulled_at = 0;                        ///< [s] when pins last pulled it apart
+    bool hangs = false;                          ///< every point has an attachment or is pinned
+    float reach = 0;                             ///< [m] of the longest attachment; without pins of the whole cloth
     uint64_t particles = 0, springs_per_sweep = 0;
+    size_t most_seam_springs = 0, most_self_words = 0;  ///< of any cut
+    std::optional<uint64_t> mark;                       ///< of what it was made with, once asked for
 
     bool asleep = false;
-    bool disturbed = true;            ///< since the last step
-    uint32_t calm_frames = 0;         ///< since it was disturbed
-    double calm_for = 0;              ///< [s] that it has been slow
-    std::optional<ClothBox> resting;  ///< about it where it sleeps, once a collider has moved meanwhile
-    double displaced_in = 0;          ///< [s] step length of the displacements that the backend holds
+    bool disturbed = true;                   ///< since the last step
+    uint32_t calm_frames = 0;                ///< since it was disturbed
+    double calm_for = 0;                     ///< [s] that it has been slow
+    std::optional<ClothBox> resting;         ///< about it where it sleeps, once a collider has moved meanwhile
+    double displaced_in = 0;                 ///< [s] step length of the displacements that the backend holds
+    double compliance_step = 0;              ///< [s] the length that compliances are of
+    double last_step = 0;                    ///< [s] of the last frame's substeps
+    std::array<double, 2> measured_steps{};  ///< [s] of the substeps in the last two frames, by motion_word
   };
+
+  struct Saved;
+  struct SavedCloth;
+  void keep_cloth(uint32_t cloth, SavedCloth& saved);
+  void check_scene(const Saved& saved) const;
+  void check_colliders(Saved& saved);
+  void check_cuts(Saved& saved) const;
+  void check_cloth(SavedCloth& saved, uint32_t cloth) const;
+  void take_scene(Saved& saved);
+  void take_cloth(SavedCloth& saved, uint32_t cloth);
+  [[nodiscard]] uint64_t mark_of_cloth(Cloth& cloth) const;
+  [[nodiscard]] uint64_t mark_of_settings() const;
+  [[nodiscard]] uint64_t mark_of_field(const std::shared_ptr<const DistanceField>& field);
 
   [[nodiscard]] const Cloth& cloth_at(uint32_t cloth) const;
   void fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const;
   void ease_limit(Cloth& cloth, ClothFrame& frame) const;
   void change_pins(Cloth& cloth, ClothFrame& frame) const;
+  void take_pins(Cloth& cloth, ClothFrame& frame) const;
   [[nodiscard]] static float pull_of_pins(const Cloth& cloth, float least);
   [[nodiscard]] bool has_pins_above(const Cloth& cloth) const;
   [[nodiscard]] static bool sags_between_pins(const Cloth& cloth);
+  void take_places(std::span<const Collider> asked_before);
+  void take_shapes(std::span<const Collider> asked_before);
   void carry_over();
   [[nodiscard]] Vec3 middle_of_told(const Cloth& cloth) const;
   void follow_cloths();
-  [[nodiscard]] InterData inter_data() const;
+  [[nodiscard]] std::vector<const ClothAsset*> assets() const;
+  [[nodiscard]] ClothData cloth_data(const Cloth& cloth, const std::shared_ptr<const ClothAsset>& asset) const;
+  [[nodiscard]] InterData inter_data(std::span<const ClothAsset* const> assets, const Vec3& origin) const;
+  void take_asset(uint32_t cloth, std::shared_ptr<const ClothAsset> asset, ClothData data);
+  void take_inter(InterData inter, const Vec3& origin);
   [[nodiscard]] bool meets_others(const Cloth& cloth) const { return inter_.points > 0 && cloth.inter_collision; }
   [[nodiscard]] float stretch_limit(const Cloth& cloth) const;
   [[nodiscard]] FrameClock clock() const;
   [[nodiscard]] std::optional<ClothBox> box_of_pins(const Cloth& cloth) const;
   [[nodiscard]] uint32_t even_substeps();
-  [[nodiscard]] uint32_t substeps_factor();
-  void choose_compliance_step();
+  void choose_factors();
+  [[nodiscard]] bool may_meet(uint32_t cloth, uint32_t collider, bool rides);
+  [[nodiscard]] bool is_seen_near(const Cloth& cloth, uint32_t collider) const;
+  [[nodiscard]] float fastest_about(const Cloth& cloth) const;
+  [[nodiscard]] float way_of_seen(const Cloth& cloth) const;
+  void look_at(uint32_t cloth);
+  void let_seen_go(Cloth& cloth) const;
+  void choose_compliance_step(Cloth& cloth) const;
+  void run_group(uint32_t factor);
   [[nodiscard]] const Ride* ride_of(uint32_t cloth);
   [[nodiscard]] float way_seen_from(const Ride* ride, uint32_t collider) const;
-  void measure_rides(uint32_t factor);
+  void measure_ride(Cloth& cloth, ClothFrame& frame) const;
   void find_movers();
   [[nodiscard]] bool is_reached(uint32_t cloth);
   void fall_asleep();
@@ -136,7 +185,10 @@ class Solver::Impl {
   std::vector<Vec3> places_seen_;  ///< [m] of the colliders when cloth was looked for
   std::vector<Cloth> cloths_;
   SelfNumbers inter_;                                           ///< of the cloths that collide with each other
-  std::vector<Collider> colliders_from_, colliders_to_;         ///< at the start and the end of the next frame
+  Vec3 inter_origin_;                                           ///< [m] origin_ when it was made
+  std::vector<Collider> colliders_to_;                          ///< at the end of the next frame
+  std::vector<Transform> frames_from_;                          ///< [m, world] of their shapes at its start
+  std::vector<Vec3> collider_ways_;                             ///< [m] that their frames went in the last frame
   std::vector<shader::ColliderShape> shapes_;                   ///< of colliders_to_
   std::shared_ptr<const std::vector<float>> collider_numbers_;  ///< of their hulls and meshes
   std::optional<Wind> wind_;
@@ -146,11 +198,10 @@ class Solver::Impl {
   double step_length_ = 0;        ///< [s] of a substep, that the last frame's were to have without haste; 0: no frame
   double calm_step_;              ///< [s] of a substep, about which steps may vary without waking cloth
   uint32_t usual_substeps_;       ///< of the next frame without haste
-  uint32_t substeps_;             ///< of the next frame
-  double compliance_step_ = 0;    ///< [s] the length that compliances are of
-  double last_step_ = 0;          ///< [s] of the last frame's substeps
-  std::array<double, 2> measured_steps_{};  ///< [s] of the substeps in the last two frames, by motion_word
-  FrameInput frame_;                        ///< of the last step, whose memory the next one uses again
+  uint32_t substeps_;             ///< of the cloths that are told about the next frame
+  std::vector<std::pair<std::shared_ptr<const DistanceField>, uint64_t>> field_marks_;  ///< of saved colliders
+  std::vector<shader::vec4> looked_position_, looked_previous_;                         ///< memory of look_at()
+  FrameInput frame_;  ///< of the last step, whose memory the next one uses again
   std::unique_ptr<SolverBackend> backend_;
 };
 

@@ -13,6 +13,7 @@
 
 #include <gtest/gtest.h>
 
+#include "colliders/match.h"
 #include "colliders/ways.h"
 #include "frame_input.h"
 #include "geocloth/asset/error.h"
@@ -84,7 +85,8 @@ TEST_P(EveryShape, NoPointOnItGoesFartherThanItsWay) {
     std::vector<float> numbers;
     std::vector<shader::ColliderShape> shapes{collider_shape_of(before, numbers)};
     std::vector<shader::ColliderPose> poses;
-    collider_poses({&before, 1}, {&after, 1}, 1, {}, poses);
+    const Transform from = collider_frame(before);
+    collider_poses({&from, 1}, {&after, 1}, 1, {}, poses);
     measure_ways(shapes, poses, 1, kThickness);
     float farthest = 0;
     for (int k = 0; k < 500; ++k) {
@@ -560,6 +562,56 @@ TEST(DistanceField, OneMadeByHandIsChecked) {
   refused("spacing 1e6", [](DistanceField& f) { f.spacing = 1e6F; });
   EXPECT_NO_THROW(set(good));
   EXPECT_TRUE(test::all_finite(test::positions_of(solver)));
+}
+
+// Lists as programs keep them. A body taken for another one sweeps through all cloth between them, and one that is
+// placed anew goes through cloth instead of pushing it.
+class Matching : public testing::Test {
+ protected:
+  static Collider ball(float x, const char* name = "", float radius = 0.1F) {
+    return {name, Sphere{{0, 0, 0}, radius}, 0.3F, {{x, 0, 0}, {}, 1}};
+  }
+  /// Number before of each collider now, -1 for a new one; each went by `way` before.
+  static std::vector<int> matched(const std::vector<Collider>& before, const std::vector<Collider>& now,
+                                  float way = 0) {
+    std::vector<Vec3> expected;
+    for (const Collider& c : before) expected.push_back(c.pose.translate + Vec3{way, 0, 0});
+    std::vector<int> numbers;
+    for (const std::optional<uint32_t>& m : match_colliders(before, expected, now))
+      numbers.push_back(m ? static_cast<int>(*m) : -1);
+    return numbers;
+  }
+};
+
+TEST_F(Matching, UnnamedOnesOfOneShapeAreKnownByWhereTheyAre) {
+  const std::vector<Collider> three{ball(0), ball(1), ball(2)};
+  EXPECT_EQ(matched(three, {ball(0.1F), ball(1.1F), ball(2.1F), ball(3)}), (std::vector{0, 1, 2, -1}));
+  EXPECT_EQ(matched(three, {ball(-1), ball(0.1F), ball(1.1F), ball(2.1F)}), (std::vector{-1, 0, 1, 2}));
+  EXPECT_EQ(matched(three, {ball(1.1F), ball(2.1F)}), (std::vector{1, 2}));
+  EXPECT_EQ(matched(three, {ball(0.1F), ball(2.1F)}), (std::vector{0, 2}));
+  EXPECT_EQ(matched(three, {}), std::vector<int>{});
+  EXPECT_EQ(matched({}, three), (std::vector{-1, -1, -1}));
+  EXPECT_EQ(matched(three, {ball(5), ball(6), ball(7)}), (std::vector{0, 1, 2}));  // as many as before
+}
+
+TEST_F(Matching, BulletsInARowAreNotTakenForTheOneAhead) {
+  const std::vector<Collider> row{ball(2), ball(1)};
+  EXPECT_EQ(matched(row, {ball(3), ball(2), ball(1)}, 1), (std::vector{0, 1, -1}));
+  EXPECT_EQ(matched(row, {ball(2)}, 1), std::vector{1});
+}
+
+TEST_F(Matching, UnnamedOnesKeepTheirShape) {
+  const std::vector<Collider> two{ball(0, "", 0.1F), ball(0, "", 0.2F)};
+  EXPECT_EQ(matched(two, {ball(9, "", 0.2F)}), std::vector{1});
+  EXPECT_EQ(matched(two, {ball(0, "", 0.3F), ball(0, "", 0.1F), ball(0, "", 0.2F)}), (std::vector{-1, 0, 1}));
+  EXPECT_EQ(matched(two, {ball(0, "", 0.3F), ball(0, "", 0.4F)}), (std::vector{0, 1}));  // they grow
+}
+
+TEST_F(Matching, NamesGoBeforeAllElse) {
+  const std::vector<Collider> three{ball(0, "a"), ball(1, "b"), ball(2, "c")};
+  EXPECT_EQ(matched(three, {ball(0, "c"), ball(2, "a", 0.5F), ball(1, "d")}), (std::vector{2, 0, -1}));
+  const std::vector<Collider> same{ball(0, "a"), ball(1), ball(2, "a")};
+  EXPECT_EQ(matched(same, {ball(2.1F, "a"), ball(7)}), (std::vector{2, 1}));
 }
 
 TEST(DistanceField, WhatEnclosesNothingIsRefused) {

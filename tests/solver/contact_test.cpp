@@ -98,6 +98,38 @@ TEST_P(Fast, SphereAtTwentyMetresASecondPushesAHangingSheetAndNeverPasses) {
   }
 }
 
+// Bullets, doors and characters come and go beside a body that hits cloth: if it lost its way in such a frame, it would
+// stand on the other side of the cloth without having touched it.
+TEST_P(Fast, BallPushesASheetWhileOtherCollidersComeAndGo) {
+  const SheetOptions options{.nx = 17, .ny = 17};
+  const ClothAsset asset = make_sheet(options);
+  const auto thrown = [&](bool others, const char* name) {
+    Solver solver = make(test::describe(asset), checked());
+    solver.set_pins(0, test::pins_at_rest(asset, "top"));
+    Collider ball{name, Sphere{{0, 0, -0.25F}, 0.1F}, 0.3F, {}};
+    Collider twin = ball, box{name, Box{{5, 0, 0}, {0.1F, 0.1F, 0.1F}, {}}, 0.3F, {}};
+    twin.name = "";
+    twin.pose.translate = {-5, 0, 0};
+    solver.set_colliders(std::vector{ball});
+    for (int f = 0; f < 2; ++f) {
+      ball.pose.translate.z += 20.F / 60;
+      if (!others) {
+        solver.set_colliders(std::vector{ball});
+      } else if (f == 0) {
+        solver.set_colliders(std::vector{twin, box, ball});
+      } else {
+        solver.set_colliders(std::vector{box, ball, twin, twin});
+      }
+      solver.step();
+      const Vec3 center{0.0012F, 0.0007F, -0.25F + ball.pose.translate.z};
+      EXPECT_GE(layers_ahead(options, test::positions_of(solver), center), 1U) << others << ' ' << name << ' ' << f;
+    }
+    return hash_state(asset, test::positions_of(solver));
+  };
+  const uint64_t alone = thrown(false, "");
+  for (const char* name : {"", "ball"}) EXPECT_EQ(thrown(true, name), alone) << name;
+}
+
 // Fine cloth opens between its pixels long before they have the ball's speed, unless steps are short enough.
 TEST_P(Fast, SphereOfTwoCellsAtTwentyMetresASecondIsHeldByFineClothAtFewSubsteps) {
   SolverSettings settings = checked();

@@ -14,13 +14,15 @@
 namespace geocloth {
 namespace {
 
-/// The cpu's, and how many substeps it was told to do.
+/// The cpu's, and how many substeps it was told to do with each cloth in the last frame that this was awake.
 class Counter final : public SolverBackend {
  public:
-  Counter(std::unique_ptr<SolverBackend> backend, size_t& substeps)
+  Counter(std::unique_ptr<SolverBackend> backend, std::vector<size_t>& substeps)
       : backend_(std::move(backend)), substeps_(substeps) {}
   void run_frame(const FrameInput& frame) override {
-    substeps_ = frame.substeps.size();
+    substeps_.resize(frame.cloths.size());
+    for (size_t c = 0; c < frame.cloths.size(); ++c)
+      if (!frame.cloths[c].asleep) substeps_[c] = frame.substeps.size();
     backend_->run_frame(frame);
   }
   void wait() override { backend_->wait(); }
@@ -31,6 +33,12 @@ class Counter final : public SolverBackend {
   void write_state(uint32_t c, std::span<const shader::vec4> x, std::span<const shader::vec4> before) override {
     backend_->write_state(c, x, before);
   }
+  void read_memory(uint32_t c, ClothMemory& out) override { backend_->read_memory(c, out); }
+  void write_memory(uint32_t c, const ClothMemory& memory, const ClothFrame& pins) override {
+    backend_->write_memory(c, memory, pins);
+  }
+  void read_found(FoundPoints& out) override { backend_->read_found(out); }
+  void write_found(const FoundPoints& found) override { backend_->write_found(found); }
   void replace_topology(uint32_t c, ClothData data) override { backend_->replace_topology(c, std::move(data)); }
   void shift(const Vec3& by) override { backend_->shift(by); }
   void replace_inter(InterData inter) override { backend_->replace_inter(std::move(inter)); }
@@ -40,7 +48,7 @@ class Counter final : public SolverBackend {
 
  private:
   std::unique_ptr<SolverBackend> backend_;
-  size_t& substeps_;
+  std::vector<size_t>& substeps_;
 };
 
 class Haste : public testing::Test {
@@ -64,7 +72,7 @@ class Haste : public testing::Test {
     solver_.set_time_step(double{frame_time}, 8);
     solver_.set_colliders(all, false);
     solver_.step();
-    return substeps_;
+    return substeps_.front();
   }
   /// The most of the last few frames at one speed.
   size_t settle(float speed, float turn = 0, float frame_time = test::kFrame) {
@@ -76,7 +84,7 @@ class Haste : public testing::Test {
     return most;
   }
 
-  size_t substeps_ = 0;
+  std::vector<size_t> substeps_;
   Solver::Impl solver_;
   std::vector<Collider> others_;
   float way_ = 0, turned_ = 0, below_ = 0;
@@ -123,6 +131,117 @@ TEST_F(Haste, StaysWhereWhatIsFastPassesTheCloth) {
   size_t least = 1000;
   for (int f = 0; f < 30; ++f) least = std::min(least, go(4));
   EXPECT_GT(least, 8U);
+}
+
+/// Curtains side by side, ten metres apart, and a ball that is thrown at the first one.
+class Curtains : public testing::Test {
+ protected:
+  explicit Curtains(float inter_distance = 0) {
+    cloths_.assign(2, test::describe(test::make_sheet({.nx = 21, .ny = 21})));
+    for (uint32_t c = 0; c < 2; ++c) {
+      cloths_[c].transform.translate = {10.F * static_cast<float>(c), 0, 0};
+      if (inter_distance > 0) cloths_[c].inter_collision = InterCollision{inter_distance};
+    }
+  }
+
+  /// Frames with a ball of this speed [m/s], of which the second one's positions come back.
+  std::vector<Vec3> throw_at_first(float speed, std::vector<size_t>& most) {
+    std::vector<size_t> substeps;
+    Solver::Impl solver(cloths_, test::eight_substeps(), [&](SimulationData data) {
+      return std::make_unique<Counter>(make_cpu_backend(std::move(data), 1), substeps);
+    });
+    most.assign(2, 0);
+    Collider ball{"ball", Sphere{{}, 0.1F}, 0.3F, {{0, 0, -0.8F}, {}, 1}};
+    for (int f = 0; f < 8; ++f) {
+      for (uint32_t c = 0; c < 2 && pinned_; ++c)
+        solver.set_pins(c, test::pins_at_rest(*cloths_[c].asset, "top", cloths_[c].transform.translate));
+      ball.pose.translate.z += speed * test::kFrame;
+      solver.set_colliders(std::vector{ball}, false);
+      solver.step();
+      for (uint32_t c = 0; c < 2; ++c) most[c] = std::max(most[c], substeps[c]);
+    }
+    std::vector<Vec3> positions;
+    solver.read_positions(1, positions);
+    return positions;
+  }
+
+  std::vector<ClothDesc> cloths_;
+  bool pinned_ = true;
+};
+
+// A thrown ball would cost a level of many cloths all of its frame time otherwise.
+TEST_F(Curtains, OnlyTheOneThatIsHitHasMoreSubsteps) {
+  std::vector<size_t> thrown, still;
+  const std::vector<Vec3> beside_thrown = throw_at_first(12, thrown), beside_still = throw_at_first(0, still);
+  EXPECT_GT(thrown[0], 8U);
+  EXPECT_EQ(thrown[1], 8U);
+  EXPECT_EQ(still, (std::vector<size_t>{8, 8}));
+  // Nor does it move otherwise because another one is hit.
+  EXPECT_EQ(hash_state(*cloths_[1].asset, beside_thrown), hash_state(*cloths_[1].asset, beside_still));
+}
+
+// Where nothing is pinned only the device knows where cloth is; it has to be asked.
+TEST_F(Curtains, NorHasOneThatFallsFreelyElsewhere) {
+  pinned_ = false;
+  cloths_[1].transform.translate.y = 3;
+  std::vector<size_t> thrown, still;
+  const std::vector<Vec3> beside_thrown = throw_at_first(12, thrown), beside_still = throw_at_first(0, still);
+  EXPECT_GT(thrown[0], 8U);
+  EXPECT_EQ(thrown[1], 8U);
+  EXPECT_EQ(hash_state(*cloths_[1].asset, beside_thrown), hash_state(*cloths_[1].asset, beside_still));
+}
+
+/// A sheet falls freely, and a ball of 10 cm comes from afar.
+class FreeSheet : public testing::Test {
+ protected:
+  /// Substeps of every frame, until the ball has gone so far [m].
+  std::vector<size_t> meets(float from, float to, float speed) {
+    const ClothDesc cloth = test::describe(test::make_sheet({.nx = 21, .ny = 21}));
+    std::vector<size_t> substeps, all;
+    SolverSettings settings = test::eight_substeps();
+    settings.gravity = {0, -1, 0};
+    Solver::Impl solver({&cloth, 1}, settings, [&](SimulationData data) {
+      return std::make_unique<Counter>(make_cpu_backend(std::move(data), 1), substeps);
+    });
+    Collider ball{"ball", Sphere{{}, 0.1F}, 0.3F, {{0, 0, from}, {}, 1}};
+    for (; (ball.pose.translate.z < to) == (speed > 0); ball.pose.translate.z += speed * test::kFrame) {
+      solver.set_colliders(std::vector{ball}, false);
+      solver.step();
+      all.push_back(substeps.front());
+    }
+    solver.read_positions(0, positions_);
+    return all;
+  }
+  std::vector<Vec3> positions_;
+};
+
+TEST_F(FreeSheet, HasMoreSubstepsOnlyWhenTheBallIsNear) {
+  const std::vector<size_t> coming = meets(-8, 0.3F, 12);
+  EXPECT_EQ(coming[1], 8U);
+  EXPECT_EQ(coming[coming.size() / 2], 8U);  // 4 m away
+  EXPECT_GT(coming[coming.size() - 3], 8U);
+  float farthest = 0;
+  for (const Vec3& p : positions_) farthest = std::max(farthest, p.z);
+  EXPECT_GT(farthest, 0.25F);  // it is pushed, not passed
+}
+
+TEST_F(FreeSheet, HasAsManyAsEverOnceTheBallIsGone) {
+  const std::vector<size_t> going = meets(0.3F, 12, 12);
+  EXPECT_GT(going[1], 8U);
+  EXPECT_EQ(going.back(), 8U);
+}
+
+class CurtainsThatMeet : public Curtains {
+ protected:
+  CurtainsThatMeet() : Curtains(0.05F) {}
+};
+
+// They meet substep by substep.
+TEST_F(CurtainsThatMeet, HaveTheirSubstepsTogether) {
+  std::vector<size_t> thrown;
+  throw_at_first(12, thrown);
+  EXPECT_GT(thrown[0], 8U);
+  EXPECT_EQ(thrown[1], thrown[0]);
 }
 
 }  // namespace

@@ -13,6 +13,7 @@ namespace {
 using test::cloth_of;
 using test::hanging;
 using test::kCut;
+using test::kUncut;
 using test::largest_distance;
 using test::Outcome;
 using test::pins_of_top;
@@ -99,6 +100,25 @@ TEST_F(VulkanMotionTest, AHullAndABodyAgreeAndNothingSinksIn) {
 TEST_F(VulkanMotionTest, ARodThinnerThanAPixelIsHeldByTheTrianglesAlike) {
   const Outcome outcome = expect_same_as_cpu(falls_on(Capsule{{-1, 0, 0.03F}, {1, 0, 0.03F}, 0.01F, 0.01F}, 3));
   EXPECT_EQ(outcome.statistics.copy_gap, 0.0);
+}
+
+/// Cloths with other numbers of substeps in one frame, of which one falls freely, and pins that change in such a frame.
+TEST_F(VulkanMotionTest, AFastBallBesideOtherClothsAgrees) {
+  Play scene{.cloths = {cloth_of(kCut), cloth_of(kUncut), cloth_of(kUncut)}, .settings = settings_of(3), .frames = 9};
+  for (uint32_t c = 0; c < 3; ++c) scene.cloths[c].transform.translate = {3.F * static_cast<float>(c), 0, 0};
+  scene.settings.check_copies = true;
+  scene.settings.sleep_speed = 1e-3F;
+  scene.before_frame = [cloths = scene.cloths](Solver& solver, uint32_t frame) {
+    for (uint32_t c = 0; c < 2; ++c) {
+      std::vector<Pin> pins =
+          pins_of_top(c == 0 ? kCut : kUncut, *cloths[c].asset, {3.F * static_cast<float>(c), 0, 0});
+      if (frame == 5) pins.pop_back();
+      solver.set_pins(c, pins);
+    }
+    solver.set_colliders(std::vector<Collider>{
+        {"ball", Sphere{{0, 0, 0}, 0.1F}, 0.3F, {{0, 0, 0.1F * static_cast<float>(frame) - 0.5F}, {}, 1}}});
+  };
+  expect_same_as_cpu(scene);
 }
 
 /// The origin follows it, whole metres at a time.

@@ -20,6 +20,10 @@ struct ClothBox {
     low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
     high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
   }
+  void grow(float by) {
+    low -= {by, by, by};
+    high += {by, by, by};
+  }
   [[nodiscard]] bool empty() const { return low.x > high.x; }
   [[nodiscard]] Vec3 middle() const { return empty() ? Vec3{} : 0.5F * low + 0.5F * high; }
 };

@@ -118,6 +118,39 @@ class CpuBackend final : public SolverBackend {
     cloths_[cloth].normals_stale = true;
   }
 
+  void read_memory(uint32_t cloth, ClothMemory& out) override {
+    const cpu::ClothState& state = cloths_[cloth].state;
+    read_positions(cloth, out.position);
+    read_previous(cloth, out.previous);
+    read_carry(cloth, out.carry);
+    out.offset.clear();
+    if (data_.fine)
+      gather(
+          cloth, state.offset, [&](size_t i) { return state.inverse_mass[i]; }, out.offset);
+    read_words(state.data.self, state.pixel_count(), out.found);
+    out.longest_way = cloths_[cloth].measures.longest_way;
+    out.left_behind = cloths_[cloth].measures.left_behind;
+  }
+
+  void write_memory(uint32_t cloth, const ClothMemory& memory, const ClothFrame& pins) override {
+    cpu::ClothState& state = cloths_[cloth].state;
+    write_state(cloth, memory.position, memory.previous);
+    const auto scatter = [&](const std::vector<vec4>& from, cpu::Vec3Array& to) {
+      for (uint32_t k = 0; k < from.size(); ++k) to.set(cloths_[cloth].rows.pixel(k), shader::xyz(from[k]));
+    };
+    scatter(memory.carry, state.carry);
+    scatter(memory.offset, state.offset);
+    cloths_[cloth].rows.widen(pins, cloths_[cloth].frame);
+    if (state.data.attachments) state.attachments = cloths_[cloth].frame.attachments;
+    cloths_[cloth].sweep.forget_plan();
+    write_words(memory.found, state.pixel_count(), state.data.self);
+    cloths_[cloth].measures.longest_way = memory.longest_way;
+    cloths_[cloth].measures.left_behind = memory.left_behind;
+  }
+
+  void read_found(FoundPoints& out) override { read_words(inter_.points, 0, out); }
+  void write_found(const FoundPoints& found) override { write_words(found, 0, inter_.points); }
+
   void shift(const Vec3& by) override {
     for (Cloth& cloth : cloths_) {
       cpu::ClothState& state = cloth.state;
@@ -182,6 +215,21 @@ class CpuBackend final : public SolverBackend {
   }
 
  private:
+  static void read_words(const SelfData& self, size_t pixels, FoundPoints& out) {
+    out = {};
+    if (self.numbers.points == 0) return;
+    const FoundWords range = found_words(self.numbers, pixels);
+    const auto first = self.words.begin() + static_cast<std::ptrdiff_t>(range.first);
+    out.age = self.words[shader::kSelfAge];
+    out.words.assign(first, first + static_cast<std::ptrdiff_t>(range.count));
+  }
+  static void write_words(const FoundPoints& found, size_t pixels, SelfData& self) {
+    if (self.numbers.points == 0) return;
+    const FoundWords range = found_words(self.numbers, pixels);
+    std::ranges::copy(first_header(found.age), self.words.begin());
+    std::ranges::copy(found.words, self.words.begin() + static_cast<std::ptrdiff_t>(range.first));
+  }
+
   /// Calls body(number, threads that it may use) for some of the cloths.
   template <class Body>
   void for_each(uint32_t count, const Body& body) const {

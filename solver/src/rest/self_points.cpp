@@ -105,7 +105,7 @@ std::vector<float> whole_inverse_masses(std::span<const float> inverse_mass, std
 std::vector<uint32_t> first_self_words(const shader::SelfRoom& room) {
   constexpr float kNowhere = std::numeric_limits<float>::max();
   std::vector<uint32_t> words(shader::self_skip_word(room), 0);
-  std::fill_n(words.begin() + shader::kSelfLow, 3, shader::kSelfNone);
+  std::ranges::copy(first_header(0), words.begin());
   std::fill_n(words.begin() + shader::self_seen_word(room, 0), size_t{3} * room.points,
               shader::floatBitsToUint(kNowhere));
   return words;
@@ -117,6 +117,22 @@ void set_self_numbers(const SelfNumbers& numbers, shader::ClothParams& params) {
   params.self_distance = numbers.distance;
   params.self_reach = numbers.reach;
   params.self_most_in_bucket = numbers.most_in_bucket;
+}
+
+std::array<uint32_t, shader::kSelfHeader> first_header(uint32_t age) {
+  std::array<uint32_t, shader::kSelfHeader> header{};
+  std::fill_n(header.begin() + shader::kSelfLow, 3, shader::kSelfNone);
+  header[shader::kSelfAge] = age;
+  return header;
+}
+
+FoundWords found_words(const SelfNumbers& numbers, size_t pixels) {
+  shader::ClothParams params{};
+  set_self_numbers(numbers, params);
+  shader::SelfRoom room = shader::self_room(params);
+  room.first += static_cast<uint32_t>(pixels);
+  const size_t first = shader::self_seen_word(room, 0);
+  return {first, shader::self_push_word(room, 0) - first};
 }
 
 void add_self_points(const ClothDesc& cloth, ClothData& data) {

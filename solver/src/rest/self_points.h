@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "backend.h"
+#include "lib/self_words.h"
 
 namespace geocloth {
 
@@ -26,6 +28,19 @@ void add_self_points(const ClothDesc& cloth, ClothData& data);
 
 /// Words before the first substep, up to the sections behind those of the points: nobody has been seen anywhere.
 [[nodiscard]] std::vector<uint32_t> first_self_words(const shader::SelfRoom& room);
+
+/// The header of the words between two frames.
+[[nodiscard]] std::array<uint32_t, shader::kSelfHeader> first_header(uint32_t age);
+
+/// Words that last from one look-up of neighbours to the next, one piece: where each point was seen, how many
+/// neighbours it has, and which.
+struct FoundWords {
+  size_t first = 0, count = 0;
+};
+/// Of each point.
+inline constexpr size_t kFoundWordsOfPoint = 4 + shader::kSelfMostNeighbors;
+/// @param pixels  of the image; 0: the points are of several cloths
+[[nodiscard]] FoundWords found_words(const SelfNumbers& numbers, size_t pixels);
 
 void set_self_numbers(const SelfNumbers& numbers, shader::ClothParams& params);
 

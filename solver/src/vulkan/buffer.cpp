@@ -38,7 +38,9 @@ Buffer::Buffer(std::shared_ptr<const Context> context, vk::DeviceSize bytes, vk:
 }
 
 Buffer storage_buffer(const std::shared_ptr<const Context>& context, vk::DeviceSize bytes) {
-  return {context, bytes, vk::BufferUsageFlagBits::eStorageBuffer | vk::BufferUsageFlagBits::eTransferDst,
+  return {context, bytes,
+          vk::BufferUsageFlagBits::eStorageBuffer | vk::BufferUsageFlagBits::eTransferSrc |
+              vk::BufferUsageFlagBits::eTransferDst,
           Memory::device};
 }
 

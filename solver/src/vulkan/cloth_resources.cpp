@@ -55,7 +55,7 @@ ClothResources::ClothResources(const std::shared_ptr<const Context>& context, co
       cell(make_image(context, data, kRestUsage, vk::Format::eR32Uint)),
       offset(context, {.format = vk::Format::eR32G32B32A32Sfloat,
                        .extent = fine ? vk::Extent2D{data.width, data.height} : vk::Extent2D{1, 1},
-                       .usage = kRestUsage}),
+                       .usage = kStateUsage}),
       multipliers(storage_buffer(context, with_multipliers ? multiplier_bytes(data) : 0)),
       attachments(storage_buffer(context, data.attachments ? sizeof(shader::Attachment) * data.pixel_count() : 0)),
       seam_springs(storage_buffer(context, data.most_seam_springs * sizeof(shader::SeamSpring))),

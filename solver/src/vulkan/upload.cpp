@@ -39,9 +39,10 @@ void Upload::clear_image(const Image& image) {
   change_layout(commands_.buffer(), image, target, vk::ImageLayout::eGeneral);
 }
 
-void Upload::copy_to_buffer(const Buffer& buffer, std::span<const std::byte> bytes) {
+void Upload::copy_to_buffer(const Buffer& buffer, std::span<const std::byte> bytes, vk::DeviceSize offset) {
   if (bytes.empty()) return;
-  commands_.buffer().copyBuffer(stage(bytes).handle(), buffer.handle(), vk::BufferCopy{.size = bytes.size()});
+  commands_.buffer().copyBuffer(stage(bytes).handle(), buffer.handle(),
+                                vk::BufferCopy{.dstOffset = offset, .size = bytes.size()});
 }
 
 void Upload::run() {
@@ -59,6 +60,18 @@ void read_image(const std::shared_ptr<const Context>& context, const Image& imag
     change_layout(commands, image, vk::ImageLayout::eGeneral, source);
     commands.copyImageToBuffer(image.handle(), source, staging.handle(), image.whole_copy());
     change_layout(commands, image, source, vk::ImageLayout::eGeneral);
+    memory_barrier(commands, Stage::eTransfer, Access::eTransferWrite, Stage::eHost, Access::eHostRead);
+  });
+  std::ranges::copy(staging.mapped().first(out.size()), out.begin());
+}
+
+void read_buffer(const std::shared_ptr<const Context>& context, const Buffer& buffer, vk::DeviceSize offset,
+                 std::span<std::byte> out) {
+  if (out.empty()) return;
+  const Buffer staging(context, out.size(), vk::BufferUsageFlagBits::eTransferDst, Memory::readback);
+  run_once(context, [&](const vk::raii::CommandBuffer& commands) {
+    memory_barrier(commands, Stage::eAllCommands, Access::eMemoryWrite, Stage::eTransfer, Access::eTransferRead);
+    commands.copyBuffer(buffer.handle(), staging.handle(), vk::BufferCopy{.srcOffset = offset, .size = out.size()});
     memory_barrier(commands, Stage::eTransfer, Access::eTransferWrite, Stage::eHost, Access::eHostRead);
   });
   std::ranges::copy(staging.mapped().first(out.size()), out.begin());

@@ -21,15 +21,16 @@ class Upload {
     copy_to_image(image, std::as_bytes(texels));
   }
   void clear_image(const Image& image);
+  /// @param first  values of the buffer before them stay
   template <typename T>
-  void to_buffer(const Buffer& buffer, std::span<const T> values) {
-    copy_to_buffer(buffer, std::as_bytes(values));
+  void to_buffer(const Buffer& buffer, std::span<const T> values, size_t first = 0) {
+    copy_to_buffer(buffer, std::as_bytes(values), first * sizeof(T));
   }
   void run();
 
  private:
   void copy_to_image(const Image& image, std::span<const std::byte> bytes);
-  void copy_to_buffer(const Buffer& buffer, std::span<const std::byte> bytes);
+  void copy_to_buffer(const Buffer& buffer, std::span<const std::byte> bytes, vk::DeviceSize offset);
   const Buffer& stage(std::span<const std::byte> bytes);
 
   std::shared_ptr<const Context> context_;
@@ -39,5 +40,8 @@ class Upload {
 
 /// Waits for all work on the queue and copies an image in the general layout to host memory.
 void read_image(const std::shared_ptr<const Context>& context, const Image& image, std::span<std::byte> out);
+/// The same for bytes of a buffer on the device, from an offset on.
+void read_buffer(const std::shared_ptr<const Context>& context, const Buffer& buffer, vk::DeviceSize offset,
+                 std::span<std::byte> out);
 
 }  // namespace geocloth::vulkan

@@ -151,8 +151,9 @@ void VulkanBackend::run_frame(const FrameInput& frame) {
     Slot& slot = *slots_[next_slot_];
     next_slot_ = (next_slot_ + 1) % kSlots;
     finish(slot);
-    for (const ClothResources& cloth : cloths_) {
-      const std::span<uint32_t> measures = cloth.measures.as<uint32_t>();  // the frame before is over
+    for (uint32_t c = 0; c < cloths_.size(); ++c) {
+      if (frame.cloths[c].asleep) continue;                                     // others of this frame may be under way
+      const std::span<uint32_t> measures = cloths_[c].measures.as<uint32_t>();  // its frame before is over
       measures[shader::kMeasureWay + frame.motion_word] = measures[shader::kMeasureLeft + frame.motion_word] = 0;
     }
     const bool sets_changed = slot.frame.write(frame, cloths_);
@@ -215,16 +216,19 @@ void VulkanBackend::wait() {
   });
 }
 
+void VulkanBackend::add_pins(Upload& upload, uint32_t cloth, const ClothFrame& frame) const {
+  upload.to_buffer(cloths_[cloth].inverse_mass, std::span(frame.inverse_mass));
+  upload.to_buffer(cloths_[cloth].attachments, std::span(frame.attachments));
+  if (cloths_[cloth].path == SolverPath::plain) return;
+  std::vector<uint32_t> pin_of_pixel(cloths_[cloth].pixel_count(), shader::kNoPin);
+  for (uint32_t i = 0; i < frame.pins.size(); ++i) pin_of_pixel[frame.pins[i].pixel.x] = i;
+  upload.to_buffer(cloths_[cloth].pin_of_pixel, std::span<const uint32_t>(pin_of_pixel));
+}
+
 void VulkanBackend::change_pins(uint32_t cloth, const ClothFrame& frame) {
   wait();
   Upload upload(context_);
-  upload.to_buffer(cloths_[cloth].inverse_mass, std::span(frame.inverse_mass));
-  upload.to_buffer(cloths_[cloth].attachments, std::span(frame.attachments));
-  if (cloths_[cloth].path != SolverPath::plain) {
-    std::vector<uint32_t> pin_of_pixel(cloths_[cloth].pixel_count(), shader::kNoPin);
-    for (uint32_t i = 0; i < frame.pins.size(); ++i) pin_of_pixel[frame.pins[i].pixel.x] = i;
-    upload.to_buffer(cloths_[cloth].pin_of_pixel, std::span<const uint32_t>(pin_of_pixel));
-  }
+  add_pins(upload, cloth, frame);
   upload.run();
   run_once(context_, [&](const vk::raii::CommandBuffer& commands) {
     begin_barrier(commands);
@@ -280,6 +284,76 @@ void VulkanBackend::write_state(uint32_t cloth, std::span<const shader::vec4> po
     upload.clear_image(cloths_[cloth].offset);
     upload.run();
     compute_normals({cloth});
+  });
+}
+
+void VulkanBackend::read_words(const Buffer& words, const FoundWords& range, FoundPoints& out) const {
+  std::array<uint32_t, shader::kSelfHeader> header{};
+  out.words.resize(range.count);
+  read_buffer(context_, words, 0, std::as_writable_bytes(std::span(header)));
+  read_buffer(context_, words, range.first * sizeof(uint32_t), std::as_writable_bytes(std::span(out.words)));
+  out.age = header[shader::kSelfAge];
+}
+
+void VulkanBackend::add_words(Upload& upload, const FoundPoints& found, const FoundWords& range, const Buffer& words) {
+  const std::array<uint32_t, shader::kSelfHeader> header = first_header(found.age);
+  upload.to_buffer(words, std::span<const uint32_t>(header));
+  upload.to_buffer(words, std::span<const uint32_t>(found.words), range.first);
+}
+
+void VulkanBackend::read_memory(uint32_t cloth, ClothMemory& out) {
+  guarded("read a state back", [&] {
+    wait();
+    const ClothResources& from = cloths_[cloth];
+    read(from.position, out.position);
+    read(from.previous, out.previous);
+    read(from.carry, out.carry);
+    out.offset.clear();
+    if (data_.fine) read(from.offset, out.offset);
+    out.found = {};
+    if (from.self.points > 0) read_words(from.self_words, found_words(from.self, from.pixel_count()), out.found);
+    const std::span<const uint32_t> measures = from.measures.as<uint32_t>();
+    for (uint32_t word = 0; word < 2; ++word) {
+      out.longest_way[word] = std::bit_cast<float>(measures[shader::kMeasureWay + word]);
+      out.left_behind[word] = measures[shader::kMeasureLeft + word];
+    }
+  });
+}
+
+void VulkanBackend::write_memory(uint32_t cloth, const ClothMemory& memory, const ClothFrame& pins) {
+  guarded("restore a state", [&] {
+    wait();
+    const ClothResources& to = cloths_[cloth];
+    Upload upload(context_);
+    upload.to_image(to.position, std::span(memory.position));
+    upload.to_image(to.previous, std::span(memory.previous));
+    upload.to_image(to.carry, std::span(memory.carry));
+    if (data_.fine) upload.to_image(to.offset, std::span(memory.offset));
+    add_pins(upload, cloth, pins);
+    if (to.self.points > 0) add_words(upload, memory.found, found_words(to.self, to.pixel_count()), to.self_words);
+    upload.run();
+    const std::span<uint32_t> measures = to.measures.as<uint32_t>();
+    for (uint32_t word = 0; word < 2; ++word) {
+      measures[shader::kMeasureWay + word] = std::bit_cast<uint32_t>(memory.longest_way[word]);
+      measures[shader::kMeasureLeft + word] = memory.left_behind[word];
+    }
+    compute_normals({cloth});
+  });
+}
+
+void VulkanBackend::read_found(FoundPoints& out) {
+  guarded("read a state back", [&] {
+    wait();
+    read_words(inter_->words, found_words(inter_->numbers, 0), out);
+  });
+}
+
+void VulkanBackend::write_found(const FoundPoints& found) {
+  guarded("restore a state", [&] {
+    wait();
+    Upload upload(context_);
+    add_words(upload, found, found_words(inter_->numbers, 0), inter_->words);
+    upload.run();
   });
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "backend.h"
+#include "rest/self_points.h"
 #include "vulkan/cloth_resources.h"
 #include "vulkan/frame_slot.h"
 #include "vulkan/inter_resources.h"
@@ -14,6 +15,8 @@
 #include "vulkan/tile_kernels.h"
 
 namespace geocloth::vulkan {
+
+class Upload;
 
 /// The passes as compute dispatches: one for each group of springs, which every device can run, or several passes at
 /// once in the memory of work groups (frame_plan.h), with the same result.
@@ -29,6 +32,10 @@ class VulkanBackend final : public SolverBackend {
   void read_normals(uint32_t cloth, std::vector<shader::vec4>& out) override;
   void write_state(uint32_t cloth, std::span<const shader::vec4> position,
                    std::span<const shader::vec4> previous) override;
+  void read_memory(uint32_t cloth, ClothMemory& out) override;
+  void write_memory(uint32_t cloth, const ClothMemory& memory, const ClothFrame& pins) override;
+  void read_found(FoundPoints& out) override;
+  void write_found(const FoundPoints& found) override;
   void shift(const Vec3& by) override;
   void replace_topology(uint32_t cloth, ClothData data) override;
   void replace_inter(InterData inter) override;
@@ -63,6 +70,9 @@ class VulkanBackend final : public SolverBackend {
   void compute_normals(const std::vector<uint32_t>& cloths);
   void take_parts();
   void change_pins(uint32_t cloth, const ClothFrame& frame);
+  void add_pins(Upload& upload, uint32_t cloth, const ClothFrame& frame) const;
+  void read_words(const Buffer& words, const FoundWords& range, FoundPoints& out) const;
+  static void add_words(Upload& upload, const FoundPoints& found, const FoundWords& range, const Buffer& words);
   void finish(Slot& slot);
   void read(const Image& image, std::vector<shader::vec4>& out) const;
 

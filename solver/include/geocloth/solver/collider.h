@@ -44,7 +44,7 @@ using ColliderShape = std::variant<Plane, Sphere, Capsule, Box, Ellipsoid, Conve
 
 /// A solid that cloth cannot enter. The shape is given at rest; `pose` moves it.
 struct Collider {
-  std::string name = {};
+  std::string name = {};  ///< by which Solver::set_colliders() knows it again; need not be unique
   ColliderShape shape = {};
   float friction = 0.3F;  ///< Coulomb coefficient >= 0
   Transform pose = {};    ///< scale must be 1

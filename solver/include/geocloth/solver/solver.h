@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -121,8 +122,12 @@ class Solver {
   Solver& operator=(Solver&&) noexcept;
   ~Solver();
 
-  /// Takes effect in the next step. Colliders are matched by index with those of the last call: from there they move
-  /// evenly to the new pose over the frame. A changed number, or teleport, places them without a velocity.
+  /// Takes effect in the next step. Each collider moves evenly over the frame from where the last call put it. Which
+  /// one it is follows from its name: of those with one name (none is a name too) the first one is the first one of the
+  /// last call, and so on. Where there are more or fewer of that name than there were, those stay that have the same
+  /// shape as before, in their order, as many as there can be; among equal shapes those that are nearest to where
+  /// they would be if all went on as in the last frame. The others are placed without a velocity, as are all with
+  /// teleport. Give names to what comes and goes in one call.
   void set_colliders(std::span<const Collider> colliders, bool teleport = false);
   void set_wind(const Wind& wind);
   void set_gravity(const Vec3& gravity);
@@ -156,10 +161,11 @@ class Solver {
   /// Frames from now on are so long, of so many substeps; velocities stay. From frame to frame a substep gets at most a
   /// twentieth longer or shorter, so that cloth is not shaken where frames vary: until it is as long as asked for,
   /// there are more or fewer of them, four times as many at most. Where colliders are so fast that they would stretch
-  /// the cloth open in a substep, a frame has up to four times as many, up to 32 times for small ones. @throws
+  /// a cloth open in a substep, it has up to four times as many in that frame, up to 32 times for small ones. @throws
   /// Error(invalid_argument)
   void set_time_step(double frame_time, uint32_t substeps);
-  /// Advances by one frame: on Vulkan it only submits.
+  /// Advances by one frame: on Vulkan it only submits, but for cloth without pins, which it has to look for where a
+  /// collider becomes fast or comes near while it is.
   void step();
 
   /// Waits for the device and copies positions [m] or unit normals, one per pixel (zero where not valid).
@@ -169,6 +175,23 @@ class Solver {
   void read_velocities(uint32_t cloth, std::vector<Vec3>& out);
   /// Puts a cloth into a given state, one position and velocity per pixel; copies must agree.
   void write_state(uint32_t cloth, std::span<const Vec3> positions, std::span<const Vec3> velocities);
+
+  /// All that the frames to come follow from, as bytes, for rollback and replays: restored they give the same bits as
+  /// if nothing had been between. May be called at any time between two frames, also after set_ functions that take
+  /// effect in the next one. Waits for the device. 40 to 52 bytes a point, with self-collision 16 to 144 more. Not in
+  /// it: what the solver was made with, the fields of bodies of triangles, statistics.
+  [[nodiscard]] std::vector<std::byte> save();
+  /// The same into bytes that are there, whose memory is used again.
+  void save(std::vector<std::byte>& state);
+  /// Puts everything back as it was: cloths, pins, parents, colliders, wind, gravity, time step, sleep; and cuts: those
+  /// made since are undone, those undone are made again. For the solver that was saved and for any other one that was
+  /// made with equal ClothDescs and settings; backend, threads, path, timings and check_copies may differ (bits then
+  /// agree as far as those of backends do). Bodies of triangles have to be among the present colliders, under any name
+  /// and at any place: call set_colliders() with them first. Waits for the device. Bytes are good for the version of
+  /// the library that wrote them, on machines with the same order of bytes, and are checked in full: those that are
+  /// damaged or come from elsewhere are refused or give a state that is safe, if wrong.
+  /// @throws Error(invalid_data) for bytes that do not fit, and leaves the solver as it is
+  void restore(std::span<const std::byte> state);
 
   [[nodiscard]] uint32_t cloth_count() const;
   /// Whether the last step left the cloth as it was, see SolverSettings::sleep_speed.
