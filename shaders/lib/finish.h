@@ -5,7 +5,7 @@
 // Applications", section 4.4) move what starts in contact in the same way before a step.
 //
 //   hold_way   previous = the way, carry = the place      between them positions move freely
-//   give_way   out of colliders, without friction, near thin ones back; previous and carry = what the way says
+//   give_way   back by friction, out of colliders, near thin ones back; previous and carry = what the way says
 #ifndef GEOCLOTH_LIB_FINISH_H
 #define GEOCLOTH_LIB_FINISH_H
 
@@ -14,6 +14,10 @@
 #ifdef __cplusplus
 namespace geocloth::shader {
 #endif
+
+const float kGripped = 0.1f;         // [spacings] no farther off what a collider keeps away a point lies on it
+const float kSlides = 0.03f;         // [spacings] a point that slides so far in a substep is not held
+const float kFrictionHolds = 0.15f;  // [spacings] how far friction of 1 holds a point that rests on a collider
 
 inline PointState way_held(PointState point) {
   PointState r;
@@ -63,9 +67,49 @@ inline bool is_left(ColliderSet set, ClothParams params, uint substep, vec3 star
   return false;
 }
 
+// [m] How far a point is held by friction that rests on a collider, and the less the faster it slides there. Ties know
+// nothing of it: what they move along a surface in every frame creeps there, and cloth that lies on a body trembles.
+inline float held_by_friction(ColliderSet set, ClothParams params, uint substep, vec3 start, vec3 way) {
+  precise float reach = params.thickness + kGripped * params.spacing;
+  precise float per_gap = 1.0f / (kGripped * params.spacing);
+  precise float per_slide = 1.0f / (kSlides * params.spacing);
+  float friction = 0.0f;
+  for (uint i = 0u; i < params.collider_count; ++i) {
+    ColliderShape shape = collider_shape(set, i);
+    float own = sqrt(params.friction * shape.friction);
+    if (own <= friction) continue;
+    ColliderPose after = collider_pose(set, substep + 1u, i);
+    vec3 local = to_local(after, start);
+    precise float lies = per_gap * (reach - nearest_of_shape(set, shape, local).distance);
+    if (lies <= 0.0f) continue;
+    precise vec3 carried = to_world(after, local) - to_world(collider_pose(set, substep, i), local);
+    precise vec3 slid = way - carried;
+    precise float rests = 1.0f - per_slide * length3(slid);
+    precise float holds = own * (max(rests, 0.0f) * min(lies, 1.0f));
+    friction = max(friction, holds);
+  }
+  precise float held = friction * (kFrictionHolds * params.spacing);
+  return held;
+}
+
+// What is left of a way from `start`: nothing of one as long as the brake, all of one twice as long. Springs that pull
+// so much are not held by friction for a frame.
+inline vec3 braked(vec3 start, vec3 moved, float brake) {
+  if (brake <= 0.0f) return moved;
+  precise vec3 way = moved - start;
+  float went = length3(way);
+  if (went <= brake) return start;
+  if (went >= 2.0f * brake) return moved;
+  precise float kept = 2.0f - 2.0f * (brake * (1.0f / went));
+  precise vec3 position = start + way * kept;
+  return position;
+}
+
 inline PointState way_given(ColliderSet set, ClothParams params, uint substep, PointState held) {
-  if (is_left(set, params, substep, held.carry, held.position)) return arrived(held.carry, held.previous);
-  return arrived(kept_out(set, params, substep, held.carry, held.position), held.previous);
+  vec3 start = held.carry;
+  vec3 moved = braked(start, held.position, held_by_friction(set, params, substep, start, held.previous));
+  if (is_left(set, params, substep, start, moved)) return arrived(start, held.previous);
+  return arrived(kept_out(set, params, substep, start, moved), held.previous);
 }
 
 #ifdef __cplusplus

@@ -11,6 +11,7 @@
 #include "colliders/reach.h"
 #include "cpu/collider_set.h"
 #include "lib/collide.h"
+#include "lib/finish.h"
 
 namespace geocloth::cpu {
 namespace {
@@ -38,8 +39,8 @@ void guard_colliders(const FrameInput& frame, const shader::ClothParams& params,
       const shader::ColliderShape& shape = frame.shapes[c];
       const shader::ColliderPose& pose = frame.poses[(s + 1) * count + c];
       const float x = pose.row0.w, y = pose.row1.w, z = pose.row2.w;
-      const float margin =
-          params.thickness + 2 * shape.way + kGuardRounding * (1 + std::abs(x) + std::abs(y) + std::abs(z));
+      const float margin = params.thickness + shader::kGripped * params.spacing + 2 * shape.way +
+                           kGuardRounding * (1 + std::abs(x) + std::abs(y) + std::abs(z));
       ColliderGuard guard{x, y, z, std::numeric_limits<float>::infinity()};
       switch (shape.kind) {
         case shader::kShapePlane:

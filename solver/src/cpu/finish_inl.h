@@ -82,16 +82,56 @@ HWY_INLINE Mask<D> left_near(D d, const Meeting& meeting, const Points<D>& start
   return left;
 }
 
+/// held_by_friction() of lib/finish.h.
+template <class D>
+HWY_INLINE Vec<D> held_by_friction(D d, const Meeting& meeting, const Points<D>& start, const Points<D>& way) {
+  const size_t count = meeting.frame.shapes.size();
+  const shader::ColliderPose* const poses = meeting.poses + count;
+  const auto zero = hn::Zero(d), one = hn::Set(d, 1.F);
+  const auto reach = hn::Set(d, meeting.params.thickness + shader::kGripped * meeting.params.spacing);
+  const auto per_gap = hn::Set(d, 1.F / (shader::kGripped * meeting.params.spacing));
+  const auto per_slide = hn::Set(d, 1.F / (shader::kSlides * meeting.params.spacing));
+  auto friction = zero;
+  for (size_t i = 0; i < count; ++i) {
+    const shader::ColliderShape& shape = meeting.frame.shapes[i];
+    const auto own = hn::Set(d, std::sqrt(meeting.params.friction * shape.friction));
+    const auto more = hn::Gt(own, friction);
+    if (hn::AllFalse(d, hn::And(more, Guards::near(d, meeting.guards.guards[i], start, zero)))) continue;
+    const Points<D> local = to_local(d, poses[i], start);
+    const auto lies = hn::Mul(per_gap, hn::Sub(reach, nearest_of_shape(d, meeting.numbers, shape, local).distance));
+    const auto touches = hn::And(more, hn::Gt(lies, zero));
+    if (hn::AllFalse(d, touches)) continue;
+    const Points<D> carried = sub(to_world(d, poses[i], local), to_world(d, meeting.poses[i], local));
+    const auto rests = hn::Sub(one, hn::Mul(per_slide, length(d, sub(way, carried))));
+    const auto holds = hn::Mul(own, hn::Mul(max_of(d, rests, zero), hn::Min(lies, one)));
+    friction = hn::IfThenElse(touches, max_of(d, friction, holds), friction);
+  }
+  return hn::Mul(friction, hn::Set(d, shader::kFrictionHolds * meeting.params.spacing));
+}
+
+/// braked() of lib/finish.h.
+template <class D>
+HWY_INLINE Points<D> braked(D d, const Points<D>& start, const Points<D>& moved, Vec<D> brake) {
+  const auto held = hn::Gt(brake, hn::Zero(d));
+  if (hn::AllFalse(d, held)) return moved;
+  const Points<D> way = sub(moved, start);
+  const auto went = length(d, way);
+  const auto one = hn::Set(d, 1.F), two = hn::Set(d, 2.F);
+  const auto kept = hn::Sub(two, hn::Mul(two, hn::Mul(brake, hn::Div(one, went))));
+  const Points<D> left = choose<D>(hn::Gt(went, brake), add(start, scale(d, way, kept)), start);
+  return choose<D>(hn::And(held, hn::Lt(went, hn::Mul(two, brake))), left, moved);
+}
+
 /// way_given() of lib/finish.h from pixel i on, where a collider may touch a point.
 template <class D>
 HWY_NOINLINE void give_way_near(D d, const Meeting& meeting, ClothState& state, uint32_t i) {
   const PointRow p = at(state.position, i), pp = at(state.previous, i), pc = at(state.carry, i);
   const Points<D> moved = load(d, p), way = load(d, pp), start = load(d, pc);
   const auto free = free_lanes(d, &state.inverse_mass[i]);
-  Points<D> position = moved;
-  auto near = hn::And(free, meeting.guards.near(d, moved, at_most(d, sub(moved, start))));
+  Points<D> position = braked(d, start, moved, held_by_friction(d, meeting, start, way));
+  auto near = hn::And(free, meeting.guards.near(d, position, at_most(d, sub(position, start))));
   if (meeting.params.leave_near > 0) {
-    const auto left = left_near(d, meeting, start, moved);
+    const auto left = left_near(d, meeting, start, position);
     position = choose<D>(left, start, position);
     near = hn::AndNot(left, near);
   }
