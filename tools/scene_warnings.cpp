@@ -149,6 +149,42 @@ void warn_of_torn_jumps(const Scene& scene, size_t index, std::vector<std::strin
   }
 }
 
+/// Whether points lie in a plane, to a hundred thousandth of how far they are apart.
+bool are_coplanar(const std::vector<Vec3>& points) {
+  constexpr float kOff = 1e-5F;
+  const auto farthest = [&](const auto& distance) {
+    return *std::max_element(points.begin(), points.end(),
+                             [&](const Vec3& a, const Vec3& b) { return distance(a) < distance(b); });
+  };
+  const Vec3 origin = points.front();
+  const Vec3 along = farthest([&](const Vec3& p) { return length(p - origin); }) - origin;
+  const auto off_line = [&](const Vec3& p) { return length(cross(along, p - origin)); };
+  const Vec3 normal = cross(along, farthest(off_line) - origin);
+  if (!(length(normal) > 0)) return true;
+  const Vec3 n = normalized(normal);
+  return std::all_of(points.begin(), points.end(),
+                     [&](const Vec3& p) { return std::abs(dot(n, p - origin)) <= kOff * length(along); });
+}
+
+/// Cloth that is squeezed in its plane and has nothing that would let it leave it.
+void warn_of_flat_cloth(Simulation& simulation, std::vector<std::string>& warnings) {
+  constexpr double kSqueezed = 0.99;  // of the springs' length, in the mean
+  if (simulation.scene().imperfection > 0) return;
+  for (size_t c = 0; c < simulation.cloths().size(); ++c) {
+    const ClothDesc& cloth = simulation.cloths()[c];
+    std::vector<Vec3> positions, points;
+    simulation.solver().read_positions(static_cast<uint32_t>(c), positions);
+    for (uint32_t p = 0; p < positions.size(); ++p)
+      if (cloth.asset->valid(p)) points.push_back(positions[p]);
+    if (points.empty() || !are_coplanar(points)) continue;
+    if (measure_stretch(*cloth.asset, cloth.transform.scale, positions).mean > kSqueezed) continue;
+    warnings.push_back(
+        fmt::format("{}: it is squeezed in the plane that it lies in, and cannot fold: nothing draws it out of there; "
+                    "give the scene an \"imperfection\" of 1e-6",
+                    name_of_cloth(simulation.scene(), c)));
+  }
+}
+
 }  // namespace
 
 std::string name_of_cloth(const Scene& scene, size_t cloth) {
@@ -165,7 +201,7 @@ std::vector<std::string> scene_warnings(const Simulation& simulation) {
   return warnings;
 }
 
-std::vector<std::string> played_warnings(const Simulation& simulation) {
+std::vector<std::string> played_warnings(Simulation& simulation) {
   std::map<size_t, std::vector<size_t>> missed;  // by cloth
   for (const Simulation::CutMade& made : simulation.cuts_made())
     if (made.result == CutResult{}) missed[made.cloth].push_back(made.cut);
@@ -177,6 +213,7 @@ std::vector<std::string> played_warnings(const Simulation& simulation) {
                     "and the corners of the triangle",
                     name_of_cloth(simulation.scene(), cloth), list_of("cuts", cuts)));
   }
+  warn_of_flat_cloth(simulation, warnings);
   return warnings;
 }
 

@@ -6,6 +6,9 @@
 //   drag = rho/2 Cd c v,   lift = rho/2 Cl c |v| (n - (n . v) v / |v|^2),
 // so that a plate that falls flat ends at v = sqrt(2 m g / (rho Cd A)). Gusts are a few waves that travel with the
 // wind.
+//
+// Imperfections: a sheet in a plane whose forces lie in that plane would never leave it, however much it is squeezed,
+// as a column without any imperfection never buckles. So gravity may stray a little, up and down along a wave.
 #ifndef GEOCLOTH_LIB_PREDICT_H
 #define GEOCLOTH_LIB_PREDICT_H
 
@@ -43,8 +46,20 @@ inline vec3 air_acceleration(ClothParams params, vec3 air, vec3 velocity, vec3 n
   return a;
 }
 
-inline PointState advance(ClothParams params, vec3 start, vec3 kept_way, vec3 acceleration) {
-  precise vec3 increment = kept_way + xyz(params.gravity_step) + acceleration * (params.dt * params.dt);
+// From -1/4 to 1/4: evenly up and down along a wave that stands in space. It is alike for sheets that differ by their
+// cuts or their pixels, so that they fold alike.
+inline float stray_at(ClothParams params, vec3 position) {
+  precise float turns = dot3(xyz(params.stray_wave), position) + params.stray_wave.w;
+  precise float off = turns - floor(turns + 0.5f);
+  precise float stray = abs(off) - 0.25f;
+  return stray;
+}
+
+// @param place  where the point was
+inline PointState advance(ClothParams params, vec3 place, vec3 start, vec3 kept_way, vec3 acceleration) {
+  precise vec3 fall = xyz(params.gravity_step);
+  if (params.stray_step.w != 0.0f) fall = fall + xyz(params.stray_step) * stray_at(params, place);
+  precise vec3 increment = kept_way + fall + acceleration * (params.dt * params.dt);
   precise vec3 next = start + increment;
   precise vec3 lost = increment - (next - start);
   PointState r;
@@ -56,13 +71,13 @@ inline PointState advance(ClothParams params, vec3 start, vec3 kept_way, vec3 ac
 
 inline PointState predict(ClothParams params, PointState point, vec3 acceleration) {
   precise vec3 kept = way_of(point) * params.keep;
-  return advance(params, point.position, kept, acceleration);
+  return advance(params, point.position, point.position, kept, acceleration);
 }
 
 // The same on a moving parent.
 inline PointState predict_along(ClothParams params, float substep, PointState point, vec3 acceleration) {
   FramedStep framed = take_along(params, substep, point.position, way_of(point));
-  return advance(params, framed.start, framed.way, acceleration);
+  return advance(params, point.position, framed.start, framed.way, acceleration);
 }
 
 // A point whose last displacement is `ratio` times as long, for a step of another length: its velocity stays.

@@ -188,6 +188,7 @@ void check(const SolverSettings& s) {
   }
   check_at_least(s.relaxation_steps, 1, where, "relaxation_steps", 256);
   check_gravity(s.gravity, where);
+  check_at_least(s.imperfection, 0, where, "imperfection", 0.01);
   check_at_least(s.sleep_speed, 0, where, "sleep_speed", 1e4);
   check_at_least(s.sleep_time, 0, where, "sleep_time", 1e6);
 }

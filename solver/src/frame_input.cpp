@@ -339,6 +339,16 @@ float largest_stretch(const Material& m, const Vec3& gravity, float reach) {
                              std::min(m.stretch_warp, m.stretch_weft);
 }
 
+void set_imperfection(float share, const Vec3& gravity, float size, const Vec3& origin, shader::ClothParams& p) {
+  constexpr float kWaves = 2;                                                         // in as much as a cloth is large
+  const auto step = static_cast<float>(4.0 * share * length(gravity) * p.dt * p.dt);  // a wave goes up by a quarter
+  if (!(step > 0 && size > 0)) return;
+  p.stray_step = point4(step * Vec3{0.48F, 0.36F, 0.8F}, 1);  // in no plane that cloth is likely to lie in
+  const Vec3 wave = (kWaves / size) * Vec3{0.62F, 0.31F, 0.72F};
+  const double turns = double{wave.x} * origin.x + double{wave.y} * origin.y + double{wave.z} * origin.z;
+  p.stray_wave = point4(wave, static_cast<float>(turns - std::floor(turns)));
+}
+
 shader::ClothParams cloth_params(const Material& m, const FrameClock& clock, const Vec3& gravity,
                                  const std::optional<Wind>& wind) {
   const double dt = clock.dt;

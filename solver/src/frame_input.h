@@ -70,6 +70,12 @@ void set_frame_motion(shader::ClothParams& params, const Transform& from, const 
 /// @param reach  [m] of the longest attachment; counts up to 2 m
 [[nodiscard]] float largest_stretch(const Material& material, const Vec3& gravity, float reach);
 
+/// How gravity strays, as of lib/predict.h; p.dt is there.
+/// @param share   of gravity
+/// @param size    [m] of the cloth
+/// @param origin  [m] of its positions
+void set_imperfection(float share, const Vec3& gravity, float size, const Vec3& origin, shader::ClothParams& p);
+
 /// The numbers of one material in one frame. width, height and collider_count are left 0.
 [[nodiscard]] shader::ClothParams cloth_params(const Material& material, const FrameClock& clock, const Vec3& gravity,
                                                const std::optional<Wind>& wind);

@@ -163,6 +163,7 @@ Solver::Impl::Impl(std::span<const ClothDesc> cloths, const SolverSettings& sett
     cloth.displaced_in = clock().dt;
     cloth.row_of_pixel = rows_of_pixels(*desc.asset);
     cloth.particles = count_valid_pixels(*desc.asset);
+    cloth.size = rest_size(*desc.asset, cloth.scale);
     cloth.middle = cloth.start_middle = box_of(*desc.asset, uploaded.position).middle() + origin_;
     cloth.springs_per_sweep = uploaded.springs_per_sweep;
     cloth.self = uploaded.self.numbers;

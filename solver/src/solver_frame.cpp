@@ -98,6 +98,7 @@ void Solver::Impl::fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const {
   frame.params = cloth_params(cloth.material, clock(), settings_.gravity, wind_);
   frame.params.gravity_step.w = static_cast<float>(clock().dt / cloth.displaced_in);
   frame.params.inverse_dt2 = static_cast<float>(1 / (cloth.compliance_step * cloth.compliance_step));
+  set_imperfection(settings_.imperfection, settings_.gravity, cloth.size, origin_, frame.params);
   frame.params.fine = fine_;
   frame.params.stretch_limit = stretch_limit(cloth);
   frame.params.width = cloth.asset->width;

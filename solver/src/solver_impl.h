@@ -88,6 +88,7 @@ class Solver::Impl {
     std::vector<Vec3> pin_targets;                    ///< of all pins in their order, for a frame
     std::optional<Transform> parent_from, parent_to;  ///< at the start and the end of the next frame
     Transform parent_first;                           ///< its first one
+    float size = 0;                                   ///< [m] at rest
     Vec3 start_middle, middle;                        ///< [m, world] of its points: at the start, where last seen
     Vec3 inertia_scale{1, 1, 1};
     std::optional<SelfCollision> self_collision;

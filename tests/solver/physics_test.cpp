@@ -333,5 +333,39 @@ TEST(Friction, HoldsAlikeAtAnyFrameRate) {
   }
 }
 
+/// A curtain that is drawn: it hung in a plane, without wind, and lay squeezed in that plane instead of in folds.
+TEST(Curtain, FoldsWhenItIsDrawn) {
+  constexpr uint32_t kSide = 33;
+  for (const float turn : {0.F, 90.F}) {
+    for (const int waits : {0, 600}) {  // frames
+      const SheetOptions sheet{.nx = kSide, .ny = kSide};
+      ClothDesc cloth = test::describe(test::make_sheet(sheet));
+      cloth.transform = {{0.3F, 1, 0.7F}, quat_from_euler_deg({0, turn, 0}), 1};
+      SolverSettings settings = test::cpu_settings();
+      settings.imperfection = 1e-6F;
+      Solver solver(std::vector{cloth}, settings);
+      const std::vector<Vec3> start = test::positions_of(solver);
+      constexpr int kFrames = 90;
+      for (int f = 0; f < waits + 2 * kFrames; ++f) {
+        const float drawn = 0.6F * static_cast<float>(std::clamp(f - waits, 0, kFrames)) / kFrames;
+        std::vector<Pin> pins;
+        for (uint32_t x = 0; x < kSide; x += 4) {
+          const uint32_t pixel = test::sheet_pixel(sheet, x, 0);
+          const Vec3 along = start[pixel] - cloth.transform.translate;
+          pins.push_back({pixel, start[pixel] - drawn * Vec3{along.x, 0, along.z}});
+        }
+        solver.set_pins(0, pins);
+        solver.step();
+      }
+      double depth = 0;
+      for (const Vec3& p : test::positions_of(solver)) {
+        const Vec3 away = rotate(conjugate(cloth.transform.rotate), p - cloth.transform.translate);
+        depth = std::max(depth, std::abs(static_cast<double>(away.z)));
+      }
+      EXPECT_GT(depth, 0.03) << turn << " deg, after " << waits << " frames";
+    }
+  }
+}
+
 }  // namespace
 }  // namespace geocloth

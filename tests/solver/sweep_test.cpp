@@ -248,7 +248,16 @@ std::vector<Case> cases() {
   list.push_back({"speed limit on a moving parent", make_sheet({.nx = 35, .ny = 16, .charts_x = 2}), attached(),
                   few_substeps(), body_and_wire(), breeze, "top"});
   list.back().on_parent = true;
+  list.back().settings.imperfection = 0.01F;
   list.back().material.max_speed = 1;
+  list.push_back({"gravity that strays",
+                  make_sheet({.nx = 61, .ny = 23, .charts_x = 2}),
+                  attached(),
+                  few_substeps(),
+                  {},
+                  {},
+                  "top"});
+  list.back().settings.imperfection = 0.01F;
   list.push_back({"soft pins", make_sheet({.nx = 60, .ny = 30}), attached(), few_substeps(), {}, {}, "top"});
   list.back().pin_frequency = 3;
   list.push_back({"bands of rows", make_sheet({.nx = 40, .ny = 150, .charts_x = 2, .charts_y = 2, .gap = 2}),

@@ -90,6 +90,19 @@ TEST_F(VulkanBackendTest, LongRangeAttachmentsAgreeAndHoldTheLength) {
   EXPECT_GE(lowest, 0.5F - 1.02F);
 }
 
+TEST_F(VulkanBackendTest, GravityThatStraysAgreesOnEveryPath) {
+  for (const SolverPath path : {SolverPath::plain, SolverPath::tiled, SolverPath::tiny}) {
+    SCOPED_TRACE(to_string(path));
+    Play scene = hanging(kCut);
+    scene.cloths.push_back(cloth_of(kUncut));
+    scene.settings.path = path;
+    scene.settings.imperfection = 0.01F;
+    const Outcome strays = expect_same_as_cpu(scene);
+    scene.settings.imperfection = 0;
+    EXPECT_GT(length(strays.positions[1].back() - expect_same_as_cpu(scene).positions[1].back()), 0);
+  }
+}
+
 TEST_F(VulkanBackendTest, PinsThatMoveAndChangeAgree) {
   Play scene = hanging(kCut);
   scene.frames = 9;

@@ -113,5 +113,16 @@ TEST_F(SceneWarnings, TellThatOnlySomePinsJump) {
   EXPECT_THAT(warnings(sheet(R"("until":0.1)"), bar), IsEmpty());
 }
 
+/// A curtain that was drawn lay squeezed in its plane, in a heap of cells, and nothing said why.
+TEST_F(SceneWarnings, TellThatFlatClothCannotFold) {
+  const std::string drawn =
+      R"({"asset":"sheet.glb","pins":[{"where":{"vertex_group":"left"},"motion":[{"time":0},{"time":0.3,"translate":[0.3,0,0]}]},)"
+      R"({"where":{"vertex_group":"right"},"motion":[{"time":0},{"time":0.3,"translate":[-0.3,0,0]}]}]})";
+  EXPECT_THAT(warnings(drawn, "", 1), ElementsAre(AllOf(HasSubstr("cloths[0] (sheet.glb): it is squeezed in the plane"),
+                                                        HasSubstr("\"imperfection\""))));
+  EXPECT_THAT(warnings(drawn, R"(,"imperfection":1e-6)"), IsEmpty());
+  EXPECT_THAT(warnings(R"({"asset":"sheet.glb","pins":[{"where":{"vertex_group":"top"}}]})"), IsEmpty());
+}
+
 }  // namespace
 }  // namespace geocloth::test

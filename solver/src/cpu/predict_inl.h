@@ -90,6 +90,15 @@ HWY_INLINE FramedSteps<D> take_along(D d, const shader::ClothParams& params, flo
   return {start, add(add(left, scale(d, sub(turned, left), hn::Set(d, params.keep))), lost)};
 }
 
+/// lib/predict.h: stray_at(), in each direction.
+template <class D>
+HWY_INLINE Points<D> stray_at(D d, const shader::ClothParams& params, const Points<D>& position) {
+  const shader::vec4 &wave = params.stray_wave, &step = params.stray_step;
+  const auto turns = hn::Add(dot(d, set(d, wave.x, wave.y, wave.z), position), hn::Set(d, wave.w));
+  const auto off = hn::Sub(turns, hn::Floor(hn::Add(turns, hn::Set(d, 0.5F))));
+  return scale(d, set(d, step.x, step.y, step.z), hn::Sub(hn::Abs(off), hn::Set(d, 0.25F)));
+}
+
 /// lib/predict.h where nothing is pinned and only gravity acts: each coordinate by itself, so that few addresses and
 /// vectors are in use at a time.
 /// @param gravity  none of it -0: then what the shared text adds for the air, 0, changes nothing
@@ -112,15 +121,18 @@ HWY_NOINLINE void predict(D d, const PassContext& context, ClothState& state, st
   const shader::ClothParams& params = context.cloth.params;
   const Points<D> gravity =
       add(set(d, params.gravity_step.x, params.gravity_step.y, params.gravity_step.z), set(d, 0, 0, 0));
+  const bool strays = params.stray_step.w != 0;
   const auto keep = hn::Set(d, params.keep), dt2 = hn::Set(d, params.dt * params.dt);
   const PointRow positions = at(state.position, 0), before = at(state.previous, 0), carried = at(state.carry, 0);
   const float* const inverse_mass = state.inverse_mass.data();
   for_vectors(d, runs, [&](uint32_t i) GEOCLOTH_LANES {
     const auto free = free_lanes(d, inverse_mass + i);
     if (!kForces && hn::AllTrue(d, free)) {
-      fall(d, positions.x, before.x, carried.x, i, keep, gravity.x);
-      fall(d, positions.y, before.y, carried.y, i, keep, gravity.y);
-      return fall(d, positions.z, before.z, carried.z, i, keep, gravity.z);
+      Points<D> falls = gravity;
+      if (strays) falls = add(gravity, stray_at(d, params, load(d, after(positions, i))));
+      fall(d, positions.x, before.x, carried.x, i, keep, falls.x);
+      fall(d, positions.y, before.y, carried.y, i, keep, falls.y);
+      return fall(d, positions.z, before.z, carried.z, i, keep, falls.z);
     }
     const size_t k = anew(i);
     const PointRow p = after(positions, k), pp = after(before, k), pc = after(carried, k);
@@ -136,7 +148,9 @@ HWY_NOINLINE void predict(D d, const PassContext& context, ClothState& state, st
       }
       if (params.moving != 0) step = take_along(d, params, static_cast<float>(context.substep), position, way);
     }
-    const Points<D> increment = add(add(step.way, gravity), scale(d, acceleration, dt2));
+    Points<D> falls = gravity;
+    if (strays) falls = add(gravity, stray_at(d, params, position));
+    const Points<D> increment = add(add(step.way, falls), scale(d, acceleration, dt2));
     const Points<D> next = add(step.start, increment);
     const Points<D> lost = sub(increment, sub(next, step.start));
     store(d, choose<D>(free, step.start, position), pp);

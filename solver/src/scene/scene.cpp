@@ -375,7 +375,7 @@ Scene parse_scene(std::string_view text, const std::filesystem::path& path) {
   const nlohmann::json document = JsonReader::parse(text, path.string());
   const JsonReader json(document, path.string());
   json.expect_object({"version", "frame_rate", "frames", "substeps", "relaxation_steps", "keep_momentum", "gravity",
-                      "cloths", "colliders", "wind", "sleep"});
+                      "imperfection", "cloths", "colliders", "wind", "sleep"});
   if (const double version = json.at("version").number(); version != 1) {
     json.at("version").fail("only version 1 is known", ErrorCode::unsupported);
   }
@@ -388,6 +388,7 @@ Scene parse_scene(std::string_view text, const std::filesystem::path& path) {
   if (json.has("keep_momentum")) scene.keep_momentum = json.at("keep_momentum").boolean();
   json.read("gravity", scene.gravity);
   checked([&] { check_gravity(scene.gravity, json.where()); });
+  if (json.has("imperfection")) scene.imperfection = static_cast<float>(in_range(json.at("imperfection"), 0, 0.01));
   for (const JsonReader& cloth : json.at("cloths").elements()) {
     scene.cloths.push_back(read_cloth(cloth, path.parent_path()));
   }

@@ -103,6 +103,7 @@ Simulation::Simulation(Scene scene, SolverSettings settings, const ReadSurface& 
   settings.relaxation_steps = scene_.relaxation_steps;
   settings.keep_momentum = scene_.keep_momentum;
   settings.gravity = scene_.gravity;
+  settings.imperfection = scene_.imperfection;
   settings.sleep_speed = scene_.sleep_speed;
   settings.sleep_time = scene_.sleep_time;
 

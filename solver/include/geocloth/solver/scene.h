@@ -95,6 +95,7 @@ struct Scene {
   uint32_t substeps = 16, relaxation_steps = 1;
   bool keep_momentum = false;  ///< see SolverSettings
   Vec3 gravity{0, -9.81F, 0};
+  float imperfection = 0;  ///< see SolverSettings
   std::vector<SceneCloth> cloths;
   std::vector<SceneCollider> colliders;
   float sleep_speed = 0;     ///< [m/s] see SolverSettings
@@ -125,7 +126,7 @@ struct Scene {
 class Simulation {
  public:
   /// Reads the assets and meshes that the scene names. Settings' substeps, relaxation_steps, keep_momentum,
-  /// frame_time and gravity come from the scene.
+  /// imperfection, frame_time and gravity come from the scene.
   /// @param make_solver  not set: the solver's own constructor
   Simulation(Scene scene, SolverSettings settings, const ReadSurface& read_surface = read_asset_surface,
              const MakeSolver& make_solver = {});

@@ -70,7 +70,11 @@ struct SolverSettings {
   /// angular momentum, which it loses else by the share w^2 dt a second of a spin w [1/s]. About three times as slow.
   bool keep_momentum = false;
   Vec3 gravity{0, -9.81F, 0};  ///< [m/s^2]
-  bool timings = false;        ///< measure every pass (slower; cpu: a cloth runs on one thread)
+  /// How far gravity strays up and down along a wave in space, as a share of it, 0..0.01. A sheet in a plane whose
+  /// forces all lie in that plane never leaves it, however much it is squeezed, as a column without imperfections never
+  /// buckles: 1e-6 lets a flat curtain fold. Which folds then come hangs on rounding, on cuts and on resolution.
+  float imperfection = 0;
+  bool timings = false;  ///< measure every pass (slower; cpu: a cloth runs on one thread)
   SolverPath path = SolverPath::automatic;
   /// [m/s] A cloth none of whose points has been faster for `sleep_time` is asleep: it stays as it is and costs
   /// nothing, until a collider moves so that it may touch it, a pin of it or its parent moves, or it is cut, written
