@@ -409,6 +409,7 @@ uint64_t Solver::Impl::mark_of_cloth(Cloth& cloth) const {
 uint64_t Solver::Impl::mark_of_settings() const {
   StateMark mark;
   mark.add(settings_.relaxation_steps);
+  mark.add(settings_.imperfection);
   mark.add(fine_);
   mark.add(settings_.sleep_speed);
   mark.add(settings_.sleep_time);
@@ -516,7 +517,7 @@ void Solver::Impl::check_scene(const Saved& saved) const {
   if (saved.settings_mark != mark_of_settings()) {
     refuse_state(
         "the solver was made with another number of relaxation_steps, another sleep_speed or sleep_time, another "
-        "keep_momentum, or with substeps on the other side of 1/5000 s");
+        "keep_momentum or imperfection, or with substeps on the other side of 1/5000 s");
   }
   SolverSettings settings = settings_;
   settings.frame_time = saved.frame_time;

@@ -411,6 +411,7 @@ TEST_P(State, OfOthersIsRefusedAndLeavesTheSolverAsItIs) {
   refused(changed([](Scene& s) { s.settings.relaxation_steps = 3; }), "relaxation_steps");
   refused(changed([](Scene& s) { s.settings.sleep_speed = 1; }), "sleep_speed");
   refused(changed([](Scene& s) { s.settings.keep_momentum = true; }), "keep_momentum");
+  refused(changed([](Scene& s) { s.settings.imperfection = 1e-6F; }), "imperfection");
   EXPECT_THAT(refusal(solver, {}), testing::HasSubstr("it ends after 0 bytes"));
   Bytes bytes = before;
   bytes[0] = std::byte{0};
