@@ -23,6 +23,7 @@
 #include "geocloth/asset/grid_mesh.h"
 #include "geocloth/parametrize/parts.h"
 #include "mesh/point_math.h"
+#include "repair/border_loops.h"
 #include "repair/canonical_order.h"
 #include "repair/filled_holes.h"
 #include "repair/small_pieces.h"
@@ -250,14 +251,17 @@ bool lay_out(const TriangleMesh& mesh, const CarriedSurface& carried, const Flat
   return true;
 }
 
-/// The same; in panels with holes that cost no cut, if that can be.
+/// The same; in panels with holes that cost no cut, if that can be. Cuts to all of some thousand holes take many
+/// minutes: with so many it is that or nothing.
 void lay_out_with_holes(const TriangleMesh& mesh, const CarriedSurface& carried, const FlattenOptions& options,
                         const Progress& progress, Stages& stages, const StageFiles& files, ConvertResult& result) {
+  constexpr size_t kMostCut = 5000;  // holes
   if (options.layout == Layout::panels) {
     try {
       if (lay_out(mesh, carried, options, true, progress, stages, files, result)) return;
     } catch (const Error& e) {
       if (e.code() != ErrorCode::verification && e.code() != ErrorCode::limit) throw;
+      if (border_loops(carried.represented).size() > kMostCut) throw;
     }
   }
   lay_out(mesh, carried, options, false, progress, stages, files, result);

@@ -424,8 +424,10 @@ void find_fuller_image(Placed& placed, const FlattenOptions& options) {
 }
 
 /// Charts with their holes; those that have no room in the image are cut open to the outline, all in the end.
+/// @throws Error(limit) where so many have none that the ways to the outline would take longer than all the rest
 FlatSurface with_open_holes(DevelopedSurface developed, const FlattenOptions& options, const Progress& progress) {
   constexpr int kTries = 4;
+  constexpr double kMostWays = 5e7;  // triangles that are looked at for ways from holes
   for (int tries = 0;; ++tries) {
     std::vector<uint32_t> hole;  // per triangle of the clean surface
     for (size_t t = 0; t < developed.cut.hole.size(); ++t) {
@@ -444,6 +446,10 @@ FlatSurface with_open_holes(DevelopedSurface developed, const FlattenOptions& op
       FlatSurface flat = lay_out_developed(developed, options, progress);
       stuck = open_holes(flat, hole);
       if (stuck.empty()) return flat;
+    }
+    if (kMostWays < static_cast<double>(stuck.size()) * static_cast<double>(developed.cut.triangle.size())) {
+      throw Error(ErrorCode::limit, "panels: " + std::to_string(stuck.size()) +
+                                        " holes have no room for pixels around them; give a larger --resolution");
     }
     developed = with_holes_cut_open(developed, stuck);
   }
