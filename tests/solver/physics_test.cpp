@@ -315,9 +315,7 @@ TEST(Tube, HangsAndKeepsItsSeamClosed) {
 TEST(Friction, HoldsAlikeAtAnyFrameRate) {
   const ClothDesc cloth =
       test::describe(test::make_sheet({.nx = 33, .ny = 33, .horizontal = true, .center = {0, 0.32F, 0}}), Material{});
-  Collider ball;
-  ball.shape = Sphere{{0, 0, 0}, 0.3F};
-  ball.friction = 0.5F;
+  const Collider ball{"ball", Sphere{{0, 0, 0}, 0.3F}, 0.5F, {}};
   for (const uint32_t substeps : {16U, 4U, 1U}) {
     SolverSettings settings = test::cpu_settings();
     settings.substeps = substeps;

@@ -82,8 +82,7 @@ TEST(Rough, ClothThatIsNotANumberCanBePutBack) {
       const auto make = [&] {
         Solver solver({&cloth, 1}, settings);
         solver.set_pins(0, test::pins_at_rest(*cloth.asset, "top"));
-        Collider ball;
-        ball.shape = Sphere{{0, 0, 0.2F}, 0.15F};
+        const Collider ball{"ball", Sphere{{0, 0, 0.2F}, 0.15F}, 0.3F, {}};
         solver.set_colliders({&ball, 1});
         return solver;
       };

@@ -30,7 +30,8 @@ constexpr std::array<std::array<float, 8>, 8> kTurn = [] {
   for (size_t to = 0; to < 8; ++to) {
     for (size_t from = 0; from < 8; ++from) {
       const size_t turn = std::min((to + 8 - from) % 8, (from + 8 - to) % 8);
-      cost[to][from] = turn < kTurnCost.size() ? kTurnCost[turn] : kNoWay;
+      cost[to][from] = kNoWay;
+      if (turn < kTurnCost.size()) cost[to][from] = kTurnCost[turn];
     }
   }
   return cost;
@@ -255,9 +256,11 @@ class Router {
     };
 
     open_layer(1);
-    Costs start;
-    start.fill(stretch.arriving == kNoDirection ? 0 : kNoWay);
-    if (stretch.arriving != kNoDirection) start[stretch.arriving] = 0;
+    Costs start{};
+    if (stretch.arriving != kNoDirection) {
+      start.fill(kNoWay);
+      start[stretch.arriving] = 0;
+    }
     for (size_t d = 0; d < 8; ++d) arrive(1, stretch.from, d, start);
     for (size_t i = 1; i < stretch.steps; ++i) {
       cost.swap(next_cost);

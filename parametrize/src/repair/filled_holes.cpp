@@ -102,6 +102,7 @@ FilledSurface fill_holes(const CleanSurface& clean, std::span<const uint32_t> le
   CleanSurface& surface = filled.surface;
   const std::vector<BorderLoop> loops = all_border_loops(clean);
   std::vector<double> around;
+  around.reserve(loops.size());
   for (const BorderLoop& loop : loops) around.push_back(length_around(clean, loop.edge));
   std::vector<uint32_t> order(loops.size());
   std::iota(order.begin(), order.end(), 0U);
