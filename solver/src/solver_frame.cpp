@@ -204,7 +204,7 @@ void Solver::Impl::take_pins(Cloth& cloth, ClothFrame& frame) const {
       return static_cast<uint32_t>(std::lower_bound(pixels.begin(), pixels.end(), pixel) - pixels.begin());
     };
     for (PinWay& way : cloth.pin_ways) way = {number_of(way.a), number_of(way.b), way.length};
-    cloth.reach = pinned.empty() ? rest_size(*cloth.asset, cloth.scale) : 0;
+    cloth.reach = pinned.empty() ? cloth.size : 0;
     for (const shader::Attachment& a : frame.attachments) cloth.reach = std::max(cloth.reach, a.reach);
     cloth.hangs = hangs(*cloth.asset, frame.attachments, frame.inverse_mass);
   }

@@ -186,6 +186,18 @@ TEST(Develop, UpIsUp) {
   EXPECT_NEAR(high_v - low_v, high_y - low_y, 0.02 * (high_y - low_y));
 }
 
+/// Width and height of what holds the points.
+Point2 extent_of(const std::vector<Point2>& points) {
+  Point2 low{1e9, 1e9}, high{-1e9, -1e9};
+  for (const Point2& p : points) {
+    for (size_t k = 0; k < 2; ++k) {
+      low[k] = std::min(low[k], p[k]);
+      high[k] = std::max(high[k], p[k]);
+    }
+  }
+  return high - low;
+}
+
 // A tablecloth as modelling programs make it knows no up, and a square has no long side but rounding's: it lay askew,
 // cut in two in an image that was a third empty, and its threads ended at all four hems. Where a corner is gone the
 // diagonal is long, and just as wrong.
@@ -200,20 +212,13 @@ TEST(Develop, LevelClothLiesStraight) {
         p = {p[0] * c - p[1] * s, 0, -p[0] * s - p[1] * c};
       }
       const DevelopedSurface developed = develop(cut_to_disks(sheet));
-      Point2 low{1e9, 1e9}, high{-1e9, -1e9};
-      for (const Point2& p : developed.uv) {
-        for (size_t k = 0; k < 2; ++k) {
-          low[k] = std::min(low[k], p[k]);
-          high[k] = std::max(high[k], p[k]);
-        }
-      }
-      EXPECT_NEAR(high[0] - low[0], 1, 1e-3) << degrees << ' ' << corner_at;
-      EXPECT_NEAR(high[1] - low[1], 1, 1e-3) << degrees << ' ' << corner_at;
+      const Point2 size = extent_of(developed.uv);
+      EXPECT_NEAR(size[0], 1, 1e-3) << degrees << ' ' << corner_at;
+      EXPECT_NEAR(size[1], 1, 1e-3) << degrees << ' ' << corner_at;
     }
   }
 }
 
-// The optimiser reaches the closed form: a flat sheet, distorted, comes back isometric.
 // The middles of two triangles lie across the diagonal of their rectangle, which counted as the long way of a ribbon: a
 // blanket of one face lay askew in an image twice its size, with teeth along all hems.
 TEST(Develop, ARectangleOfTwoTrianglesLiesStraight) {
@@ -224,18 +229,13 @@ TEST(Develop, ARectangleOfTwoTrianglesLiesStraight) {
         p = level ? Point3{length * p[0], 0, -p[1]} : Point3{length * p[0], p[1], 0};
       }
       const DevelopedSurface developed = develop(cut_to_disks(sheet));
-      Point2 low{1e9, 1e9}, high{-1e9, -1e9};
-      for (const Point2& p : developed.uv) {
-        for (size_t k = 0; k < 2; ++k) {
-          low[k] = std::min(low[k], p[k]);
-          high[k] = std::max(high[k], p[k]);
-        }
-      }
-      EXPECT_NEAR((high[0] - low[0]) * (high[1] - low[1]), length, 1e-3 * length) << level << ' ' << length;
+      const Point2 size = extent_of(developed.uv);
+      EXPECT_NEAR(size[0] * size[1], length, 1e-3 * length) << level << ' ' << length;
     }
   }
 }
 
+// The optimiser reaches the closed form: a flat sheet, distorted, comes back isometric.
 TEST(SymmetricDirichletTest, AFlatSheetComesBackIsometric) {
   const CleanSurface sheet = test::disk(15, 11);
   std::vector<Point2> uv;

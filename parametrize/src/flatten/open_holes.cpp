@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "flatten/panel_layout.h"
+#include "flatten/take_mesh.h"
 #include "image/chain_targets.h"
 #include "image/chart_chain.h"
 #include "image/chart_outline.h"
@@ -294,13 +295,7 @@ class HoleOpener {
     const std::vector<SampledOutline> sampled = insert_seam_samples(mesh, outlines, steps, places);
     flat_.uv.resize(mesh.position.size());
     for (std::size_t r = 0; r < rim_.size(); ++r) take_samples(rim_[r], sampled[r], before);
-    flat_.position = std::move(mesh.position);
-    flat_.triangle = std::move(mesh.triangle);
-    flat_.chart = std::move(mesh.component);
-    flat_.point = std::move(mesh.point);
-    flat_.point_count = mesh.point_count;
-    flat_.clean_vertex = std::move(mesh.clean_vertex);
-    flat_.clean_triangle = std::move(mesh.clean_triangle);
+    take_mesh(flat_, std::move(mesh));
     set_spacing(flat_);
   }
 

@@ -22,6 +22,7 @@
 #include "develop/met_holes.h"
 #include "develop/round_chart.h"
 #include "flatten/open_holes.h"
+#include "flatten/take_mesh.h"
 #include "geocloth/asset/error.h"
 #include "image/chain_targets.h"
 #include "image/chart_chain.h"
@@ -475,14 +476,8 @@ FlatSurface lay_out_developed(DevelopedSurface developed, const FlattenOptions& 
 
   FlatSurface flat;
   for (size_t c = 0; c < charts.size(); ++c) flat.charts.push_back(make_chart(laid, c, charts[c].chain.pixel));
-  flat.position = std::move(laid.mesh.position);
+  take_mesh(flat, std::move(laid.mesh));
   flat.uv = std::move(laid.uv);
-  flat.triangle = std::move(laid.mesh.triangle);
-  flat.chart = std::move(laid.mesh.component);
-  flat.point = std::move(laid.mesh.point);
-  flat.point_count = laid.mesh.point_count;
-  flat.clean_vertex = std::move(laid.mesh.clean_vertex);
-  flat.clean_triangle = std::move(laid.mesh.clean_triangle);
   set_spacing(flat);
   packing ? arrange_charts(flat, *packing) : pack_charts(flat);
   return flat;

@@ -16,6 +16,7 @@
 #include "develop/extend_cut.h"
 #include "develop/symmetric_dirichlet.h"
 #include "flatten/square_plan.h"
+#include "flatten/take_mesh.h"
 #include "geocloth/asset/error.h"
 #include "image/seam_samples.h"
 #include "mesh/half_edges.h"
@@ -300,13 +301,7 @@ FlatSurface lay_out_squares(const CutSurface& whole, const FlattenOptions& optio
     }
   }
 
-  flat.position = std::move(mesh.position);
-  flat.triangle = std::move(mesh.triangle);
-  flat.chart = std::move(mesh.component);
-  flat.point = std::move(mesh.point);
-  flat.point_count = mesh.point_count;
-  flat.clean_vertex = std::move(mesh.clean_vertex);
-  flat.clean_triangle = std::move(mesh.clean_triangle);
+  take_mesh(flat, std::move(mesh));
   pack_charts(flat);
   if (progress) progress("flatten", 1);
   return flat;
