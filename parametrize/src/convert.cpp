@@ -27,6 +27,7 @@
 #include "repair/canonical_order.h"
 #include "repair/filled_holes.h"
 #include "repair/small_pieces.h"
+#include "report/mesh_warnings.h"
 #include "report/stage_files.h"
 #include "report/verify.h"
 #include "report/warnings.h"
@@ -303,45 +304,6 @@ std::vector<Attempt> plan_attempts(const ConvertOptions& options) {
   return attempts;
 }
 
-constexpr double kOtherSpacing = 0.1;  // apart from what was asked for by this share of it is worth a word
-
-std::string warning_of_spacing(double spacing, double asked) {
-  char text[256];
-  std::snprintf(text, sizeof text,
-                "springs are %.3g m long instead of %.3g m, as the cloth's size and seams want; give another --spacing",
-                spacing, asked);
-  return text;
-}
-
-/// Where a garment may lie in pieces that no one meant to be apart.
-std::optional<std::string> warning_of_cracks(const Cracks& cracks) {
-  constexpr uint32_t kFew = 8;
-  constexpr double kSmallShare = 0.05;  // of the border: slits, and layers that end beside each other
-  if (cracks.edges < kFew || cracks.edges < kSmallShare * cracks.of_edges) return std::nullopt;
-  constexpr double kMore = 1.1;  // what is said in three digits is to reach the widest
-  char text[256];
-  std::snprintf(text, sizeof text,
-                "%u of the %u edges on the border lie beside others, up to %.3g m apart: where the garment should hold "
-                "together there, give --weld %.3g",
-                cracks.edges, cracks.of_edges, cracks.widest, kMore * cracks.widest);
-  return text;
-}
-
-/// What looks like trimmings and is cloth for itself.
-std::optional<std::string> warning_of_loose_pieces(const LoosePiecesLeft& loose) {
-  if (loose.count == 0) return std::nullopt;
-  char text[400];
-  std::snprintf(
-      text, sizeof text,
-      "%u small %s, up to %.3g m across, %s attached to nothing and will fall or float by %s: let %s ride on "
-      "the cloth with --carry-loose if small enough, merge %s with the cloth in a modelling program, or leave "
-      "%s out with --parts",
-      loose.count, loose.count == 1 ? "piece" : "pieces", loose.across, loose.count == 1 ? "is" : "are",
-      loose.count == 1 ? "itself" : "themselves", loose.count == 1 ? "it" : "them", loose.count == 1 ? "it" : "them",
-      loose.count == 1 ? "it" : "them");
-  return text;
-}
-
 ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& options, const Progress& progress,
                            Stages& stages, const StageFiles& files) {
   ConvertResult result;
@@ -383,7 +345,9 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& optio
       if (!refused) throw;
       if (i + 1 == attempts.size()) {
         if (panels_failed.empty() || attempts[i].options.layout != Layout::square) throw;
-        throw Error(e.code(), panels_failed + "; nor in squares: " + e.what());
+        // The remedy is the one for panels: for squares it may be the opposite.
+        const std::string in_squares = e.what();
+        throw Error(e.code(), panels_failed + "; nor in squares: " + in_squares.substr(0, in_squares.rfind("; ")));
       }
       if (attempts[i].options.layout == Layout::panels && panels_failed.empty()) panels_failed = e.what();
     }
@@ -400,14 +364,11 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& optio
     report.warnings.insert(report.warnings.begin(),
                            "more pixels than asked for, because panels could not be made of so few: " + panels_failed);
   }
-  const double spacing = result.asset.spacing;
-  if (options.flatten.spacing > 0 && std::abs(spacing / options.flatten.spacing - 1) > kOtherSpacing) {
-    report.warnings.push_back(warning_of_spacing(spacing, options.flatten.spacing));
+  for (const auto& warning : {warning_of_spacing(result.asset.spacing, options.flatten.spacing),
+                              warning_of_loose_pieces(find_loose_pieces(carried.represented)),
+                              warning_of_cracks(find_cracks(repaired.surface))}) {
+    if (warning) report.warnings.push_back(*warning);
   }
-  if (const auto warning = warning_of_loose_pieces(find_loose_pieces(carried.represented))) {
-    report.warnings.push_back(*warning);
-  }
-  if (const auto warning = warning_of_cracks(find_cracks(repaired.surface))) report.warnings.push_back(*warning);
   report.warnings.insert(report.warnings.begin(), mesh.left_out.begin(), mesh.left_out.end());
   report.seconds = stages.seconds();
   report.peak_memory_bytes = peak_memory_bytes();
@@ -458,57 +419,6 @@ std::optional<Point3> way_to_origin(const Bounds& bounds) {
   const Point3 middle = (bounds.low + bounds.high) * 0.5;
   const bool far = length(middle) > std::min(kLargestMesh, kFar * distance(bounds.low, bounds.high));
   return far ? std::optional(middle * -1) : std::nullopt;
-}
-
-std::string warning_of_move(const Point3& way) {
-  char text[256];
-  std::snprintf(text, sizeof text,
-                "the mesh lies %.3g m from the origin, too far for single precision: the asset is moved by (%.9g, "
-                "%.9g, %.9g) m to the origin; move it there in the file to have it where colliders are",
-                length(way), way[0], way[1], way[2]);
-  return text;
-}
-
-/// What to say when nearly all of a mesh is within a pixel, because a few of its vertices are far away.
-std::optional<std::string> warning_of_far_vertices(const TriangleMesh& mesh, const Point3& moved, double spacing) {
-  constexpr std::size_t kFewest = 8;
-  constexpr double kNearlyAll = 0.99;
-  std::vector<bool> is_used(mesh.position.size(), false);
-  for (const Triangle& t : mesh.triangle) {
-    for (const uint32_t v : t) is_used[v] = true;
-  }
-  std::vector<uint32_t> used;
-  for (uint32_t v = 0; v < is_used.size(); ++v) {
-    if (is_used[v]) used.push_back(v);
-  }
-  if (used.size() < kFewest) return std::nullopt;
-  Point3 median{};
-  const auto middle = used.begin() + static_cast<std::ptrdiff_t>(used.size() / 2);
-  for (std::size_t k = 0; k < 3; ++k) {
-    std::nth_element(used.begin(), middle, used.end(),
-                     [&](uint32_t a, uint32_t b) { return mesh.position[a][k] < mesh.position[b][k]; });
-    median[k] = mesh.position[*middle][k];
-  }
-  const auto away = [&](uint32_t v) { return distance(mesh.position[v], median); };
-  const auto nearer = [&](uint32_t a, uint32_t b) {
-    const double p = away(a), q = away(b);
-    return p != q ? p < q : a > b;
-  };
-  const auto last_near = used.begin() + static_cast<std::ptrdiff_t>(kNearlyAll * static_cast<double>(used.size() - 1));
-  std::nth_element(used.begin(), last_near, used.end(), nearer);
-  const auto is_far = [&](uint32_t v) { return 2 * away(v) >= spacing; };
-  const auto far = std::count_if(last_near, used.end(), is_far);
-  if (is_far(*last_near) || far == 0) return std::nullopt;
-  const uint32_t farthest = *std::max_element(last_near, used.end(), nearer);
-  const Point3 place = mesh.position[farthest] - moved;
-  char text[320];
-  std::snprintf(
-      text, sizeof text,
-      "vertex %u of the file, counted from 1, lies far from the others, at (%.9g, %.9g, %.9g) m%s: all the rest "
-      "is smaller than a pixel of %.3g m; remove it if it is a stray one",
-      farthest + 1, place[0], place[1], place[2],
-      far > 1 ? (", and " + std::to_string(far - 1) + " more do").c_str() : "", spacing);
-  return text;
 }
 
 ConvertResult convert_near_origin(TriangleMesh mesh, const ConvertOptions& options, const Progress& progress,
