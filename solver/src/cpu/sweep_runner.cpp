@@ -73,8 +73,7 @@ void SweepRunner::run_cell_rows(const SweepFrame& frame, const PassContext& cont
   const uint32_t height = frame.state->data.height, odd = shader::cell_corner(group, 0, 0).y;
   const uint32_t rows = (height - odd) / 2;
   context.threads.for_range(rows, kCellRowGrain, [&](uint32_t first, uint32_t last) {
-    for (uint32_t j = first; j < last; ++j)
-      run_cells(substep_.sweeps->lanes(), frame, context.substep, group, 2 * j + odd);
+    run_cells(substep_.sweeps->lanes(), frame, context.substep, group, {first, last});
   });
 }
 
