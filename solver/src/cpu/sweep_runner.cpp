@@ -167,6 +167,10 @@ void SweepRunner::run_substeps(SweepFrame& frame, const Sweep& sweep, uint32_t f
   if (measuring.seconds == nullptr) return;
   const double timed = std::accumulate(seconds_.begin(), seconds_.end(), 0.0);
   const double all = std::chrono::duration<double>(Clock::now() - start).count();
+  if (!(timed > 0)) {  // no pass had anything to do
+    (*measuring.seconds)[static_cast<size_t>(sweep.ops.front().pass)] += all;
+    return;
+  }
   for (size_t k = 0; k < seconds_.size(); ++k) {
     (*measuring.seconds)[static_cast<size_t>(sweep.ops[k % sweep.ops.size()].pass)] += all * seconds_[k] / timed;
   }
