@@ -21,10 +21,20 @@ const float kArrived = 1e-3f;      // of a weight: a step that changes less is t
 const float kGapRounding = 4e-6f;  // [m], and of a distance: what single precision takes from a gap
 const float kLiftSpeed = 1.0f;  // [m/s] at which, besides the collider's own, a triangle that begins inside comes out
 
-// Sides [m] from which on a triangle meets a collider itself. Smaller ones are kept out well enough by their pixels,
-// and so are all where the collider is thick: it opens no cell between points that give way as lib/yield.h has it.
+const float kThinEdged = 3.0f;  // spacings; half of what a box or a hull is thick whose edges lead in between points
+
+// Whether triangles meet a collider themselves. Where it is thick their pixels keep it out well enough: it opens no cell
+// between points that give way as lib/yield.h has it. A sharp corner does, however thick the hull is behind it.
+inline bool meets_triangles(float spacing, ColliderShape shape) {
+  bool edged = shape.kind == kShapeBox || shape.kind == kShapeConvex;
+  if (half_thickness(shape) < (edged ? kThinEdged : kThin) * spacing) return true;
+  return shape.kind == kShapeConvex && shape.b.z > 0.0f;
+}
+
+// Sides [m] from which on a triangle meets a collider itself. Smaller ones are kept out well enough by their pixels.
 inline float open_side(ClothParams params, ColliderShape shape) {
-  return is_thin(params, shape) ? kOpenCell * half_thickness(shape) : 1e30f;
+  bool meets = meets_triangles(params.spacing, shape);
+  return meets ? kOpenCell * min(half_thickness(shape), params.spacing) : 1e30f;
 }
 
 struct Corners {

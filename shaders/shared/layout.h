@@ -198,7 +198,8 @@ struct SelfPoint {
 //              b.y = tangent of that taper; neither end ball holds the other
 //   box        a.xyz half extents
 //   ellipsoid  a.xyz radii
-//   convex     numbers from data.x on: unit normal and offset of each of data.y planes; inside all n . p <= offset
+//   convex     numbers from data.x on: unit normal and offset of each of data.y planes; inside all n . p <= offset;
+//              b.z 1: it has a sharp corner
 //   mesh       numbers from data.x on: signed distances [m] at data.y x data.z x data.w nodes, x fastest; a.xyz first
 //              node, a.w spacing, b.x = 1 / spacing, b.y margin: no surface is nearer to the sides of the grid, b.z
 //              largest depth inside

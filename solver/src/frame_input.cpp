@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "cpu/collider_set.h"
+#include "lib/collide_cell.h"
 
 namespace geocloth {
 namespace {
@@ -53,6 +54,33 @@ float radius_about(const Convex& convex, const Vec3& center) {
   for (const auto& t : convex.surface.triangle)
     for (const uint32_t i : t) radius = std::max(radius, length(convex.surface.position[i] - center));
   return radius;
+}
+
+/// Whether a cone that fits into one of the corners is narrower than 30 degrees from its axis to its side; that of a
+/// cube has 35. The axis is the mean of the faces' normals by their angles at the corner, which does not depend on how
+/// faces are cut into triangles (Thuermer, Wuethrich 1998, "Computing Vertex Normals from Polygonal Facets").
+bool has_sharp_corner(const TriangleSurface& surface) {
+  constexpr float kSharp = 0.5F;  // sine
+  std::vector<Vec3> axis(surface.position.size());
+  using Corners = std::array<uint32_t, 3>;
+  const auto normal_of = [&](const Corners& t) {
+    const Vec3& a = surface.position[t[0]];
+    return normalized(cross(surface.position[t[1]] - a, surface.position[t[2]] - a));
+  };
+  for (const Corners& t : surface.triangle) {
+    for (size_t k = 0; k < 3; ++k) {
+      const Vec3& corner = surface.position[t[k]];
+      const Vec3 one = normalized(surface.position[t[(k + 1) % 3]] - corner);
+      const Vec3 other = normalized(surface.position[t[(k + 2) % 3]] - corner);
+      axis[t[k]] = axis[t[k]] + std::acos(std::clamp(dot(one, other), -1.F, 1.F)) * normal_of(t);
+    }
+  }
+  for (Vec3& a : axis) a = normalized(a);
+  return std::any_of(surface.triangle.begin(), surface.triangle.end(), [&](const Corners& t) {
+    const Vec3 n = normal_of(t);
+    const bool has_area = dot(n, n) > 0;
+    return has_area && std::any_of(t.begin(), t.end(), [&](uint32_t v) { return dot(n, axis[v]) < kSharp; });
+  });
 }
 
 /// Pose of a shape's local frame (see ColliderShape in layout.h) in the collider's.
@@ -127,6 +155,7 @@ struct LocalShape {
       r.core = std::min(r.core, std::max(offset, 0.F));
     }
     r.a.x = radius_about(s, center);
+    r.b.z = has_sharp_corner(s.surface) ? 1.F : 0.F;
     return r;
   }
   shader::ColliderShape operator()(const MeshSolid& s) const {
@@ -283,7 +312,7 @@ void collider_poses(std::span<const Transform> from, std::span<const Collider> t
 
 bool may_slip_through(std::span<const shader::ColliderShape> shapes, float spacing) {
   return std::any_of(shapes.begin(), shapes.end(),
-                     [&](const shader::ColliderShape& s) { return thickness_of(s) < shader::kThin * spacing; });
+                     [&](const shader::ColliderShape& s) { return shader::meets_triangles(spacing, s); });
 }
 
 void substep_inputs(const FrameClock& clock, const std::optional<Wind>& wind, const Vec3& origin,

@@ -40,8 +40,8 @@ void collider_poses(std::span<const Transform> from, std::span<const Collider> t
 /// [m] Half of what a collider is thick: where it is thinnest, of a body where it is thickest.
 [[nodiscard]] float thickness_of(const shader::ColliderShape& shape);
 
-/// Whether a collider is thin enough to slip through between pixels. A body is as thick as its thickest part: triangle
-/// contact with a body costs ten times what its pixels cost.
+/// Whether a collider is thin enough, or has edges or corners that are, to slip through between pixels. A body is as
+/// thick as its thickest part: triangle contact with a body costs ten times what its pixels cost.
 /// @param spacing  [m] of the pixels
 [[nodiscard]] bool may_slip_through(std::span<const shader::ColliderShape> shapes, float spacing);
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numbers>
 #include <vector>
 
 #include "solver_fixture.h"
@@ -107,7 +108,7 @@ TEST_P(Fast, BallPushesASheetWhileOtherCollidersComeAndGo) {
     Solver solver = make(test::describe(asset), checked());
     solver.set_pins(0, test::pins_at_rest(asset, "top"));
     Collider ball{name, Sphere{{0, 0, -0.25F}, 0.1F}, 0.3F, {}};
-    Collider twin = ball, box{name, Box{{5, 0, 0}, {0.1F, 0.1F, 0.1F}, {}}, 0.3F, {}};
+    Collider twin = ball, box{name, Box{{5, 0, 0}, {0.2F, 0.2F, 0.2F}, {}}, 0.3F, {}};
     twin.name = "";
     twin.pose.translate = {-5, 0, 0};
     solver.set_colliders(std::vector{ball});
@@ -179,6 +180,51 @@ TEST_P(Fast, SphereOfACellOrHalfOfOneThrownAslantIsHeldByFineCloth) {
     }
     EXPECT_GE(layers_ahead(options, test::positions_of(solver), place + 0.2F * direction), 1U) << cells << ' ' << speed;
     EXPECT_LE(solver.statistics().penetration, 0.002);
+  }
+}
+
+/// A cone with its tip at +z, or a cube; about the origin.
+std::vector<Vec3> corners_of_cone(float radius, float height) {
+  constexpr int kAround = 12;
+  std::vector<Vec3> corners{{0, 0, 0.5F * height}};
+  for (int k = 0; k < kAround; ++k) {
+    const float angle = 2 * std::numbers::pi_v<float> * static_cast<float>(k) / kAround;
+    corners.push_back({radius * std::cos(angle), radius * std::sin(angle), -0.5F * height});
+  }
+  return corners;
+}
+std::vector<Vec3> corners_of_cube(float half) {
+  std::vector<Vec3> corners;
+  for (const float x : {-half, half})
+    for (const float y : {-half, half})
+      for (const float z : {-half, half}) corners.push_back({x, y, z});
+  return corners;
+}
+
+// Thick solids whose corners come in between points: the sheet was pierced, and hung around them.
+TEST_P(Fast, TipsAndCornersOfHullsDoNotGoThrough) {
+  const uint32_t points = machine().slow() ? 33 : 65;
+  const SheetOptions options{.nx = points, .ny = points};
+  const ClothAsset asset = make_sheet(options);
+  const Vec3 place{0.0137F, 0.0083F, 0};
+  for (const Convex& hull : {convex_hull(corners_of_cone(0.06F, 0.12F)), convex_hull(corners_of_cube(0.04F))}) {
+    for (const float speed : {10.F, 20.F}) {
+      Solver solver = make(test::describe(asset), checked());
+      solver.set_pins(0, test::pins_at_rest(asset, "top"));
+      const auto frames = static_cast<int>(std::ceil(0.4F * 60 / speed));
+      const float way = static_cast<float>(frames) * speed / 60;
+      Collider thrown{"thrown", hull, 0.3F, {}};
+      thrown.pose.translate = place + Vec3{0, 0, 0.3F - way};
+      solver.set_colliders(std::vector{thrown});
+      for (int f = 0; f < frames; ++f) {
+        thrown.pose.translate.z += speed / 60;
+        solver.set_colliders(std::vector{thrown});
+        solver.step();
+      }
+      EXPECT_GE(layers_ahead(options, test::positions_of(solver), place + Vec3{0, 0, 0.3F}), 1U)
+          << hull.planes.size() << " planes, " << speed;
+      EXPECT_LE(solver.statistics().penetration, 0.002);
+    }
   }
 }
 

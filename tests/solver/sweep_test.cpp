@@ -165,7 +165,13 @@ MeshSolid octahedron(float radius) {
 std::vector<Collider> body_and_wire() {
   return {{"body", octahedron(0.2F), 0.3F, {}},
           {"wire", Capsule{{-0.5F, -0.2F, -0.02F}, {0.5F, -0.1F, -0.02F}, 0.003F}, 0.3F, {}},
-          {"needle", Ellipsoid{{0.2F, 0.2F, 0.02F}, {0.1F, 0.004F, 0.004F}, {}}, 0.3F, {}}};
+          {"needle", Ellipsoid{{0.2F, 0.2F, 0.02F}, {0.1F, 0.004F, 0.004F}, {}}, 0.3F, {}},
+          {"plate", Box{{-0.2F, 0.3F, -0.03F}, {0.15F, 0.05F, 0.004F}, quat_from_euler_deg({60, 10, 0})}, 0.3F, {}},
+          {"tack",
+           convex_hull(std::vector<Vec3>{
+               {0.3F, -0.3F, 0.02F}, {0.35F, -0.3F, -0.2F}, {0.27F, -0.26F, -0.2F}, {0.28F, -0.35F, -0.2F}}),
+           0.3F,
+           {}}};
 }
 
 SolverSettings few_substeps(uint32_t relaxation_steps = 1) {

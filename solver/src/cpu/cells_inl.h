@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which cells a collider may reach, in vectors; those are done one by one by the shared text, lib/collide_cell.h.
+// Which cells a collider may reach, in vectors; those of several rows share vectors for their triangles.
 #if defined(GEOCLOTH_CPU_CELLS_INL_H) == defined(HWY_TARGET_TOGGLE)  // once for each instruction set
 #ifdef GEOCLOTH_CPU_CELLS_INL_H
 #undef GEOCLOTH_CPU_CELLS_INL_H
@@ -12,6 +12,7 @@
 #include <limits>
 
 #include "cpu/collide_inl.h"
+#include "cpu/triangles_inl.h"
 #include "lib/cell_groups.h"
 #include "lib/collide_cell.h"
 #include "lib/normal.h"
@@ -60,8 +61,71 @@ HWY_INLINE Mask<D> near_cells(D d, const Meeting& meeting, ClothState& state, si
   return hn::And(any, large);
 }
 
+/// As many cells as a vector has lanes, no two of which share a pixel.
 template <class D>
-HWY_NOINLINE void collide_cells(D d, const SweepFrame& frame, uint32_t substep, uint32_t group, uint32_t y) {
+struct CellBatch {
+  std::array<uint32_t, hn::MaxLanes(D())> pixel{};  ///< first corners
+  uint32_t count = 0;
+};
+
+/// One triangle of each cell: pixels of its corners, and whether it is cloth.
+template <class D>
+struct TriangleBatch {
+  std::array<int32_t, hn::MaxLanes(D())> a{}, b{}, c{};
+  std::array<float, hn::MaxLanes(D())> is_cloth{};
+};
+
+template <class D>
+HWY_INLINE void collide_batch(D d, const Meeting& meeting, ClothState& state, const TriangleBatch<D>& batch) {
+  const hn::RebindToSigned<D> di;
+  const auto a = hn::LoadU(di, batch.a.data()), b = hn::LoadU(di, batch.b.data()), c = hn::LoadU(di, batch.c.data());
+  const auto gather = [&](Vec3Array& from, auto index) GEOCLOTH_LANES {
+    return Points<D>{hn::GatherIndex(d, from.x.data(), index), hn::GatherIndex(d, from.y.data(), index),
+                     hn::GatherIndex(d, from.z.data(), index)};
+  };
+  const float* const mass = state.inverse_mass.data();
+  MovedTriangles<D> t{{gather(state.position, a), gather(state.position, b), gather(state.position, c)},
+                      {gather(state.previous, a), gather(state.previous, b), gather(state.previous, c)},
+                      {hn::GatherIndex(d, mass, a), hn::GatherIndex(d, mass, b), hn::GatherIndex(d, mass, c)}};
+  const auto is_cloth = hn::Gt(hn::LoadU(d, batch.is_cloth.data()), hn::Zero(d));
+  const Mask<D> moved = collide_triangles(d, meeting, is_cloth, t);
+  if (hn::AllFalse(d, moved)) return;
+  std::array<uint8_t, 8> bits{};
+  hn::StoreMaskBits(d, moved, bits.data());
+  const auto scatter = [&](const Points<D>& now, const Points<D>& start, const auto& pixels) GEOCLOTH_LANES {
+    std::array<std::array<float, hn::MaxLanes(D())>, 6> v;
+    store(d, now, PointRow{v[0].data(), v[1].data(), v[2].data()});
+    store(d, start, PointRow{v[3].data(), v[4].data(), v[5].data()});
+    for (size_t k = 0; k < hn::Lanes(d); ++k) {
+      if ((bits[k / 8] >> k % 8 & 1) == 0) continue;
+      move_corner(meeting.params, state, static_cast<uint32_t>(pixels[k]), {v[0][k], v[1][k], v[2][k]},
+                  {v[3][k], v[4][k], v[5][k]});
+    }
+  };
+  scatter(t.now.a, t.start.a, batch.a);
+  scatter(t.now.b, t.start.b, batch.b);
+  scatter(t.now.c, t.start.c, batch.c);
+}
+
+/// The first triangles of some cells, then their second ones.
+template <class D>
+HWY_NOINLINE void collide_cell_batch(D d, const Meeting& meeting, ClothState& state, CellBatch<D>& cells) {
+  for (const bool is_first : {true, false}) {
+    TriangleBatch<D> batch;
+    for (uint32_t k = 0; k < cells.count; ++k) {
+      const CellTriangle t = triangle_of_cell(state, cells.pixel[k], is_first);
+      batch.a[k] = static_cast<int32_t>(t.a);
+      batch.b[k] = static_cast<int32_t>(t.b);
+      batch.c[k] = static_cast<int32_t>(t.c);
+      batch.is_cloth[k] = t.is_cloth ? 1.F : 0.F;
+    }
+    collide_batch(d, meeting, state, batch);
+  }
+  cells.count = 0;
+}
+
+template <class D>
+HWY_NOINLINE void collide_cells(D d, const SweepFrame& frame, uint32_t substep, uint32_t group, RowRange rows) {
   const auto lanes = static_cast<uint32_t>(hn::Lanes(d));
   ClothState& state = *frame.state;
   const uint32_t width = state.data.width;
@@ -70,13 +134,20 @@ HWY_NOINLINE void collide_cells(D d, const SweepFrame& frame, uint32_t substep, 
   float least = std::numeric_limits<float>::max();
   for (const shader::ColliderShape& shape : meeting.frame.shapes)
     least = std::min(least, shader::open_side(meeting.params, shape));
-  for (uint32_t first = 0; first + 1 < width; first += lanes) {
-    std::array<uint8_t, 8> bits{};
-    hn::StoreMaskBits(d, near_cells(d, meeting, state, size_t{y} * width + first, least), bits.data());
-    for (uint32_t lane = odd; lane < lanes && first + lane + 1 < width; lane += 2) {
-      if ((bits[lane / 8] >> lane % 8 & 1) != 0) collide_cell(frame.contexts[substep], state, first + lane, y);
+  CellBatch<D> batch;
+  for (uint32_t row = rows.first; row < rows.last; ++row) {
+    const uint32_t y = shader::cell_corner(group, 0, row).y;
+    for (uint32_t first = 0; first + 1 < width; first += lanes) {
+      std::array<uint8_t, 8> bits{};
+      hn::StoreMaskBits(d, near_cells(d, meeting, state, size_t{y} * width + first, least), bits.data());
+      for (uint32_t lane = odd; lane < lanes && first + lane + 1 < width; lane += 2) {
+        if ((bits[lane / 8] >> lane % 8 & 1) == 0) continue;
+        batch.pixel[batch.count++] = y * width + first + lane;
+        if (batch.count == lanes) collide_cell_batch(d, meeting, state, batch);
+      }
     }
   }
+  if (batch.count > 0) collide_cell_batch(d, meeting, state, batch);
 }
 
 #endif

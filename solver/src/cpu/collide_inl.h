@@ -190,18 +190,18 @@ struct Meeting {
 };
 
 /// find_contact() of lib/collide.h for points that may have met the collider.
+/// @param gap  of the distance, less the thickness
 template <class D>
 HWY_INLINE Contacts<D> find_contacts(D d, const Meeting& meeting, const shader::ColliderShape& shape, Mask<D> lanes,
                                      const Points<D>& first, const Points<D>& local, const Nearest<D>& near, Vec<D> gap,
-                                     bool swept) {
+                                     Vec<D> thickness, bool swept) {
   const auto way = length(d, sub(local, first));
   const auto met = hn::AndNot(hn::Gt(gap, way), lanes);
   Contacts<D> r{hn::And(met, hn::Lt(gap, hn::Zero(d))), {near.normal.x, near.normal.y, near.normal.z}, hn::Neg(gap)};
   if (!swept) return r;
   const auto far = hn::And(met, hn::Gt(way, hn::Set(d, 0.5F * shape.core)));
   if (hn::AllFalse(d, far)) return r;
-  Contacts<D> entry =
-      sweep_points(d, meeting.numbers, shape, far, first, local, way, hn::Set(d, meeting.params.thickness));
+  Contacts<D> entry = sweep_points(d, meeting.numbers, shape, far, first, local, way, thickness);
   if (shader::is_edged(shape)) {
     const auto opposed = hn::Lt(dot(d, entry.normal, near.normal), hn::Set(d, shader::kOpposed));
     entry.touches = hn::And(entry.touches, opposed);
@@ -256,8 +256,8 @@ HWY_INLINE void push_out(D d, const Meeting& meeting, Mask<D> lanes, PointStates
       const auto reach = hn::Mul(hn::Set(d, 2.F), hn::Add(way, hn::Set(d, shape.way)));
       const auto in_reach = hn::AndNot(hn::Gt(gap, reach), again);
       if (hn::AllFalse(d, in_reach)) continue;
-      Contacts<D> contact =
-          find_contacts(d, meeting, shape, in_reach, to_local(d, before, start), local, near, gap, round == 0);
+      Contacts<D> contact = find_contacts(d, meeting, shape, in_reach, to_local(d, before, start), local, near, gap,
+                                          thickness, round == 0);
       if (round > 0)
         contact.touches = hn::And(contact.touches, hn::Gt(contact.depth, hn::Set(d, shader::kContactSlack)));
       if (hn::AllFalse(d, contact.touches)) continue;

@@ -168,6 +168,18 @@ void limit(const PassContext& context, ClothState& state) {
   });
 }
 
+void collide_triangle(const PassContext& context, ClothState& state, const CellTriangle& t) {
+  const shader::ClothParams& params = context.cloth.params;
+  const Vec3Array &position = state.position, &previous = state.previous;
+  const shader::MovedTriangle moved = shader::collide_triangle(
+      colliders_of(context.frame), params, context.substep,
+      {position.at(t.a), position.at(t.b), position.at(t.c), previous.at(t.a), previous.at(t.b), previous.at(t.c)},
+      vec3(state.inverse_mass[t.a], state.inverse_mass[t.b], state.inverse_mass[t.c]));
+  move_corner(params, state, t.a, moved.a, moved.start_a);
+  move_corner(params, state, t.b, moved.b, moved.start_b);
+  move_corner(params, state, t.c, moved.c, moved.start_c);
+}
+
 void collide_cells(const PassContext& context, ClothState& state, uint32_t group) {
   const uint32_t width = state.data.width, height = state.data.height;
   const shader::uvec2 count = shader::cell_extent(width, height);
@@ -175,7 +187,11 @@ void collide_cells(const PassContext& context, ClothState& state, uint32_t group
     for (uint32_t j = first; j < last; ++j) {
       for (uint32_t i = 0; i < count.x; ++i) {
         const shader::uvec2 p = shader::cell_corner(group, i, j);
-        if (p.x + 1 < width && p.y + 1 < height) collide_cell(context, state, p.x, p.y);
+        if (p.x + 1 >= width || p.y + 1 >= height) continue;
+        for (const bool is_first : {true, false}) {
+          const CellTriangle triangle = triangle_of_cell(state, p.y * width + p.x, is_first);
+          if (triangle.is_cloth) collide_triangle(context, state, triangle);
+        }
       }
     }
   });
@@ -308,35 +324,6 @@ void move_pins(const PassContext& context, ClothState& state, uint32_t first, ui
 
 vec3 out_of_cleft(const PassContext& context, const vec3& start, const vec3& position) {
   return shader::out_of_cleft(colliders_of(context.frame), context.cloth.params, context.substep, start, position);
-}
-
-void collide_cell(const PassContext& context, ClothState& state, uint32_t x, uint32_t y) {
-  const shader::ColliderSet set = colliders_of(context.frame);
-  const auto triangle = [&](uint32_t a, uint32_t b, uint32_t c) {
-    const vec3 w(state.inverse_mass[a], state.inverse_mass[b], state.inverse_mass[c]);
-    const shader::MovedTriangle moved =
-        shader::collide_triangle(set, context.cloth.params, context.substep,
-                                 {state.position.at(a), state.position.at(b), state.position.at(c),
-                                  state.previous.at(a), state.previous.at(b), state.previous.at(c)},
-                                 w);
-    const auto move = [&](uint32_t i, const vec3& to) {
-      const vec3 way = to - state.position.at(i);
-      state.set_yield(i, shader::lessened_yield(state.yield[i], way, context.cloth.params.spacing));
-      state.position.set(i, to);
-    };
-    move(a, moved.a);
-    move(b, moved.b);
-    move(c, moved.c);
-    state.previous.set(a, moved.start_a);
-    state.previous.set(b, moved.start_b);
-    state.previous.set(c, moved.start_c);
-  };
-  const uint32_t width = state.data.width;
-  const uint32_t p0 = y * width + x, p1 = p0 + 1, p2 = p0 + width, p3 = p2 + 1;
-  const uint32_t bits = state.data.cell[p0];
-  const bool left = (bits & shader::kCellDiagonalLeftBit) != 0;
-  if ((bits & shader::kCellFirstBit) != 0) triangle(p0, p2, left ? p1 : p3);
-  if ((bits & shader::kCellSecondBit) != 0) triangle(left ? p1 : p0, left ? p2 : p3, left ? p3 : p1);
 }
 
 void run_pass(const PassStep& step, const PassContext& context, ClothState& state, Measures& measures) {

@@ -204,8 +204,9 @@ void run_sweep(uint32_t lanes, const SweepFrame& frame, uint32_t substep, const 
 /// @param runs  none reaches over the end of a row
 void run_normals(uint32_t lanes, ClothState& state, std::span<const Run> runs);
 
-/// The pass collide_cells: one group's cells of a row, without those that no collider can reach.
-void run_cells(uint32_t lanes, const SweepFrame& frame, uint32_t substep, uint32_t group, uint32_t y);
+/// The pass collide_cells: one group's cells, without those that no collider can reach.
+/// @param rows  of the group: every other row of the image that has one below
+void run_cells(uint32_t lanes, const SweepFrame& frame, uint32_t substep, uint32_t group, RowRange rows);
 
 /// The pass lines: some blocks along rows (group 0) or columns.
 /// @param kept  memory of line_kept() floats for each block, at most kLinesAtOnce, that nobody else works with

@@ -37,7 +37,7 @@ void run_sweep_here(uint32_t, const SweepFrame&, uint32_t, const SweepBand&) {}
 void run_normals_here(uint32_t, ClothState& state, std::span<const Run> runs) {
   for (const Run& run : runs) normal_pixels(state, run.first, run.last);
 }
-void run_cells_here(uint32_t, const SweepFrame&, uint32_t, uint32_t, uint32_t) {}
+void run_cells_here(uint32_t, const SweepFrame&, uint32_t, uint32_t, RowRange) {}
 void run_lines_here(uint32_t, ClothState&, const LineStream&, uint32_t, uint32_t, uint32_t, float*) {}
 uint32_t lanes_here() {
   return 1;
@@ -196,8 +196,8 @@ void run_normals_here(uint32_t lanes, ClothState& state, std::span<const Run> ru
   with_lanes(lanes, [&](auto d) GEOCLOTH_LANES { normals(d, state, runs); });
 }
 
-void run_cells_here(uint32_t lanes, const SweepFrame& frame, uint32_t substep, uint32_t group, uint32_t y) {
-  with_lanes(lanes, [&](auto d) GEOCLOTH_LANES { collide_cells(d, frame, substep, group, y); });
+void run_cells_here(uint32_t lanes, const SweepFrame& frame, uint32_t substep, uint32_t group, RowRange rows) {
+  with_lanes(lanes, [&](auto d) GEOCLOTH_LANES { collide_cells(d, frame, substep, group, rows); });
 }
 
 void run_lines_here(uint32_t lanes, ClothState& state, const LineStream& stream, uint32_t group, uint32_t first,
@@ -237,8 +237,8 @@ void run_sweep(uint32_t lanes, const SweepFrame& frame, uint32_t substep, const 
 void run_normals(uint32_t lanes, ClothState& state, std::span<const Run> runs) {
   HWY_DYNAMIC_DISPATCH(run_normals_here)(lanes, state, runs);
 }
-void run_cells(uint32_t lanes, const SweepFrame& frame, uint32_t substep, uint32_t group, uint32_t y) {
-  HWY_DYNAMIC_DISPATCH(run_cells_here)(lanes, frame, substep, group, y);
+void run_cells(uint32_t lanes, const SweepFrame& frame, uint32_t substep, uint32_t group, RowRange rows) {
+  HWY_DYNAMIC_DISPATCH(run_cells_here)(lanes, frame, substep, group, rows);
 }
 void run_lines(uint32_t lanes, ClothState& state, const LineStream& stream, uint32_t group, uint32_t first,
                uint32_t last, float* kept) {

@@ -73,8 +73,7 @@ void SweepRunner::run_cell_rows(const SweepFrame& frame, const PassContext& cont
   const uint32_t height = frame.state->data.height, odd = shader::cell_corner(group, 0, 0).y;
   const uint32_t rows = (height - odd) / 2;
   context.threads.for_range(rows, kCellRowGrain, [&](uint32_t first, uint32_t last) {
-    for (uint32_t j = first; j < last; ++j)
-      run_cells(substep_.sweeps->lanes(), frame, context.substep, group, 2 * j + odd);
+    run_cells(substep_.sweeps->lanes(), frame, context.substep, group, {first, last});
   });
 }
 
@@ -168,6 +167,10 @@ void SweepRunner::run_substeps(SweepFrame& frame, const Sweep& sweep, uint32_t f
   if (measuring.seconds == nullptr) return;
   const double timed = std::accumulate(seconds_.begin(), seconds_.end(), 0.0);
   const double all = std::chrono::duration<double>(Clock::now() - start).count();
+  if (!(timed > 0)) {  // no pass had anything to do
+    (*measuring.seconds)[static_cast<size_t>(sweep.ops.front().pass)] += all;
+    return;
+  }
   for (size_t k = 0; k < seconds_.size(); ++k) {
     (*measuring.seconds)[static_cast<size_t>(sweep.ops[k % sweep.ops.size()].pass)] += all * seconds_[k] / timed;
   }
