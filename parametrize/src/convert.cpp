@@ -327,6 +327,19 @@ std::optional<std::string> warning_of_cracks(const Cracks& cracks) {
   return text;
 }
 
+/// Layers at one place can be the two sides of cloth, or a garment folded flat.
+std::optional<std::string> warning_of_folds(const RepairResult& repaired, std::size_t triangles, double size) {
+  constexpr double kNotable = 0.01;  // of all triangles
+  if (static_cast<double>(repaired.folded_faces) < kNotable * static_cast<double>(triangles)) return std::nullopt;
+  constexpr double kApart = 1e-4;  // of the size: safely not one place
+  char text[320];
+  std::snprintf(text, sizeof text,
+                "%llu triangles lie exactly on others that they hang together with, and are left out: where that is a "
+                "garment folded flat, move its layers apart in a modelling program; %.1g m is enough",
+                static_cast<unsigned long long>(repaired.folded_faces), kApart * size);
+  return text;
+}
+
 /// What looks like trimmings and is cloth for itself.
 std::optional<std::string> warning_of_loose_pieces(const LoosePiecesLeft& loose) {
   if (loose.count == 0) return std::nullopt;
@@ -408,6 +421,9 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& optio
     report.warnings.push_back(*warning);
   }
   if (const auto warning = warning_of_cracks(find_cracks(repaired.surface))) report.warnings.push_back(*warning);
+  if (const auto warning = warning_of_folds(repaired, mesh.triangle.size(), report.source_bbox_diagonal)) {
+    report.warnings.push_back(*warning);
+  }
   report.warnings.insert(report.warnings.begin(), mesh.left_out.begin(), mesh.left_out.end());
   report.seconds = stages.seconds();
   report.peak_memory_bytes = peak_memory_bytes();
@@ -469,10 +485,12 @@ std::string warning_of_move(const Point3& way) {
   return text;
 }
 
-/// What to say when nearly all of a mesh is within a pixel, because a few of its vertices are far away.
+/// What to say when nearly all of a mesh is within a pixel, or small beside the whole, because a few of its vertices
+/// are far away.
 std::optional<std::string> warning_of_far_vertices(const TriangleMesh& mesh, const Point3& moved, double spacing) {
   constexpr std::size_t kFewest = 8;
   constexpr double kNearlyAll = 0.99;
+  constexpr double kMuchFarther = 20;  // than nearly all of the vertices
   std::vector<bool> is_used(mesh.position.size(), false);
   for (const Triangle& t : mesh.triangle) {
     for (const uint32_t v : t) is_used[v] = true;
@@ -496,18 +514,21 @@ std::optional<std::string> warning_of_far_vertices(const TriangleMesh& mesh, con
   };
   const auto last_near = used.begin() + static_cast<std::ptrdiff_t>(kNearlyAll * static_cast<double>(used.size() - 1));
   std::nth_element(used.begin(), last_near, used.end(), nearer);
-  const auto is_far = [&](uint32_t v) { return 2 * away(v) >= spacing; };
-  const auto far = std::count_if(last_near, used.end(), is_far);
-  if (is_far(*last_near) || far == 0) return std::nullopt;
+  const double near = away(*last_near);
+  const bool is_in_pixel = 2 * near < spacing;
+  const double least = is_in_pixel ? spacing / 2 : kMuchFarther * near;
+  const auto far = std::count_if(last_near, used.end(), [&](uint32_t v) { return away(v) > near && away(v) >= least; });
+  if (far == 0) return std::nullopt;
   const uint32_t farthest = *std::max_element(last_near, used.end(), nearer);
   const Point3 place = mesh.position[farthest] - moved;
   char text[320];
   std::snprintf(
       text, sizeof text,
       "vertex %u of the file, counted from 1, lies far from the others, at (%.9g, %.9g, %.9g) m%s: all the rest "
-      "is smaller than a pixel of %.3g m; remove it if it is a stray one",
+      "is %s %.3g m; remove it if it is a stray one",
       farthest + 1, place[0], place[1], place[2],
-      far > 1 ? (", and " + std::to_string(far - 1) + " more do").c_str() : "", spacing);
+      far > 1 ? (", and " + std::to_string(far - 1) + " more do").c_str() : "",
+      is_in_pixel ? "smaller than a pixel of" : "within", is_in_pixel ? spacing : near);
   return text;
 }
 
