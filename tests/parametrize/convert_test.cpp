@@ -299,6 +299,27 @@ TEST(ConvertReport, NamesAVertexThatIsLostFarAway) {
   EXPECT_THAT(warnings, testing::Contains(HasSubstr("vertex 101 of the file")));
   mesh.position[100] = {3, 0, 0};
   EXPECT_THAT(convert(mesh, small(Layout::panels)).report.warnings, testing::Each(testing::Not(HasSubstr("vertex"))));
+  // Of a sheet that is a few pixels across it was said that it is not developable.
+  mesh.position[100] = {300, 0, 0};
+  EXPECT_THAT(
+      convert(mesh, small(Layout::panels)).report.warnings,
+      testing::Contains(testing::AllOf(HasSubstr("vertex 101 of the file"), HasSubstr("all the rest is within"))));
+}
+
+// Half of a garment that lies flat was gone, and only a count among the repairs said so.
+TEST(ConvertReport, WarnsOfLayersOfAFoldedGarmentThatAreLeftOut) {
+  TriangleMesh folded = patch("folded", 8, 8, [](double u, double v) { return Point3{u, -std::abs(v - 0.5), 0}; });
+  EXPECT_THAT(convert(folded, small(Layout::panels)).report.warnings,
+              testing::ElementsAre(testing::AllOf(HasSubstr("64 triangles"), HasSubstr("folded flat"))));
+  // As far apart as is advised, both layers are there.
+  for (uint32_t i = 0; i < folded.position.size(); ++i) folded.position[i][2] = i / 9 > 4 ? 1e-4 : 0;
+  const ConvertResult apart = convert(folded, small(Layout::panels));
+  EXPECT_THAT(apart.report.warnings, testing::Each(testing::Not(HasSubstr("folded flat"))));
+  EXPECT_NEAR(std::accumulate(apart.asset.area.begin(), apart.asset.area.end(), 0.0), 1, 0.03);
+  // The two sides of cloth are no layers.
+  TriangleMesh back = sheet();
+  for (Triangle& t : back.triangle) std::swap(t[1], t[2]);
+  EXPECT_THAT(convert(joined(sheet(), back), small(Layout::panels)).report.warnings, testing::IsEmpty());
 }
 
 TEST(ConvertReport, WarnsOfFarMorePixelsThanWereAskedFor) {
@@ -312,6 +333,26 @@ TEST(ConvertReport, WarnsOfFarMorePixelsThanWereAskedFor) {
   const auto warnings = convert(crumbs, options).report.warnings;
   EXPECT_THAT(warnings, testing::Contains(HasSubstr("where about 144 were asked for")));
   EXPECT_THAT(convert(sheet(), options).report.warnings, testing::IsEmpty());
+}
+
+// Every sequin got 5 x 5 pixels, and the dress they are on no more when they used up those that were asked for.
+TEST(Convert, CrumbsLeaveTheClothItsPixelsInSquares) {
+  TriangleMesh mesh = sheet();
+  for (int i = 0; i < 100; ++i) {
+    const double x = 0.09 * (i % 10), y = -0.09 * (i / 10);
+    mesh = joined(mesh, patch("crumb", 1, 1, [=](double u, double v) {
+                    return Point3{x + 0.01 * u, y - 0.01 * v, 0.1};
+                  }));
+  }
+  ConvertOptions options = small(Layout::square);
+  options.flatten.resolution = 32;
+  const ClothAsset asset = convert(mesh, options).asset;
+  std::vector<uint32_t> pixels(asset.chart_count, 0);
+  for (uint32_t i = 0; i < asset.pixel_count(); ++i) {
+    if (asset.valid(i)) ++pixels[asset.chart[i]];
+  }
+  EXPECT_EQ(pixels.size(), 101U);
+  EXPECT_GE(*std::max_element(pixels.begin(), pixels.end()), 32U * 32 / 2);
 }
 
 // Lace or fringe at too few pixels moved badly, and only the numbers said so.

@@ -420,6 +420,30 @@ TEST(Panels, ImagesThatLackLittleOfBeingWellFilledAreFilledBetter) {
 }
 
 // Cut nodes closer together than a pixel leave springs of no length: they are given some, copies stay one point.
+// Samples along both sides of a belt of two triangles made slivers of its length: time and memory grew with the square
+// of it, and a mesh with one vertex far away took all there was.
+TEST(Panels, ALongStripOfFewTrianglesIsDivided) {
+  CleanSurface strip;
+  strip.position = {{0, 0, 0}, {400, 0, 0}, {400, 1, 0}, {0, 1, 0}};
+  strip.triangle = {{0, 1, 2}, {0, 2, 3}};
+  strip.point = {0, 1, 2, 3};
+  strip.point_count = 4;
+  strip.component = {0, 0};
+  strip.component_count = 1;
+  strip.source_triangle = {0, 1};
+  const FlatSurface flat = flatten_panels(strip, 64);
+  ASSERT_EQ(flat.charts.size(), 1U);
+  EXPECT_GT(std::max(flat.charts[0].width, flat.charts[0].height), 1000U);
+  double longest = 0;
+  for (const Triangle& t : flat.triangle) {
+    for (size_t i = 0; i < 3; ++i) {
+      const Point2 &a = flat.uv[t[i]], &b = flat.uv[t[(i + 1) % 3]];
+      longest = std::max(longest, std::hypot(b[0] - a[0], b[1] - a[1]));
+    }
+  }
+  EXPECT_LE(longest, 410);
+}
+
 TEST(LimitSprings, SpringsKeepALengthAndCopiesStayTogether) {
   ClothAsset asset;
   asset.width = 4;

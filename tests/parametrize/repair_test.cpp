@@ -839,6 +839,27 @@ TEST(Repair, ReplacesAFlatTriangleWithoutACrack) {
   EXPECT_EQ(r.cleaned.edges, 8U);
 }
 
+// Two vertices a millionth of an edge apart: needles round the end that they share were taken for flat triangles, each
+// replaced by the next round it; where many met, tens of thousands, until the work was given up.
+TEST(Repair, KeepsNeedlesRoundAVertex) {
+  constexpr uint32_t kSpokes = 36;
+  for (uint32_t towards = 0; towards < kSpokes; ++towards) {
+    const auto on_circle = [](double turn, double radius) {
+      return Point3{radius * std::cos(2 * std::numbers::pi * turn), radius * std::sin(2 * std::numbers::pi * turn), 0};
+    };
+    std::vector<Point3> position{{0, 0, 0}, on_circle((towards + 0.5) / kSpokes, 2e-6)};
+    std::vector<std::vector<uint32_t>> faces{{0, 2, 1}, {1, 2, 3}, {0, 1, 3}};
+    for (uint32_t i = 0; i < kSpokes; ++i) {
+      position.push_back(on_circle(static_cast<double>(i) / kSpokes, 1));
+      if (i > 0) faces.push_back({0, 2 + i, 2 + (i + 1) % kSpokes});
+    }
+    const RepairResult r = repair(make_mesh(position, faces));
+    EXPECT_LE(repaired(r, "zero_area_faces"), 2U) << towards;
+    EXPECT_EQ(r.cleaned.euler_characteristic, 1) << towards;
+    EXPECT_EQ(r.cleaned.boundary_loops, 1U) << towards;
+  }
+}
+
 TEST(Repair, ReplacesARowOfFlatTriangles) {
   // A fan of flat triangles from (0,0,0) along the x axis, a sheet above and below.
   std::vector<Point3> p{{0, 0, 0}};

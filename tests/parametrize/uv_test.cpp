@@ -129,6 +129,18 @@ TEST(Uv, SaysThatTrianglesAreFlipped) {
   EXPECT_NE(read_uv_pattern(surface).refusal.find("flipped"), std::string::npos);
 }
 
+// Of thousands of triangles a few are flipped: where to look for them has to be said.
+TEST(Uv, SaysWhereATriangleIsFlipped) {
+  CleanSurface surface = with_uv(sheet(41, 41, 1, 1), [](const Point3& p, const Point3&) -> Point2 {
+    const bool pushed = p[0] > 0.7 && std::lround(40 * p[0]) % 4 == 0 && std::lround(40 * p[1]) % 4 == 0;
+    return {p[0] + (pushed ? 1.5 / 40 : 0), -p[1]};
+  });
+  const std::string refusal = read_uv_pattern(surface).refusal;
+  const size_t place = refusal.find("one of them at (0.");
+  ASSERT_NE(place, std::string::npos) << refusal;
+  EXPECT_GT(std::stod(refusal.substr(place + 16)), 0.65);
+}
+
 // The corners that repair turns round, splits or inserts keep their place in the texture.
 TEST(Uv, CountsTrianglesWithoutAreaOnce) {
   const CleanSurface surface = with_uv(sheet(6, 5), [](const Point3&, const Point3&) { return Point2{0.5, 0.5}; });

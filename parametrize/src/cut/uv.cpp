@@ -168,6 +168,7 @@ class PatternReader {
       all.add(d);
     }
     flipped_share_ = flipped_area / (flipped_area + all.area);
+    std::vector<bool> is_flipped_piece(of_island.size(), false);
     for (size_t i = 0; i < of_island.size(); ++i) {
       UvPattern::Island& island = pattern_.island[i];
       island.scale = of_island[i].scale();
@@ -177,6 +178,10 @@ class PatternReader {
       if (!all_flipped && island.area >= kStray * patch_area_[i]) continue;
       flipped_pieces_ = true;
       flipped_ += island.faces - flipped_of[i];
+      is_flipped_piece[i] = true;
+    }
+    for (uint32_t t = 0; t < surface_.triangle.size() && first_flipped_ == kNone; ++t) {
+      if (is_flipped(t) || is_flipped_piece[pattern_.island_of[t]]) first_flipped_ = t;
     }
     pattern_.energy = all.energy();
   }
@@ -199,6 +204,12 @@ class PatternReader {
     };
     if (flipped_share_ > kStray || flipped_pieces_) {
       pattern_.refusal = std::to_string(flipped_) + " triangles are flipped or without area in the texture coordinates";
+      if (first_flipped_ != kNone) {
+        const auto& [a, b, c] = surface_.triangle[first_flipped_];
+        const Point3 middle = (surface_.position[a] + surface_.position[b] + surface_.position[c]) * (1.0 / 3);
+        pattern_.refusal +=
+            ", one of them at (" + number(middle[0]) + ", " + number(middle[1]) + ", " + number(middle[2]) + ") m";
+      }
     } else if (faces < kFragmentFaces && pattern_.island.size() > surface_.component_count) {
       pattern_.refusal = "the texture coordinates are in " + std::to_string(pattern_.island.size()) + " fragments of " +
                          number(faces) + " triangles on average";
@@ -214,7 +225,7 @@ class PatternReader {
   std::vector<uint32_t> opposite_;
   UvPattern pattern_;
   double tolerance_ = 0, own_scale_energy_ = 0, flipped_share_ = 0;
-  uint32_t flipped_ = 0;
+  uint32_t flipped_ = 0, first_flipped_ = kNone;
   bool flipped_pieces_ = false;
   std::vector<double> patch_area_;  // [m^2] per island: of the patch it is part of
 };

@@ -18,6 +18,7 @@ namespace {
 
 constexpr uint32_t kMinPerimeter = 16;  // [steps] 5 x 5 pixels: nothing in the middle touches two outline pixels
 constexpr uint32_t kComfortableSteps = 3;
+constexpr double kCoarsest = 1.4142;  // of the spacing wanted: crumbs leave the cloth half of its pixels
 
 struct Run {
   uint32_t seam;
@@ -199,9 +200,11 @@ SquarePlan plan_squares(const CutSurface& cut, std::span<const Outline> outlines
     planner.spread(options.spacing);
     return planner.round();
   }
-  // The pixels fall as the spacing grows: bisection on its logarithm.
+  // The pixels fall as the spacing grows: bisection on its logarithm. Where small parts take more than there are, the
+  // image grows.
   const double wanted = static_cast<double>(options.resolution) * options.resolution;
-  double low = std::sqrt(planner.total_area() / wanted) / 4, high = low * 4096;
+  const double even = std::sqrt(planner.total_area() / wanted);
+  double low = even / 4, high = even * kCoarsest;
   for (int i = 0; i < 40; ++i) {
     const double middle = std::sqrt(low * high);
     planner.spread(middle);

@@ -48,7 +48,8 @@ void split_triangle(const Triangle& corner, const std::array<uint32_t, 3>& middl
 }
 
 /// Halves every edge that is too long; false if there was none, or there were so many that needles must be the cause.
-bool halve_once(CutSurface& cut, double longest, size_t most_triangles) {
+/// @param uv  per vertex, null where the surface lies in no plane yet
+bool halve_once(CutSurface& cut, std::vector<Point2>* uv, double longest, size_t most_triangles) {
   const std::vector<uint32_t> opposite = opposite_half_edges(cut.triangle);
   const auto is_long = [&](uint32_t h) {
     return distance(cut.position[tail(cut.triangle, h)], cut.position[head(cut.triangle, h)]) > longest;
@@ -70,27 +71,41 @@ bool halve_once(CutSurface& cut, double longest, size_t most_triangles) {
     cut.position.push_back((cut.position[a] + cut.position[b]) * 0.5);
     cut.point.push_back(at->second);
     cut.clean_vertex.push_back(kNone);
+    if (uv != nullptr) {
+      const Point2 from = (*uv)[a], to = (*uv)[b];
+      uv->push_back({(from[0] + to[0]) / 2, (from[1] + to[1]) / 2});
+    }
   }
   std::vector<Triangle> triangle;
-  std::vector<uint32_t> component, clean_triangle;
+  std::vector<uint32_t> component, clean_triangle, hole;
   for (size_t t = 0; t < cut.triangle.size(); ++t) {
     split_triangle(cut.triangle[t], {middle[3 * t], middle[3 * t + 1], middle[3 * t + 2]}, cut.position, triangle);
     component.resize(triangle.size(), cut.component[t]);
     clean_triangle.resize(triangle.size(), cut.clean_triangle[t]);
+    if (!cut.hole.empty()) hole.resize(triangle.size(), cut.hole[t]);
   }
   cut.triangle = std::move(triangle);
   cut.component = std::move(component);
   cut.clean_triangle = std::move(clean_triangle);
+  cut.hole = std::move(hole);
   return true;
+}
+
+CutSurface subdivided(CutSurface cut, std::vector<Point2>* uv, double longest) {
+  const size_t most_triangles = kMostAdded + 2 * cut.triangle.size();
+  while (halve_once(cut, uv, longest, most_triangles)) {
+  }
+  return cut;
 }
 
 }  // namespace
 
 CutSurface subdivide_long_edges(CutSurface cut, double longest) {
-  const size_t most_triangles = kMostAdded + 2 * cut.triangle.size();
-  while (halve_once(cut, longest, most_triangles)) {
-  }
-  return cut;
+  return subdivided(std::move(cut), nullptr, longest);
+}
+
+CutSurface subdivide_long_edges(CutSurface cut, std::vector<Point2>& uv, double longest) {
+  return subdivided(std::move(cut), &uv, longest);
 }
 
 }  // namespace geocloth

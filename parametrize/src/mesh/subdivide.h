@@ -10,4 +10,8 @@ namespace geocloth {
 /// shared by all copies of an edge.
 [[nodiscard]] CutSurface subdivide_long_edges(CutSurface cut, double longest);
 
+/// The same of a surface that lies in the plane already.
+/// @param uv  per vertex of the cut; grows with it
+[[nodiscard]] CutSurface subdivide_long_edges(CutSurface cut, std::vector<Point2>& uv, double longest);
+
 }  // namespace geocloth

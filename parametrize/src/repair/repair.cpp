@@ -87,6 +87,34 @@ uint64_t count_lost_parts(const TriangleMesh& mesh, const std::vector<uint32_t>&
   return static_cast<uint64_t>(std::count(state.begin(), state.end(), 1));
 }
 
+/// See RepairResult::folded_faces. Faces hang together by the file's vertices.
+/// @param kept  per triangle of the file
+uint64_t count_folded(const TriangleMesh& mesh, const std::vector<uint32_t>& point, const std::vector<bool>& kept) {
+  const auto is_collapsed = [&](const Triangle& t) {
+    return point[t[0]] == point[t[1]] || point[t[1]] == point[t[2]] || point[t[2]] == point[t[0]];
+  };
+  DisjointSets parts(point.size());
+  std::vector<bool> is_used(point.size(), false);  // by faces that are kept
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    const Triangle& t = mesh.triangle[i];
+    if (is_collapsed(t)) continue;
+    parts.join(t[0], t[1]);
+    parts.join(t[1], t[2]);
+    for (const uint32_t v : t) is_used[v] = is_used[v] || kept[i];
+  }
+  std::vector<bool> has_kept(point.size(), false);  // by a part's first vertex
+  for (uint32_t v = 0; v < is_used.size(); ++v) {
+    if (is_used[v]) has_kept[parts.find(v)] = true;
+  }
+  uint64_t folded = 0;
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    const Triangle& t = mesh.triangle[i];
+    if (kept[i] || is_collapsed(t) || !has_kept[parts.find(t[0])]) continue;
+    if (!std::all_of(t.begin(), t.end(), [&](uint32_t v) { return is_used[v]; })) ++folded;
+  }
+  return folded;
+}
+
 uint64_t count_merged(std::vector<uint32_t> point) {
   std::sort(point.begin(), point.end());
   const auto used = std::lower_bound(point.begin(), point.end(), kNone);
@@ -118,6 +146,11 @@ RepairResult repair_mesh(const TriangleMesh& mesh, const RepairOptions& options,
   const uint64_t collapsed = drop_collapsed(soup);
   result.source = measure_topology(soup.triangle, static_cast<uint32_t>(soup.position.size()));
   uint64_t duplicates = drop_duplicates(soup, mesh.polygon);
+  if (duplicates > 0) {
+    std::vector<bool> kept(mesh.triangle.size(), false);
+    for (const uint32_t s : soup.source) kept[s] = true;
+    result.folded_faces = count_folded(mesh, welded.point, kept);
+  }
   const uint64_t t_junctions = sew_borders(soup, welded.point, reach.distance);
   duplicates += drop_duplicates(soup, {});
   const uint64_t flat = flatten_caps(soup);

@@ -21,6 +21,7 @@ namespace {
 
 /// A triangle whose height is below this share of its longest side counts as a line. Geometry moves by less than that.
 constexpr double kFlat = 1e-6;
+constexpr double kSlope = 1e-3;  // of the triangle's sides there
 
 uint64_t edge_key(uint32_t a, uint32_t b) {
   return uint64_t{std::min(a, b)} << 32U | std::max(a, b);
@@ -319,9 +320,13 @@ class CapRemover {
     }
     const Point3 &a = at(t[flat.corner]), &b = at(t[(flat.corner + 1) % 3]), &c = at(t[(flat.corner + 2) % 3]);
     const Foot foot = foot_on(a, b, c);
-    // A needle keeps its area as long as that can be computed: its corners are different points of the surface.
+    // A needle keeps its area as long as that can be computed: its corners are different points of the surface. Beside
+    // an end of the side a point has to be the nearer to it, or what is taken away here comes back as the next triangle
+    // round that end.
     const bool between = foot.at > kFlat && foot.at < 1 - kFlat;
-    const bool line = (between && foot.height <= kFlat * flat.length) || !(triangle_area(a, b, c) > 0);
+    const double beside = std::min(foot.at, 1 - foot.at);
+    const bool on_side = between && foot.height <= std::min(kFlat, kSlope * beside) * flat.length;
+    const bool line = on_side || !(triangle_area(a, b, c) > 0);
     return line ? std::optional(flat) : std::nullopt;
   }
 

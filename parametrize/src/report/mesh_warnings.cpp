@@ -35,6 +35,18 @@ std::optional<std::string> warning_of_cracks(const Cracks& cracks) {
   return text;
 }
 
+std::optional<std::string> warning_of_folds(const RepairResult& repaired, std::size_t triangles, double size) {
+  constexpr double kNotable = 0.01;  // of all triangles
+  if (static_cast<double>(repaired.folded_faces) < kNotable * static_cast<double>(triangles)) return std::nullopt;
+  constexpr double kApart = 1e-4;  // of the size: safely not one place
+  char text[320];
+  std::snprintf(text, sizeof text,
+                "%llu triangles lie exactly on others that they hang together with, and are left out: where that is a "
+                "garment folded flat, move its layers apart in a modelling program; %.1g m is enough",
+                static_cast<unsigned long long>(repaired.folded_faces), kApart * size);
+  return text;
+}
+
 std::optional<std::string> warning_of_loose_pieces(const LoosePiecesLeft& loose) {
   if (loose.count == 0) return std::nullopt;
   char text[400];
@@ -61,6 +73,7 @@ std::string warning_of_move(const Point3& way) {
 std::optional<std::string> warning_of_far_vertices(const TriangleMesh& mesh, const Point3& moved, double spacing) {
   constexpr std::size_t kFewest = 8;
   constexpr double kNearlyAll = 0.99;
+  constexpr double kMuchFarther = 20;  // than nearly all of the vertices
   std::vector<bool> is_used(mesh.position.size(), false);
   for (const Triangle& t : mesh.triangle) {
     for (const uint32_t v : t) is_used[v] = true;
@@ -84,18 +97,21 @@ std::optional<std::string> warning_of_far_vertices(const TriangleMesh& mesh, con
   };
   const auto last_near = used.begin() + static_cast<std::ptrdiff_t>(kNearlyAll * static_cast<double>(used.size() - 1));
   std::nth_element(used.begin(), last_near, used.end(), nearer);
-  const auto is_far = [&](uint32_t v) { return 2 * away(v) >= spacing; };
-  const auto far = std::count_if(last_near, used.end(), is_far);
-  if (is_far(*last_near) || far == 0) return std::nullopt;
+  const double near = away(*last_near);
+  const bool is_in_pixel = 2 * near < spacing;
+  const double least = is_in_pixel ? spacing / 2 : kMuchFarther * near;
+  const auto far = std::count_if(last_near, used.end(), [&](uint32_t v) { return away(v) > near && away(v) >= least; });
+  if (far == 0) return std::nullopt;
   const uint32_t farthest = *std::max_element(last_near, used.end(), nearer);
   const Point3 place = mesh.position[farthest] - moved;
   char text[320];
   std::snprintf(
       text, sizeof text,
       "vertex %u of the file, counted from 1, lies far from the others, at (%.9g, %.9g, %.9g) m%s: all the rest "
-      "is smaller than a pixel of %.3g m; remove it if it is a stray one",
+      "is %s %.3g m; remove it if it is a stray one",
       farthest + 1, place[0], place[1], place[2],
-      far > 1 ? (", and " + std::to_string(far - 1) + " more do").c_str() : "", spacing);
+      far > 1 ? (", and " + std::to_string(far - 1) + " more do").c_str() : "",
+      is_in_pixel ? "smaller than a pixel of" : "within", is_in_pixel ? spacing : near);
   return text;
 }
 

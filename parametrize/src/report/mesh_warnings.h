@@ -3,6 +3,7 @@
 // should be. What came out of it is measured in warnings.h.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 
@@ -20,6 +21,12 @@ namespace geocloth {
 /// Where a garment may lie in pieces that no one meant to be apart.
 [[nodiscard]] std::optional<std::string> warning_of_cracks(const Cracks& cracks);
 
+/// Layers at one place can be the two sides of cloth, or a garment folded flat.
+/// @param triangles  of the file
+/// @param size       [m] of its bounding diagonal
+[[nodiscard]] std::optional<std::string> warning_of_folds(const RepairResult& repaired, std::size_t triangles,
+                                                          double size);
+
 /// What looks like trimmings and is cloth for itself.
 [[nodiscard]] std::optional<std::string> warning_of_loose_pieces(const LoosePiecesLeft& loose);
 
@@ -27,7 +34,7 @@ namespace geocloth {
 /// @param way  [m] by which it was moved
 [[nodiscard]] std::string warning_of_move(const Point3& way);
 
-/// Nearly all of a mesh is within a pixel, because a few of its vertices are far away.
+/// Nearly all of a mesh is within a pixel, or small beside the whole, because a few of its vertices are far away.
 /// @param moved    [m] what the file's vertices were moved by before
 /// @param spacing  [m] of the asset
 [[nodiscard]] std::optional<std::string> warning_of_far_vertices(const TriangleMesh& mesh, const Point3& moved,

@@ -68,7 +68,7 @@ std::string why_stretched(const ConvertReport& report) {
     return ": the garment is not developable there (woven cloth would need a dart), and its springs are that uneven";
   }
   return ": the layout has cuts to too few of the garment's corners (" + std::to_string(report.uncut_corners) +
-         " are left without), and springs around them are that uneven";
+         (report.uncut_corners == 1 ? " is" : " are") + " left without), and springs around them are that uneven";
 }
 
 bool is_stretched(const ConvertReport& report, const ClothAsset& asset) {

@@ -19,6 +19,9 @@ struct RepairResult {
   std::vector<Repair> repairs;
   Topology source;   ///< the file's mesh, welded at the tolerance, before any repair
   Topology cleaned;  ///< triangles over `point`: the tied complex that the image has to reproduce
+  /// Duplicate faces that have vertices of their own and hang together with what is kept: no back of a double-sided
+  /// garment, but a layer of one that is folded flat.
+  uint64_t folded_faces = 0;
 };
 
 /// Welds by position (exact, then within the distance), drops degenerate and duplicate faces, resolves T-junctions
