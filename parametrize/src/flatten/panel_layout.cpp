@@ -43,7 +43,8 @@ namespace {
 
 constexpr uint32_t kLeastLoopSteps = 4;  // a closed chain without sharp turns
 constexpr double kLeastCut = 5;          // [pixels] shorter cut extensions are not worth their pixels
-constexpr double kLongEdge = 400;  // [pixels] samples on both sides of a longer strip would make slivers of its length
+constexpr double kLongestEdge =
+    400;  // [pixels] samples on both sides of a longer strip would make slivers of its length
 constexpr int kRounds = 40;
 /// Pixels that a round chart may have, and how many times those of all charts as they are.
 constexpr double kMostDisk = 4096, kMostDiskShare = 8;
@@ -471,7 +472,7 @@ FlatSurface lay_out_panels(std::span<const CutSurface> cuts, const FlattenOption
 }
 
 FlatSurface lay_out_developed(DevelopedSurface developed, const FlattenOptions& options, const Progress& progress) {
-  const double longest = kLongEdge * rough_spacing(developed.cut, options);
+  const double longest = kLongestEdge * rough_spacing(developed.cut, options);
   developed.cut = subdivide_long_edges(std::move(developed.cut), developed.uv, longest);
   Placed placed = placed_at(make_plan(std::move(developed), options), progress);
   if (!(options.spacing > 0)) find_fuller_image(placed, options);
