@@ -23,8 +23,8 @@ const float kLiftSpeed = 1.0f;  // [m/s] at which, besides the collider's own, a
 
 const float kThinEdged = 3.0f;  // spacings; half of what a box or a hull is thick whose edges lead in between points
 
-// Whether triangles meet a collider themselves. Where it is thick their pixels keep it out well enough: it opens no cell
-// between points that give way as lib/yield.h has it. A sharp corner does, however thick the hull is behind it.
+// Whether triangles meet a collider themselves. Where it is thick their pixels keep it out well enough: it opens no
+// cell between points that give way as lib/yield.h has it. A sharp corner does, however thick the hull is behind it.
 inline bool meets_triangles(float spacing, ColliderShape shape) {
   bool edged = shape.kind == kShapeBox || shape.kind == kShapeConvex;
   if (half_thickness(shape) < (edged ? kThinEdged : kThin) * spacing) return true;
