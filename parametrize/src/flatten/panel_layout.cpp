@@ -43,8 +43,7 @@ namespace {
 
 constexpr uint32_t kLeastLoopSteps = 4;  // a closed chain without sharp turns
 constexpr double kLeastCut = 5;          // [pixels] shorter cut extensions are not worth their pixels
-constexpr double kLongestEdge =
-    400;  // [pixels] samples on both sides of a longer strip would make slivers of its length
+constexpr double kLongestEdge = 400;     // [pixels] samples beside a longer one would make slivers of its length
 constexpr int kRounds = 40;
 /// Pixels that a round chart may have, and how many times those of all charts as they are.
 constexpr double kMostDisk = 4096, kMostDiskShare = 8;

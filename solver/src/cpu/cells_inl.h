@@ -90,17 +90,14 @@ HWY_INLINE void collide_batch(D d, const Meeting& meeting, ClothState& state, co
   const auto is_cloth = hn::Gt(hn::LoadU(d, batch.is_cloth.data()), hn::Zero(d));
   const Mask<D> moved = collide_triangles(d, meeting, is_cloth, t);
   if (hn::AllFalse(d, moved)) return;
-  std::array<uint8_t, 8> bits{};
-  hn::StoreMaskBits(d, moved, bits.data());
   const auto scatter = [&](const Points<D>& now, const Points<D>& start, const auto& pixels) GEOCLOTH_LANES {
     std::array<std::array<float, hn::MaxLanes(D())>, 6> v;
     store(d, now, PointRow{v[0].data(), v[1].data(), v[2].data()});
     store(d, start, PointRow{v[3].data(), v[4].data(), v[5].data()});
-    for (size_t k = 0; k < hn::Lanes(d); ++k) {
-      if ((bits[k / 8] >> k % 8 & 1) == 0) continue;
+    for_lanes(d, moved, [&](size_t k) {
       move_corner(meeting.params, state, static_cast<uint32_t>(pixels[k]), {v[0][k], v[1][k], v[2][k]},
                   {v[3][k], v[4][k], v[5][k]});
-    }
+    });
   };
   scatter(t.now.a, t.start.a, batch.a);
   scatter(t.now.b, t.start.b, batch.b);
@@ -138,13 +135,11 @@ HWY_NOINLINE void collide_cells(D d, const SweepFrame& frame, uint32_t substep, 
   for (uint32_t row = rows.first; row < rows.last; ++row) {
     const uint32_t y = shader::cell_corner(group, 0, row).y;
     for (uint32_t first = 0; first + 1 < width; first += lanes) {
-      std::array<uint8_t, 8> bits{};
-      hn::StoreMaskBits(d, near_cells(d, meeting, state, size_t{y} * width + first, least), bits.data());
-      for (uint32_t lane = odd; lane < lanes && first + lane + 1 < width; lane += 2) {
-        if ((bits[lane / 8] >> lane % 8 & 1) == 0) continue;
+      for_lanes(d, near_cells(d, meeting, state, size_t{y} * width + first, least), [&](uint32_t lane) {
+        if (lane % 2 != odd || first + lane + 1 >= width) return;
         batch.pixel[batch.count++] = y * width + first + lane;
         if (batch.count == lanes) collide_cell_batch(d, meeting, state, batch);
-      }
+      });
     }
   }
   if (batch.count > 0) collide_cell_batch(d, meeting, state, batch);

@@ -189,6 +189,12 @@ struct Meeting {
         guards(sweep, substep) {}
 };
 
+/// out_of_reach() of lib/collide.h.
+template <class D>
+HWY_INLINE Mask<D> out_of_reach(D d, const shader::ColliderShape& shape, Vec<D> gap, Vec<D> way) {
+  return hn::Gt(gap, hn::Mul(hn::Set(d, 2.F), hn::Add(way, hn::Set(d, shape.way))));
+}
+
 /// find_contact() of lib/collide.h for points that may have met the collider.
 /// @param gap  of the distance, less the thickness
 template <class D>
@@ -216,20 +222,17 @@ HWY_INLINE Contacts<D> find_contacts(D d, const Meeting& meeting, const shader::
 template <class D>
 HWY_NOINLINE Points<D> out_of_cleft(D d, const Meeting& meeting, Mask<D> lanes, Points<D> start, Points<D> position) {
   using Coordinates = std::array<float, hn::MaxLanes(D())>;
-  std::array<uint8_t, 8> bits{};
-  hn::StoreMaskBits(d, lanes, bits.data());
   Coordinates x{}, y{}, z{}, start_x{}, start_y{}, start_z{};
   const PointRow row{x.data(), y.data(), z.data()};
   store(d, position, row);
   store(d, start, {start_x.data(), start_y.data(), start_z.data()});
-  for (size_t k = 0; k < hn::Lanes(d); ++k) {
-    if ((bits[k / 8] >> k % 8 & 1) == 0) continue;
+  for_lanes(d, lanes, [&](size_t k) {
     const shader::vec3 out =
         cpu::out_of_cleft(meeting.context, {start_x[k], start_y[k], start_z[k]}, {x[k], y[k], z[k]});
     x[k] = out.x;
     y[k] = out.y;
     z[k] = out.z;
-  }
+  });
   return load(d, row);
 }
 
@@ -253,8 +256,7 @@ HWY_INLINE void push_out(D d, const Meeting& meeting, Mask<D> lanes, PointStates
       const Points<D> local = to_local(d, after, points.position);
       const Nearest<D> near = nearest_of_shape(d, meeting.numbers, shape, local);
       const auto gap = hn::Sub(near.distance, thickness);
-      const auto reach = hn::Mul(hn::Set(d, 2.F), hn::Add(way, hn::Set(d, shape.way)));
-      const auto in_reach = hn::AndNot(hn::Gt(gap, reach), again);
+      const auto in_reach = hn::AndNot(out_of_reach(d, shape, gap, way), again);
       if (hn::AllFalse(d, in_reach)) continue;
       Contacts<D> contact = find_contacts(d, meeting, shape, in_reach, to_local(d, before, start), local, near, gap,
                                           thickness, round == 0);

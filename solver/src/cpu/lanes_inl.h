@@ -180,6 +180,14 @@ HWY_INLINE void for_vectors(D d, std::span<const Run> runs, const Body& body) {
   for (const Run& run : runs)
     for (uint32_t i = run.first; i < run.last; i += static_cast<uint32_t>(hn::Lanes(d))) body(i);
 }
+/// Calls body(lane) for each of some lanes.
+template <class D, class Body>
+HWY_INLINE void for_lanes(D d, Mask<D> lanes, const Body& body) {
+  std::array<uint8_t, 8> bits{};
+  hn::StoreMaskBits(d, lanes, bits.data());
+  for (uint32_t k = 0; k < hn::Lanes(d); ++k)
+    if ((bits[k / 8] >> k % 8 & 1) != 0) body(k);
+}
 /// Lanes whose point moves. What is pinned has no mass here, and no cloth has none either.
 template <class D>
 HWY_INLINE Mask<D> free_lanes(D d, const float* inverse_mass) {

@@ -171,12 +171,6 @@ HWY_NOINLINE Mask<D> flat_below(D d, const float* numbers, const shader::Collide
   return hn::Lt(bent, hn::Mul(hn::Set(d, shader::kFlat), side));
 }
 
-/// out_of_reach() of lib/collide.h.
-template <class D>
-HWY_INLINE Mask<D> out_of_reach(D d, const shader::ColliderShape& shape, Vec<D> gap, Vec<D> way) {
-  return hn::Gt(gap, hn::Mul(hn::Set(d, 2.F), hn::Add(way, hn::Set(d, shape.way))));
-}
-
 /// collide_triangle().
 /// @return the lanes that were moved
 template <class D>
