@@ -23,12 +23,16 @@ const float kLiftSpeed = 1.0f;  // [m/s] at which, besides the collider's own, a
 
 const float kThinEdged = 3.0f;  // spacings; half of what a box or a hull is thick whose edges lead in between points
 
-// Whether triangles meet a collider themselves. Where it is thick their pixels keep it out well enough: it opens no
-// cell between points that give way as lib/yield.h has it. A sharp corner does, however thick the hull is behind it.
+// Whether a collider opens cells between points. Where it is thick it does not, as points give way as lib/yield.h has
+// it; a sharp corner does, however thick the hull is behind it.
+inline bool opens_cells(float spacing, ColliderShape shape) {
+  return half_thickness(shape) < kThin * spacing || (shape.kind == kShapeConvex && shape.b.z > 0.0f);
+}
+
+// Whether triangles meet a collider themselves, so that it does not slip through between points.
 inline bool meets_triangles(float spacing, ColliderShape shape) {
   bool edged = shape.kind == kShapeBox || shape.kind == kShapeConvex;
-  if (half_thickness(shape) < (edged ? kThinEdged : kThin) * spacing) return true;
-  return shape.kind == kShapeConvex && shape.b.z > 0.0f;
+  return opens_cells(spacing, shape) || (edged && half_thickness(shape) < kThinEdged * spacing);
 }
 
 // Sides [m] from which on a triangle meets a collider itself. Smaller ones are kept out well enough by their pixels.

@@ -11,7 +11,6 @@ ScheduleOptions schedule_options(const SimulationData& data, uint32_t cloth, con
   const bool attached = c.attachments && !f.pins.empty();
   const bool slack = c.evenness == Evenness::squeezed || f.slack_pins || f.params.air != 0;
   const bool spans = (c.attachments && !frame.shapes.empty()) || (attached && slack);
-  const uint32_t cell_rounds = frame.shapes.empty() ? 0 : f.cell_rounds;
   return {.substeps = static_cast<uint32_t>(frame.substeps.size()),
           .relaxation_steps = data.relaxation_steps,
           .rescale = f.params.gravity_step.w != 1,
@@ -23,11 +22,11 @@ ScheduleOptions schedule_options(const SimulationData& data, uint32_t cloth, con
           .attachments = attached,
           .spans = spans,
           .ties = (spans || (attached && c.evenness != Evenness::even)) && !f.pulled_apart && !data.fine &&
-                  (cell_rounds == 0 || f.params.leave_near > 0) && !frame.measure_motion,
+                  !f.held_open && !frame.measure_motion,
           .self_collision = f.params.self_points > 0,
           .inter_collision = f.params.inter_points > 0,
           .collide = !frame.shapes.empty() || f.params.max_step > 0,
-          .cell_rounds = cell_rounds,
+          .cell_rounds = frame.shapes.empty() ? 0 : f.cell_rounds,
           .check = data.check,
           .asleep = f.asleep,
           .motion = frame.measure_motion || f.params.carried_at >= 0,

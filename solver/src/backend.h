@@ -110,6 +110,7 @@ struct ClothFrame {
 
   uint32_t cell_rounds = 0;   ///< see ScheduleOptions
   bool asleep = false;        ///< nothing is done: everything stays as it is
+  bool held_open = false;     ///< a fast collider may open cells, which ties at the frame's end would draw over it
   bool pulled_apart = false;  ///< two of its pins are farther from each other than the cloth may stretch
   bool slack_pins = false;    ///< attachments to its pins are slack: they lie one above the other, as a flag's on its
                               ///< pole, or the cloth sags between them

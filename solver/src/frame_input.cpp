@@ -315,6 +315,11 @@ bool may_slip_through(std::span<const shader::ColliderShape> shapes, float spaci
                      [&](const shader::ColliderShape& s) { return shader::meets_triangles(spacing, s); });
 }
 
+bool may_open_cells(std::span<const shader::ColliderShape> shapes, float spacing) {
+  return std::any_of(shapes.begin(), shapes.end(),
+                     [&](const shader::ColliderShape& s) { return shader::opens_cells(spacing, s); });
+}
+
 void substep_inputs(const FrameClock& clock, const std::optional<Wind>& wind, const Vec3& origin,
                     std::vector<shader::Substep>& inputs) {
   inputs.assign(clock.substeps, shader::Substep{});

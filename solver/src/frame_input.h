@@ -45,6 +45,9 @@ void collider_poses(std::span<const Transform> from, std::span<const Collider> t
 /// @param spacing  [m] of the pixels
 [[nodiscard]] bool may_slip_through(std::span<const shader::ColliderShape> shapes, float spacing);
 
+/// Whether one of them opens cells between points, which only a substep's contacts keep apart.
+[[nodiscard]] bool may_open_cells(std::span<const shader::ColliderShape> shapes, float spacing);
+
 /// Pin fractions and gusts of every substep.
 /// @param inputs  replaced; its memory is used again
 void substep_inputs(const FrameClock& clock, const std::optional<Wind>& wind, const Vec3& origin,

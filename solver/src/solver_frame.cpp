@@ -505,6 +505,7 @@ void Solver::Impl::run_group(uint32_t factor) {
     frame.params.spacing = spacing;
     const bool leaves = cloth.collide_cells && !hasty;
     frame.params.leave_near = leaves ? shader::kLeaveNear * spacing : 0;
+    frame.held_open = hasty && may_open_cells(frame_.shapes, spacing);
     frame.params.grip = grip_of(frame, spacing);
     measure_ride(cloth, frame);
     if (!cloth.asleep) cloth.displaced_in = clock().dt;

@@ -108,7 +108,7 @@ TEST_P(Fast, BallPushesASheetWhileOtherCollidersComeAndGo) {
     Solver solver = make(test::describe(asset), checked());
     solver.set_pins(0, test::pins_at_rest(asset, "top"));
     Collider ball{name, Sphere{{0, 0, -0.25F}, 0.1F}, 0.3F, {}};
-    Collider twin = ball, box{name, Box{{5, 0, 0}, {0.2F, 0.2F, 0.2F}, {}}, 0.3F, {}};
+    Collider twin = ball, box{name, Box{{5, 0, 0}, {0.1F, 0.1F, 0.1F}, {}}, 0.3F, {}};
     twin.name = "";
     twin.pose.translate = {-5, 0, 0};
     solver.set_colliders(std::vector{ball});
