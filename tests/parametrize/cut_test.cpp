@@ -2,9 +2,13 @@
 #include "geocloth/parametrize/cut.h"
 
 #include <algorithm>
+#include <functional>
 #include <map>
+#include <ostream>
 #include <random>
 #include <set>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -15,9 +19,23 @@
 namespace geocloth {
 namespace {
 
-class Cut : public ::testing::TestWithParam<test::NamedSurface> {
+/// Random ones are many and tiny: a process for each would take longer than its test.
+struct SurfaceSet {
+  std::string name;
+  std::vector<test::NamedSurface> surfaces;
+};
+void PrintTo(const SurfaceSet& set, std::ostream* out) {
+  *out << set.name;
+}
+
+class Cut : public ::testing::TestWithParam<SurfaceSet> {
  protected:
-  const CleanSurface surface_ = GetParam().make();
+  static void for_each(const std::function<void(const CleanSurface& surface)>& check) {
+    for (const test::NamedSurface& named : GetParam().surfaces) {
+      SCOPED_TRACE(named.name);
+      check(named.make());
+    }
+  }
 };
 
 std::vector<Triangle> over_points(const std::vector<Triangle>& triangle, const std::vector<uint32_t>& point) {
@@ -28,137 +46,154 @@ std::vector<Triangle> over_points(const std::vector<Triangle>& triangle, const s
 
 // Every part must be laid out in the plane as one piece without holes.
 TEST_P(Cut, EveryComponentIsADisk) {
-  const CutSurface cut = cut_to_disks(surface_);
-  ASSERT_GE(cut.triangle.size(), surface_.triangle.size());
-  std::vector<std::vector<Triangle>> part(cut.component_count);
-  for (size_t t = 0; t < cut.triangle.size(); ++t) part[cut.component[t]].push_back(cut.triangle[t]);
-  for (const auto& triangles : part) {
-    const Topology topology = measure_topology(triangles, static_cast<uint32_t>(cut.position.size()));
-    EXPECT_EQ(topology.components, 1U);
-    EXPECT_EQ(topology.boundary_loops, 1U);
-    EXPECT_EQ(topology.euler_characteristic, 1);
-    EXPECT_EQ(topology.bow_tie_vertices, 0U);
-    EXPECT_EQ(topology.inconsistent_edges, 0U);
-    EXPECT_TRUE(topology.orientable);
-  }
+  for_each([](const CleanSurface& surface) {
+    const CutSurface cut = cut_to_disks(surface);
+    ASSERT_GE(cut.triangle.size(), surface.triangle.size());
+    std::vector<std::vector<Triangle>> part(cut.component_count);
+    for (size_t t = 0; t < cut.triangle.size(); ++t) part[cut.component[t]].push_back(cut.triangle[t]);
+    for (const auto& triangles : part) {
+      const Topology topology = measure_topology(triangles, static_cast<uint32_t>(cut.position.size()));
+      EXPECT_EQ(topology.components, 1U);
+      EXPECT_EQ(topology.boundary_loops, 1U);
+      EXPECT_EQ(topology.euler_characteristic, 1);
+      EXPECT_EQ(topology.bow_tie_vertices, 0U);
+      EXPECT_EQ(topology.inconsistent_edges, 0U);
+      EXPECT_TRUE(topology.orientable);
+    }
+  });
 }
 
 // The pieces sewn together again by their points are the surface we began with, split where cuts cross its edges.
 TEST_P(Cut, PointsSewItTogetherAgain) {
-  const CleanSurface& surface = surface_;
-  const CutSurface cut = cut_to_disks(surface);
-  const auto sewn = over_points(cut.triangle, cut.point);
-  const auto whole = over_points(surface.triangle, surface.point);
-  const Topology as_cut = measure_topology(sewn, cut.point_count);
-  const Topology as_was = measure_topology(whole, surface.point_count);
-  EXPECT_EQ(as_cut.components, as_was.components);
-  EXPECT_EQ(as_cut.boundary_loops, as_was.boundary_loops);
-  EXPECT_EQ(as_cut.euler_characteristic, as_was.euler_characteristic);
-  EXPECT_EQ(as_cut.non_manifold_edges, as_was.non_manifold_edges);
-  EXPECT_EQ(as_cut.orientable, as_was.orientable);
-  for (size_t v = 0; v < cut.position.size(); ++v) {
-    if (cut.clean_vertex[v] == kNone) {
-      EXPECT_GE(cut.point[v], surface.point_count);
-      continue;
+  for_each([](const CleanSurface& surface) {
+    const CutSurface cut = cut_to_disks(surface);
+    const auto sewn = over_points(cut.triangle, cut.point);
+    const auto whole = over_points(surface.triangle, surface.point);
+    const Topology as_cut = measure_topology(sewn, cut.point_count);
+    const Topology as_was = measure_topology(whole, surface.point_count);
+    EXPECT_EQ(as_cut.components, as_was.components);
+    EXPECT_EQ(as_cut.boundary_loops, as_was.boundary_loops);
+    EXPECT_EQ(as_cut.euler_characteristic, as_was.euler_characteristic);
+    EXPECT_EQ(as_cut.non_manifold_edges, as_was.non_manifold_edges);
+    EXPECT_EQ(as_cut.orientable, as_was.orientable);
+    for (size_t v = 0; v < cut.position.size(); ++v) {
+      if (cut.clean_vertex[v] == kNone) {
+        EXPECT_GE(cut.point[v], surface.point_count);
+        continue;
+      }
+      EXPECT_EQ(cut.position[v], surface.position[cut.clean_vertex[v]]);
+      EXPECT_EQ(cut.point[v], surface.point[cut.clean_vertex[v]]);
     }
-    EXPECT_EQ(cut.position[v], surface.position[cut.clean_vertex[v]]);
-    EXPECT_EQ(cut.point[v], surface.point[cut.clean_vertex[v]]);
-  }
+  });
 }
 
 // Texture, parts and the binding of the source mesh are looked up by triangle: its pieces must make up the whole of it,
 // in its plane and facing the same way.
 TEST_P(Cut, PiecesOfATriangleMakeItUp) {
-  const CleanSurface& surface = surface_;
-  const CutSurface cut = cut_to_disks(surface);
-  ASSERT_EQ(cut.clean_triangle.size(), cut.triangle.size());
-  const auto normal = [](const std::vector<Point3>& position, const Triangle& t) {
-    return cross(position[t[1]] - position[t[0]], position[t[2]] - position[t[0]]);
-  };
-  std::vector<Point3> sum(surface.triangle.size(), Point3{0, 0, 0});
-  for (size_t t = 0; t < cut.triangle.size(); ++t) {
-    const Point3 whole = normal(surface.position, surface.triangle[cut.clean_triangle[t]]);
-    const Point3 piece = normal(cut.position, cut.triangle[t]);
-    EXPECT_GT(dot(whole, piece), 0);
-    sum[cut.clean_triangle[t]] = sum[cut.clean_triangle[t]] + piece;
-  }
-  for (size_t t = 0; t < sum.size(); ++t) {
-    const Point3 whole = normal(surface.position, surface.triangle[t]);
-    EXPECT_LT(length(whole - sum[t]), 1e-9 * length(whole));
-  }
+  for_each([](const CleanSurface& surface) {
+    const CutSurface cut = cut_to_disks(surface);
+    ASSERT_EQ(cut.clean_triangle.size(), cut.triangle.size());
+    const auto normal = [](const std::vector<Point3>& position, const Triangle& t) {
+      return cross(position[t[1]] - position[t[0]], position[t[2]] - position[t[0]]);
+    };
+    std::vector<Point3> sum(surface.triangle.size(), Point3{0, 0, 0});
+    for (size_t t = 0; t < cut.triangle.size(); ++t) {
+      const Point3 whole = normal(surface.position, surface.triangle[cut.clean_triangle[t]]);
+      const Point3 piece = normal(cut.position, cut.triangle[t]);
+      EXPECT_GT(dot(whole, piece), 0);
+      sum[cut.clean_triangle[t]] = sum[cut.clean_triangle[t]] + piece;
+    }
+    for (size_t t = 0; t < sum.size(); ++t) {
+      const Point3 whole = normal(surface.position, surface.triangle[t]);
+      EXPECT_LT(length(whole - sum[t]), 1e-9 * length(whole));
+    }
+  });
 }
 
 // A tie in the middle of a chart could not be told to the solver: ties must lie on outlines.
 TEST_P(Cut, TiesLieOnOutlines) {
-  const CutSurface cut = cut_to_disks(surface_);
-  std::vector<char> on_outline(cut.position.size(), 0);
-  std::set<std::pair<uint32_t, uint32_t>> outline_edge;
-  for (const Outline& outline : trace_outlines(cut)) {
-    for (const OutlinePath& path : outline.path) {
-      for (size_t i = 0; i + 1 < path.vertex.size(); ++i) {
-        on_outline[path.vertex[i]] = on_outline[path.vertex[i + 1]] = 1;
-        outline_edge.insert(std::minmax(path.vertex[i], path.vertex[i + 1]));
+  for_each([](const CleanSurface& surface) {
+    const CutSurface cut = cut_to_disks(surface);
+    std::vector<char> on_outline(cut.position.size(), 0);
+    std::set<std::pair<uint32_t, uint32_t>> outline_edge;
+    for (const Outline& outline : trace_outlines(cut)) {
+      for (const OutlinePath& path : outline.path) {
+        for (size_t i = 0; i + 1 < path.vertex.size(); ++i) {
+          on_outline[path.vertex[i]] = on_outline[path.vertex[i + 1]] = 1;
+          outline_edge.insert(std::minmax(path.vertex[i], path.vertex[i + 1]));
+        }
       }
     }
-  }
-  std::vector<uint32_t> copies(cut.point_count, 0);
-  for (const uint32_t p : cut.point) ++copies[p];
-  for (size_t v = 0; v < cut.point.size(); ++v) {
-    EXPECT_TRUE(copies[cut.point[v]] == 1 || on_outline[v]) << "vertex " << v;
-  }
-  std::map<std::pair<uint32_t, uint32_t>, std::set<std::pair<uint32_t, uint32_t>>> edges_over;
-  for (const Triangle& t : cut.triangle) {
-    for (size_t i = 0; i < 3; ++i) {
-      const uint32_t a = t[i], b = t[(i + 1) % 3];
-      edges_over[std::minmax(cut.point[a], cut.point[b])].insert(std::minmax(a, b));
+    std::vector<uint32_t> copies(cut.point_count, 0);
+    for (const uint32_t p : cut.point) ++copies[p];
+    for (size_t v = 0; v < cut.point.size(); ++v) {
+      EXPECT_TRUE(copies[cut.point[v]] == 1 || on_outline[v]) << "vertex " << v;
     }
-  }
-  for (const auto& [points, edges] : edges_over) {
-    if (edges.size() == 1) continue;
-    for (const auto& edge : edges) EXPECT_TRUE(outline_edge.contains(edge));
-  }
+    std::map<std::pair<uint32_t, uint32_t>, std::set<std::pair<uint32_t, uint32_t>>> edges_over;
+    for (const Triangle& t : cut.triangle) {
+      for (size_t i = 0; i < 3; ++i) {
+        const uint32_t a = t[i], b = t[(i + 1) % 3];
+        edges_over[std::minmax(cut.point[a], cut.point[b])].insert(std::minmax(a, b));
+      }
+    }
+    for (const auto& [points, edges] : edges_over) {
+      if (edges.size() == 1) continue;
+      for (const auto& edge : edges) EXPECT_TRUE(outline_edge.contains(edge));
+    }
+  });
 }
 
 // Both sides of a seam are sewn pixel by pixel: they must agree about its points, direction and length.
 TEST_P(Cut, RunsOfASeamAgree) {
-  const CutSurface cut = cut_to_disks(surface_);
-  std::map<uint32_t, std::pair<std::vector<uint32_t>, double>> seam;
-  size_t outline_edges = 0, border_edges = 0;
-  for (const Outline& outline : trace_outlines(cut)) {
-    ASSERT_FALSE(outline.path.empty());
-    for (size_t i = 0; i < outline.path.size(); ++i) {
-      const OutlinePath& path = outline.path[i];
-      EXPECT_EQ(path.vertex.back(), outline.path[(i + 1) % outline.path.size()].vertex.front());
-      std::vector<uint32_t> points;
-      for (const uint32_t v : path.vertex) points.push_back(cut.point[v]);
-      outline_edges += points.size() - 1;
-      if (path.reversed) std::reverse(points.begin(), points.end());
-      const auto& known = seam.try_emplace(path.seam, points, path.length).first->second;
-      EXPECT_EQ(known.first, points);
-      EXPECT_EQ(known.second, path.length);
+  for_each([](const CleanSurface& surface) {
+    const CutSurface cut = cut_to_disks(surface);
+    std::map<uint32_t, std::pair<std::vector<uint32_t>, double>> seam;
+    size_t outline_edges = 0, border_edges = 0;
+    for (const Outline& outline : trace_outlines(cut)) {
+      ASSERT_FALSE(outline.path.empty());
+      for (size_t i = 0; i < outline.path.size(); ++i) {
+        const OutlinePath& path = outline.path[i];
+        EXPECT_EQ(path.vertex.back(), outline.path[(i + 1) % outline.path.size()].vertex.front());
+        std::vector<uint32_t> points;
+        for (const uint32_t v : path.vertex) points.push_back(cut.point[v]);
+        outline_edges += points.size() - 1;
+        if (path.reversed) std::reverse(points.begin(), points.end());
+        const auto& known = seam.try_emplace(path.seam, points, path.length).first->second;
+        EXPECT_EQ(known.first, points);
+        EXPECT_EQ(known.second, path.length);
+      }
     }
-  }
-  std::map<std::pair<uint32_t, uint32_t>, int> sides;
-  for (const Triangle& t : cut.triangle) {
-    for (size_t i = 0; i < 3; ++i) ++sides[std::minmax(t[i], t[(i + 1) % 3])];
-  }
-  for (const auto& [edge, count] : sides) border_edges += count == 1 ? 1 : 0;
-  EXPECT_EQ(outline_edges, border_edges);
-  std::map<uint32_t, std::set<uint32_t>> seams_through;  // inner points of seams
-  for (const auto& [number, run] : seam) {
-    for (size_t i = 1; i + 1 < run.first.size(); ++i) seams_through[run.first[i]].insert(number);
-  }
-  for (const auto& [point, numbers] : seams_through) EXPECT_EQ(numbers.size(), 1U) << "point " << point;
+    std::map<std::pair<uint32_t, uint32_t>, int> sides;
+    for (const Triangle& t : cut.triangle) {
+      for (size_t i = 0; i < 3; ++i) ++sides[std::minmax(t[i], t[(i + 1) % 3])];
+    }
+    for (const auto& [edge, count] : sides) border_edges += count == 1 ? 1 : 0;
+    EXPECT_EQ(outline_edges, border_edges);
+    std::map<uint32_t, std::set<uint32_t>> seams_through;  // inner points of seams
+    for (const auto& [number, run] : seam) {
+      for (size_t i = 1; i + 1 < run.first.size(); ++i) seams_through[run.first[i]].insert(number);
+    }
+    for (const auto& [point, numbers] : seams_through) EXPECT_EQ(numbers.size(), 1U) << "point " << point;
+  });
 }
 
 TEST_P(Cut, IsDeterministic) {
-  const CutSurface a = cut_to_disks(surface_), b = cut_to_disks(surface_);
-  EXPECT_EQ(a.triangle, b.triangle);
-  EXPECT_EQ(a.clean_vertex, b.clean_vertex);
+  for_each([](const CleanSurface& surface) {
+    const CutSurface a = cut_to_disks(surface), b = cut_to_disks(surface);
+    EXPECT_EQ(a.triangle, b.triangle);
+    EXPECT_EQ(a.clean_vertex, b.clean_vertex);
+  });
 }
 
-INSTANTIATE_TEST_SUITE_P(Surfaces, Cut, ::testing::ValuesIn(test::surfaces_of_every_topology()),
-                         [](const auto& test) { return std::string(test.param.name); });
+std::vector<SurfaceSet> surfaces_one_by_one() {
+  std::vector<SurfaceSet> sets;
+  for (const test::NamedSurface& surface : test::surfaces_of_every_topology())
+    sets.push_back({surface.name, {surface}});
+  return sets;
+}
+
+INSTANTIATE_TEST_SUITE_P(Surfaces, Cut, ::testing::ValuesIn(surfaces_one_by_one()),
+                         [](const auto& test) { return test.param.name; });
 
 /// What repair makes of the faces between full and empty cells of a random block, a few of them left out: handles, bow
 /// ties, edges of four faces, holes and closed bags, all in one.
@@ -221,11 +256,10 @@ std::vector<test::NamedSurface> random_tetrahedra() {
   return result;
 }
 
-INSTANTIATE_TEST_SUITE_P(Closed, Cut, ::testing::ValuesIn(random_tetrahedra()),
-                         [](const auto& test) { return std::string(test.param.name); });
-
-INSTANTIATE_TEST_SUITE_P(Random, Cut, ::testing::ValuesIn(random_blocks()),
-                         [](const auto& test) { return std::string(test.param.name); });
+INSTANTIATE_TEST_SUITE_P(Random, Cut,
+                         ::testing::Values(SurfaceSet{"tetrahedra", random_tetrahedra()},
+                                           SurfaceSet{"blocks", random_blocks()}),
+                         [](const auto& test) { return test.param.name; });
 
 double cut_length(const CutSurface& cut) {
   std::map<uint32_t, int> runs;

@@ -903,10 +903,12 @@ TEST(Repair, TopologyDoesNotDependOnTheOrderOfTheFile) {
 // --- random rubbish
 // ----------------------------------------------------------------------------------------------------
 
+/// A process for each would take longer than its repair.
+constexpr uint32_t kSoupsOfATest = 50;
 class RandomSoup : public ::testing::TestWithParam<uint32_t> {};
 
-TEST_P(RandomSoup, AlwaysGivesACleanSurface) {
-  std::mt19937 random(GetParam());
+void repair_soup(uint32_t seed) {
+  std::mt19937 random(seed);
   const auto below = [&](uint32_t limit) { return static_cast<uint32_t>(random() % limit); };
   const uint32_t points = 4 + below(12), faces = 1 + below(60), grid = 2 + below(3);
   std::vector<Point3> p;
@@ -924,7 +926,15 @@ TEST_P(RandomSoup, AlwaysGivesACleanSurface) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Seeds, RandomSoup, ::testing::Range(0U, 400U));
+TEST_P(RandomSoup, AlwaysGivesACleanSurface) {
+  for (uint32_t seed = GetParam(); seed < GetParam() + kSoupsOfATest; ++seed) {
+    SCOPED_TRACE(seed);
+    repair_soup(seed);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(SeedsFrom, RandomSoup, ::testing::Range(0U, 400U, kSoupsOfATest),
+                         [](const auto& test) { return std::to_string(test.param); });
 
 // --- real meshes
 // -------------------------------------------------------------------------------------------------------
