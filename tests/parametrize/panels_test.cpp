@@ -38,21 +38,15 @@ double area_twice(const Point2& p, const Point2& q, const Point2& r) {
   return (q[0] - p[0]) * (r[1] - p[1]) - (r[0] - p[0]) * (q[1] - p[1]);
 }
 
-class Panels : public ::testing::TestWithParam<test::NamedSurface> {
- protected:
-  const CleanSurface surface_ = GetParam().make();
-  const FlatSurface flat_ = flatten_panels(surface_, 48);
-};
-
-TEST_P(Panels, NoTriangleIsFlipped) {
-  for (const auto& [a, b, c] : flat_.triangle) {
-    EXPECT_LT(area_twice(flat_.uv[a], flat_.uv[b], flat_.uv[c]), 0);  // v runs down
+void expect_no_triangle_flipped(const FlatSurface& flat) {
+  for (const auto& [a, b, c] : flat.triangle) {
+    EXPECT_LT(area_twice(flat.uv[a], flat.uv[b], flat.uv[c]), 0);  // v runs down
   }
 }
 
 // A chain that met a pixel twice or jumped would join or tear cloth there.
-TEST_P(Panels, OutlinesAreClosedSimpleChainsOfPixels) {
-  for (const FlatChart& chart : flat_.charts) {
+void expect_outlines_to_be_closed_simple_chains(const FlatSurface& flat) {
+  for (const FlatChart& chart : flat.charts) {
     std::set<std::pair<uint32_t, uint32_t>> seen;
     for (size_t i = 0; i < chart.outline.size(); ++i) {
       const OutlineSample& s = chart.outline[i];
@@ -63,36 +57,44 @@ TEST_P(Panels, OutlinesAreClosedSimpleChainsOfPixels) {
       EXPECT_LE(std::max(std::abs(static_cast<int>(s.x) - static_cast<int>(next.x)),
                          std::abs(static_cast<int>(s.y) - static_cast<int>(next.y))),
                 1);
-      EXPECT_NE(flat_.point[s.vertex], flat_.point[next.vertex]);
+      EXPECT_NE(flat.point[s.vertex], flat.point[next.vertex]);
     }
   }
 }
 
 // Both sides of a seam, and every sheet on it, hold the same points: the same positions to the bit.
-TEST_P(Panels, CopiesCoincide) {
+void expect_copies_to_coincide(const FlatSurface& flat) {
   std::map<uint32_t, Point3> place;
-  for (const FlatChart& chart : flat_.charts) {
+  for (const FlatChart& chart : flat.charts) {
     for (const OutlineSample& s : chart.outline) {
-      EXPECT_EQ(place.try_emplace(flat_.point[s.vertex], flat_.position[s.vertex]).first->second,
-                flat_.position[s.vertex]);
+      EXPECT_EQ(place.try_emplace(flat.point[s.vertex], flat.position[s.vertex]).first->second,
+                flat.position[s.vertex]);
     }
   }
 }
 
-TEST_P(Panels, WeldedGridIsTheGarment) {
-  const CleanSurface& clean = surface_;
-  const Raster raster = rasterize(flat_);
+void expect_welded_grid_to_be_the_garment(const CleanSurface& clean, const FlatSurface& flat) {
+  const Raster raster = rasterize(flat);
   EXPECT_TRUE(raster.overlapping.empty());
-  const ClothAsset asset = build_image(flat_, raster, Layout::panels);
+  const ClothAsset asset = build_image(flat, raster, Layout::panels);
   const GridMesh mesh = welded_grid_mesh(asset, asset.rest_position);
   expect_same_topology(measure_topology(mesh.triangle, static_cast<uint32_t>(mesh.position.size())),
                        measure_topology(over_points(clean.triangle, clean.point), clean.point_count));
 }
 
-TEST_P(Panels, IsDeterministic) {
-  const FlatSurface again = flatten_panels(surface_, 48);
-  EXPECT_EQ(again.uv, flat_.uv);
-  EXPECT_EQ(again.triangle, flat_.triangle);
+class Panels : public ::testing::TestWithParam<test::NamedSurface> {};
+
+// One test, for the layout takes nearly all of its time.
+TEST_P(Panels, AreRightAndTheSameEveryTime) {
+  const CleanSurface surface = GetParam().make();
+  const FlatSurface flat = flatten_panels(surface, 48);
+  expect_no_triangle_flipped(flat);
+  expect_outlines_to_be_closed_simple_chains(flat);
+  expect_copies_to_coincide(flat);
+  expect_welded_grid_to_be_the_garment(surface, flat);
+  const FlatSurface again = flatten_panels(surface, 48);
+  EXPECT_EQ(again.uv, flat.uv);
+  EXPECT_EQ(again.triangle, flat.triangle);
 }
 
 INSTANTIATE_TEST_SUITE_P(Surfaces, Panels, ::testing::ValuesIn(test::surfaces_of_every_topology()),
