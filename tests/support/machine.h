@@ -37,6 +37,10 @@ inline void PrintTo(const Machine& machine, std::ostream* out) {
 template <class Case = Machine>
 class MachineTest : public VulkanTest, public testing::WithParamInterface<Case> {
  protected:
+  static void SetUpTestSuite() {
+    VulkanTest::SetUpTestSuite();
+    VulkanTest::keep_software_to_one_thread();
+  }
   void SetUp() override {
     if (machine().backend == Backend::vulkan) VulkanTest::SetUp();
   }

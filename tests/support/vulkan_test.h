@@ -35,6 +35,10 @@ class VulkanTest : public testing::Test {
       (void)dlopen(library, RTLD_LAZY | RTLD_NODELETE);
   }
 
+  /// A cloth of a few work groups takes lavapipe longer to hand to its threads than to go through. For scenes that are
+  /// played: tests that compare passes with the cpu's bits keep the threads, so that groups do run at once there.
+  static void keep_software_to_one_thread() { setenv("LP_NUM_THREADS", "0", 0); }
+
   void SetUp() override {
     for (const DeviceInfo& device : enumerate_devices())
       if (device.backend == Backend::vulkan && device.usable) return;

@@ -141,6 +141,11 @@ TEST_P(Example, KeepsOutOfCollidersInEveryFrame) {
 
 class SmallExample : public VulkanTest, public testing::WithParamInterface<std::string> {
  protected:
+  static void SetUpTestSuite() {
+    VulkanTest::SetUpTestSuite();
+    keep_software_to_one_thread();
+  }
+
   /// Positions of all cloths after a second.
   std::vector<std::vector<Vec3>> play(const Scene& scene, Backend backend) {
     SolverSettings settings;

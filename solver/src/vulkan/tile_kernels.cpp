@@ -20,6 +20,8 @@ constexpr uint32_t kDirections = 2;
 
 constexpr uint32_t kTileInvocations = 256;  ///< a few pixels for each
 constexpr uint32_t kTinyInvocations = 1024;
+/// In software every invocation goes through all kinds of steps, whichever it is: few do, and each takes more pixels.
+constexpr uint32_t kSoftwareInvocations = 32;
 constexpr uint32_t kTinyPoints = 256;  ///< numbers of points are rounded up to these, so that kernels are shared
 
 vk::DescriptorType tile_descriptor_type(uint32_t binding) {
@@ -59,7 +61,7 @@ uint32_t subgroup_size(const Context& context) {
 
 /// Whole subgroups, at most as many as a work group can have.
 uint32_t invocations(const TileLimits& limits, uint32_t wanted) {
-  const uint32_t most = std::min(limits.invocations, wanted);
+  const uint32_t most = std::min({limits.invocations, wanted, limits.software ? kSoftwareInvocations : wanted});
   return std::max(limits.subgroup, most / limits.subgroup * limits.subgroup);
 }
 
@@ -109,8 +111,9 @@ const Kernel& TileKernels::tile_kernel(uint32_t border) {
 }
 
 const Kernel& TileKernels::tiny_kernel(uint32_t pixels) {
-  const uint32_t points = std::min(divide_up(pixels, kTinyPoints) * kTinyPoints,
-                                   limits_.shared_bytes / static_cast<uint32_t>(sizeof(shader::vec4)));
+  const uint32_t most = limits_.shared_bytes / static_cast<uint32_t>(sizeof(shader::vec4));
+  // Software takes ten seconds to compile one, and no less time to run one of fewer points.
+  const uint32_t points = limits_.software ? most : std::min(divide_up(pixels, kTinyPoints) * kTinyPoints, most);
   const auto found = tiny_.find(points);
   if (found != tiny_.end()) return found->second;
   const std::array specialization{invocations(limits_, std::min(points, kTinyInvocations)), points};
