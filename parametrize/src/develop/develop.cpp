@@ -98,7 +98,7 @@ struct Worth {
 
 /// How many ways a part is worth: time grows with its triangles.
 std::vector<Way> ways_for(size_t triangles, const std::vector<Worth>& worth) {
-  constexpr size_t kFurther = 1'500, kAll = 4'000, kTwo = 10'000;
+  constexpr size_t kFurther = 1'500, kAll = 4'000, kTwo = 6'000;
   const size_t plain = triangles <= kAll ? kTastes.size() : triangles <= kTwo ? 2 : 1;
   const size_t wishful = triangles <= kAll ? kWishfulTastes.size() : triangles <= kMostWithWishes ? 1 : 0;
   std::vector<Way> ways;
