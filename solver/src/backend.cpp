@@ -9,7 +9,7 @@ ScheduleOptions schedule_options(const SimulationData& data, uint32_t cloth, con
   const ClothData& c = data.cloths[cloth];
   const ClothFrame& f = frame.cloths[cloth];
   const bool attached = c.attachments && !f.pins.empty();
-  const bool slack = c.evenness == Evenness::squeezed || f.slack_pins || f.params.air != 0;
+  const bool slack = c.evenness == Evenness::squeezed || c.short_seams || f.slack_pins || f.params.air != 0;
   const bool spans = (c.attachments && !frame.shapes.empty()) || (attached && slack);
   return {.substeps = static_cast<uint32_t>(frame.substeps.size()),
           .relaxation_steps = data.relaxation_steps,

@@ -71,6 +71,7 @@ struct ClothData {
   Bending bending = Bending::none;
   bool attachments = false;  ///< max_stretch > 0
   Evenness evenness = Evenness::even;
+  bool short_seams = false;        ///< parts of it hang on few springs
   uint64_t springs_per_sweep = 0;  ///< springs and seam bends that one relaxation step projects
 
   [[nodiscard]] uint32_t split_rows() const {

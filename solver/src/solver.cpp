@@ -459,7 +459,7 @@ CutResult Solver::Impl::cut(uint32_t cloth, const std::array<Vec3, 3>& triangle)
 }
 
 ClothData Solver::Impl::cloth_data(const Cloth& cloth, const std::shared_ptr<const ClothAsset>& asset) const {
-  return make_cloth_data({asset, cloth.material, cloth.start, cloth.self_collision}, origin_);
+  return make_cloth_data({asset, cloth.material, cloth.start, cloth.self_collision}, origin_, *cloth.original);
 }
 
 /// Another topology of the same cloth.

@@ -13,6 +13,7 @@
 
 #include "geocloth/solver/scene.h"
 #include "lib/span.h"
+#include "rest/short_seams.h"
 #include "rest/upload.h"
 #include "solver_fixture.h"
 #include "support/swing.h"
@@ -174,6 +175,53 @@ TEST(WholeTies, HoldWhatHangsOnLonePoints) {
   const std::vector<double> largest = largest_stretches(with_lone_points(), "top");
   for (size_t f = 0; f < largest.size(); ++f) EXPECT_LE(largest[f], 1.15) << "frame " << f;
   RecordProperty("largest", std::to_string(*std::max_element(largest.begin(), largest.end())));
+}
+
+/// Four panels below each other, each sewn to the next one in two points that lie beside each other, to the left and to
+/// the right in turns.
+ClothAsset hung_by_short_seams() {
+  constexpr uint32_t kSide = 49;
+  ClothAsset asset = test::make_sheet({.nx = kSide, .ny = kSide, .charts_y = 4, .horizontal = true});
+  SplitVertexTable few;
+  few.offset.push_back(0);
+  for (uint32_t r = 0; r < asset.splits.rows(); ++r) {
+    const uint32_t seam = r / kSide, first = seam % 2 == 0 ? kSide / 3 : 2 * kSide / 3;
+    if (r % kSide != first && r % kSide != first + 1) continue;
+    for (uint32_t k = asset.splits.offset[r]; k < asset.splits.offset[r + 1]; ++k)
+      few.pixel.push_back(asset.splits.pixel[k]);
+    few.offset.push_back(static_cast<uint32_t>(few.pixel.size()));
+  }
+  asset.splits = few;
+  std::erase_if(asset.seam_bends, [&](const SeamBend& bend) {
+    return std::find(few.pixel.begin(), few.pixel.end(), bend.middle) == few.pixel.end();
+  });
+  return asset;
+}
+
+// The way to the pins bends at such points, so attachments are slack, and the few springs about them carry all that
+// hangs below: they were stretched by 60 % while the panels fell and by 16 % in the end.
+TEST(ShortSeams, CarryWhatHangsOnThem) {
+  const std::vector<double> largest = largest_stretches(hung_by_short_seams(), "top");
+  RecordProperty("largest", std::to_string(*std::max_element(largest.begin(), largest.end())));
+  EXPECT_LE(*std::max_element(largest.begin(), largest.end()), 1.15);
+  EXPECT_LE(largest.back(), 1.08);
+}
+
+// No span through a point holds its ends nearer than they are along the cloth, and long seams have none.
+TEST(ShortSeams, HaveSpansThroughTheirPoints) {
+  const ClothAsset asset = hung_by_short_seams();
+  const std::vector<bool> short_seams = pixels_of_short_seams(asset);
+  EXPECT_EQ(static_cast<size_t>(std::count(short_seams.begin(), short_seams.end(), true)), asset.splits.pixel.size());
+  const std::vector<shader::SeamSpring> spans = spans_through_short_seams(asset, 2, short_seams);
+  EXPECT_GE(spans.size(), 6U * (shader::kSpanPixels - 1));
+  EXPECT_LE(spans.size(), most_spans_through_short_seams(asset, short_seams));
+  for (const shader::SeamSpring& span : spans) {
+    EXPECT_NE(asset.chart[span.a], asset.chart[span.b]);
+    EXPECT_GE(span.rest * 1.0001F, 2 * length(asset.rest_position[span.a] - asset.rest_position[span.b]));
+  }
+  const ClothAsset sewn = test::make_sheet({.nx = 20, .ny = 20, .charts_x = 2, .charts_y = 2});
+  const std::vector<bool> none = pixels_of_short_seams(sewn);
+  EXPECT_EQ(std::count(none.begin(), none.end(), true), 0);
 }
 
 // Each joins whole points and is there once, whatever copies its spring joins; those of a colour share no point.

@@ -15,12 +15,14 @@
 #include "geocloth/asset/grid_mesh.h"
 #include "lib/span.h"
 #include "rest/seam_list.h"
+#include "rest/short_seams.h"
 
 namespace geocloth {
 namespace {
 
 /// Colours are passes of their own: the few spans that need more, at corners of charts, are left out.
 constexpr uint32_t kMostSpanColors = 4;
+constexpr uint32_t kMostShortSeamColors = 8;
 
 constexpr uint32_t kLineSprings = 4;  ///< right, down and both diagonals
 
@@ -104,8 +106,12 @@ class SeamSpanBuilder {
 
 }  // namespace
 
-void add_seam_spans(const ClothAsset& asset, const RestShape& rest, ClothData& data) {
+void add_seam_spans(const ClothAsset& asset, const RestShape& rest, float scale, const std::vector<bool>& short_seams,
+                    ClothData& data) {
   data.seam_span_colors = append_by_color(SeamSpanBuilder(asset, rest).build(), kMostSpanColors, data);
+  const std::vector<shader::SeamSpring> through = spans_through_short_seams(asset, scale, short_seams);
+  data.seam_span_colors += append_by_color(through, kMostShortSeamColors, data);
+  data.most_seam_springs += most_spans_through_short_seams(asset, short_seams) - through.size();
 }
 
 }  // namespace geocloth

@@ -25,6 +25,7 @@
 #include "rest/seam_spans.h"
 #include "rest/seam_ties.h"
 #include "rest/self_points.h"
+#include "rest/short_seams.h"
 #include "rest/surface_graph.h"
 #include "rest/whole_ties.h"
 
@@ -129,7 +130,7 @@ Evenness evenness_of(const ClothAsset& asset) {
 
 }  // namespace
 
-ClothData make_cloth_data(const ClothDesc& cloth, const Vec3& origin) {
+ClothData make_cloth_data(const ClothDesc& cloth, const Vec3& origin, const ClothAsset& uncut) {
   const ClothAsset& asset = *cloth.asset;
   ClothData data;
   data.width = asset.width;
@@ -145,9 +146,11 @@ ClothData make_cloth_data(const ClothDesc& cloth, const Vec3& origin) {
   data.attachments = largest_stretch(cloth.material, {}, 0) > 0;
   data.evenness = evenness_of(asset);
   if (data.attachments) {
-    add_seam_spans(asset, rest, data);
+    const std::vector<bool> short_seams = pixels_of_short_seams(uncut);
+    data.short_seams = std::find(short_seams.begin(), short_seams.end(), true) != short_seams.end();
+    add_seam_spans(asset, rest, cloth.transform.scale, short_seams, data);
     add_seam_ties(asset, rest, data);
-    add_whole_ties(asset, rest, data);
+    add_whole_ties(asset, rest, short_seams, data);
   }
   if (cloth.self_collision) add_self_points(cloth, data);
   return data;

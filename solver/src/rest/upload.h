@@ -10,7 +10,11 @@ namespace geocloth {
 
 /// Everything a backend needs to know of one cloth: positions relative to the origin, masses from the pixels' area
 /// shares, springs with rest lengths and compliances from the material.
-[[nodiscard]] ClothData make_cloth_data(const ClothDesc& cloth, const Vec3& origin);
+/// @param uncut  the cloth's asset before any cut
+[[nodiscard]] ClothData make_cloth_data(const ClothDesc& cloth, const Vec3& origin, const ClothAsset& uncut);
+[[nodiscard]] inline ClothData make_cloth_data(const ClothDesc& cloth, const Vec3& origin) {
+  return make_cloth_data(cloth, origin, *cloth.asset);
+}
 
 /// The coordinate origin for these cloths: the middle of their bounds, rounded to multiples of 4 m.
 [[nodiscard]] Vec3 choose_origin(std::span<const ClothDesc> cloths);

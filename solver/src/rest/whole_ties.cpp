@@ -3,7 +3,8 @@
 // and all of lone points, whose neighbours on the border are not sewn. What a tie moves of a seam's point, the stitch
 // takes back for the most part if that copy is the lighter one; of a long spring little is left then, a short one stays
 // too long by a large part of itself (by 61 % in a hat that falls). At a lone point, as a mesh with cracks has them,
-// few springs carry what hangs below the border on both sides of it.
+// few springs carry what hangs below the border on both sides of it. About short seams (short_seams.h) all springs are
+// such ties, several times: one round evens out what is too long among neighbours, and there it has to go further.
 
 #include "rest/whole_ties.h"
 
@@ -14,12 +15,14 @@
 
 #include "geocloth/asset/grid_mesh.h"
 #include "rest/seam_list.h"
+#include "rest/short_seams.h"
 
 namespace geocloth {
 namespace {
 
 constexpr float kShort = 0.7F;  ///< of the image's spacing
 constexpr uint32_t kMostWholeTieColors = 8;
+constexpr uint32_t kMoreRounds = 2;  ///< of ties about short seams
 
 /// Of every pixel its row of the table, kNoRow where it has no copies.
 std::vector<uint32_t> split_rows(const ClothAsset& asset) {
@@ -43,15 +46,17 @@ std::vector<bool> lone_points(const ClothAsset& asset, const std::vector<uint32_
 
 }  // namespace
 
-void add_whole_ties(const ClothAsset& asset, const RestShape& rest, ClothData& data) {
+void add_whole_ties(const ClothAsset& asset, const RestShape& rest, const std::vector<bool>& short_seams,
+                    ClothData& data) {
   const std::vector<uint32_t> point = first_copies(asset), row = split_rows(asset);
-  const std::vector<bool> lone = lone_points(asset, point, row);
+  const std::vector<bool> lone = lone_points(asset, point, row), near = points_near_short_seams(asset, short_seams);
   std::map<std::pair<uint32_t, uint32_t>, shader::SeamSpring> ties;  // the sides of a seam may have the same spring
   for_structural_springs(asset, [&](uint32_t from, uint32_t to) {
     const auto [a, b] = std::minmax(point[from], point[to]);
-    if (a == b || (row[a] == shader::kNoRow && row[b] == shader::kNoRow)) return;
+    if (a == b) return;
+    const bool at_seam = row[a] != shader::kNoRow || row[b] != shader::kNoRow;
     const bool is_short = length(asset.rest_position[b] - asset.rest_position[a]) < kShort * asset.spacing;
-    if (!is_short && !lone[a] && !lone[b]) return;
+    if (!(at_seam && (is_short || lone[a] || lone[b])) && !(near[a] || near[b])) return;
     shader::SeamSpring tie{};
     tie.a = tie.middle = tie.beside = a;
     tie.b = b;
@@ -62,8 +67,13 @@ void add_whole_ties(const ClothAsset& asset, const RestShape& rest, ClothData& d
   });
   std::vector<shader::SeamSpring> list;
   list.reserve(ties.size());
-  for (const auto& [points, tie] : ties) list.push_back(tie);
+  std::vector<shader::SeamSpring> again;
+  for (const auto& [points, tie] : ties) {
+    list.push_back(tie);
+    if (near[points.first] || near[points.second]) again.push_back(tie);
+  }
   data.whole_tie_colors = append_by_color(list, kMostWholeTieColors, data);
+  for (uint32_t i = 0; i < kMoreRounds; ++i) data.whole_tie_colors += append_by_color(again, kMostWholeTieColors, data);
 }
 
 }  // namespace geocloth
