@@ -27,7 +27,8 @@ TEST(Cusick, CoefficientOfAFirmClothDependsNeitherOnTheResolutionNorOnTheLayout)
   EXPECT_LT(*most - *least, 3.0) << testing::PrintToString(all);
 }
 
-// The folds of a limper cloth are a few pixels wide at 32, too few for the coefficient to be that of a finer grid.
+// At 32 pixels what a limper cloth comes to is decided by the rim of the pins: pinned up to a quarter of a spacing, a
+// half, and a whole one beyond the support, the square covers 63, 55 and 74 %, the panel 65, 66 and 69.
 TEST(Cusick, CoefficientOfALimperClothDoesNotDependOnTheLayout) {
   EXPECT_NEAR(coefficient(64, Layout::square, 2e-5), coefficient(64, Layout::panels, 2e-5), 3.0);
 }
