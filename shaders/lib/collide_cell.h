@@ -22,6 +22,8 @@ const float kGapRounding = 4e-6f;  // [m], and of a distance: what single precis
 const float kLiftSpeed = 1.0f;  // [m/s] at which, besides the collider's own, a triangle that begins inside comes out
 
 const float kThinEdged = 3.0f;  // spacings; half of what a box or a hull is thick whose edges lead in between points
+const float kStirs = 0.01f;     // spacings in a substep from which on they do: cloth that lies over edges at rest has
+                                // triangles inside for good, which would be pushed out in every substep
 
 // Whether a collider opens cells between points. Where it is thick it does not, as points give way as lib/yield.h has
 // it; a sharp corner does, however thick the hull is behind it.
@@ -32,7 +34,8 @@ inline bool opens_cells(float spacing, ColliderShape shape) {
 // Whether triangles meet a collider themselves, so that it does not slip through between points.
 inline bool meets_triangles(float spacing, ColliderShape shape) {
   bool edged = shape.kind == kShapeBox || shape.kind == kShapeConvex;
-  return opens_cells(spacing, shape) || (edged && half_thickness(shape) < kThinEdged * spacing);
+  bool leads_in = edged && half_thickness(shape) < kThinEdged * spacing && shape.way > kStirs * spacing;
+  return opens_cells(spacing, shape) || leads_in;
 }
 
 // Sides [m] from which on a triangle meets a collider itself. Smaller ones are kept out well enough by their pixels.

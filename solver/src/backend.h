@@ -114,7 +114,7 @@ struct ClothFrame {
   bool held_open = false;     ///< a fast collider may open cells, which ties at the frame's end would draw over it
   bool pulled_apart = false;  ///< two of its pins are farther from each other than the cloth may stretch
   bool slack_pins = false;    ///< attachments to its pins are slack: they lie one above the other, as a flag's on its
-                              ///< pole, or the cloth sags between them
+                              ///< pole, or the cloth sags between them, or few springs carry it
 
   /// The set of pinned pixels differs from the last frame's: inverse_mass (and attachments, when ClothData has them)
   /// replace what the backend holds, before the first substep. Positions stay.

@@ -9,6 +9,7 @@
 
 #include "check_input.h"
 #include "colliders/ways.h"
+#include "geocloth/asset/grid_mesh.h"
 #include "rest/self_points.h"
 #include "rest/upload.h"
 #include "solver_impl.h"
@@ -56,6 +57,18 @@ bool hangs(const ClothAsset& asset, std::span<const shader::Attachment> attachme
   for (uint32_t p = 0; p < asset.pixel_count(); ++p)
     if (asset.valid(p) && inverse_mass[p] > 0 && attachments[p].anchor == shader::kNoAnchor) return false;
   return true;
+}
+
+/// Whether few springs carry what hangs on the pins, as at a sheet's corners. Each point is attached to the pin that is
+/// nearest to it, straight through those about the pin, which are drawn to it from all sides.
+bool hangs_by_few(const ClothAsset& asset, std::span<const float> inverse_mass) {
+  constexpr double kMuch = 3;  // times what a spring below the upper row of a square carries
+  size_t springs = 0;
+  for_structural_springs(asset, [&](uint32_t a, uint32_t b) {
+    if ((inverse_mass[a] == 0) != (inverse_mass[b] == 0)) ++springs;
+  });
+  const auto hanging = std::count_if(inverse_mass.begin(), inverse_mass.end(), [](float w) { return w > 0; });
+  return springs > 0 && std::sqrt(static_cast<double>(hanging)) > kMuch * static_cast<double>(springs);
 }
 
 /// [m]
@@ -126,7 +139,7 @@ void Solver::Impl::fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const {
     frame.params.stretch_limit = std::max(frame.params.stretch_limit, std::ceil(kLimitSteps * pull) / kLimitSteps);
   }
   ease_limit(cloth, frame);
-  frame.slack_pins = has_pins_above(cloth) || sags_between_pins(cloth);
+  frame.slack_pins = cloth.hangs_by_few || has_pins_above(cloth) || sags_between_pins(cloth);
 }
 
 /// What was pulled apart and is let go draws itself together; attachments that were short at once would throw it.
@@ -207,6 +220,7 @@ void Solver::Impl::take_pins(Cloth& cloth, ClothFrame& frame) const {
     cloth.reach = pinned.empty() ? cloth.size : 0;
     for (const shader::Attachment& a : frame.attachments) cloth.reach = std::max(cloth.reach, a.reach);
     cloth.hangs = hangs(*cloth.asset, frame.attachments, frame.inverse_mass);
+    cloth.hangs_by_few = geocloth::hangs_by_few(*cloth.asset, frame.inverse_mass);
   }
 }
 

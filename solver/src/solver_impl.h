@@ -85,6 +85,7 @@ class Solver::Impl {
     }
     bool pins_changed = false;                        ///< since the last step
     std::vector<PinWay> pin_ways;                     ///< of the pins that are held, by number instead of pixel
+    bool hangs_by_few = false;                        ///< few springs lead from its pins to what hangs on them
     std::vector<Vec3> pin_targets;                    ///< of all pins in their order, for a frame
     std::optional<Transform> parent_from, parent_to;  ///< at the start and the end of the next frame
     Transform parent_first;                           ///< its first one
