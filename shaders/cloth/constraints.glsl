@@ -37,12 +37,12 @@ float project_spring(uvec2 pa, uvec2 pb, float rest, float compliance, float sha
   return move.multiplier;
 }
 
-// @return the new multiplier
+// @return the new multiplier; constants.count is what the compliance is multiplied by
 float project_bend(uvec2 pa, uvec2 pm, uvec2 pb, float chord, float rest, float compliance, float multiplier) {
   vec4 a = load_point(pa);
   vec4 m = load_point(pm);
   vec4 b = load_point(pb);
-  precise float scaled = compliance * params.inverse_dt2;
+  precise float scaled = compliance * (params.inverse_dt2 * float(constants.count));
   float wa = inverse_mass_of(a.w);
   float wm = inverse_mass_of(m.w);
   float wb = inverse_mass_of(b.w);

@@ -226,7 +226,7 @@ struct PassConstants {
   uint substep;           // index into Substep[] and ColliderPose[]
   uint group;             // spring group 0..11
   uint first;             // first seam bend of the colour, first row, first pin
-  uint count;             // how many of them
+  uint count;             // how many of them; of curvatures: so many times their compliance
   uint read_multiplier;   // 1: XPBD's accumulated multiplier is read (not in the first relaxation step);
                           // of ties and whole ties: only kTieShare is taken
   uint write_multiplier;  // 1: and written (not in the last one)

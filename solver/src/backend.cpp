@@ -4,6 +4,12 @@
 #include "backend.h"
 
 namespace geocloth {
+namespace {
+
+/// Compliances below so many times the inverse mass, both of a curvature, in the units of a projection.
+constexpr float kStiffBends = 3;
+
+}  // namespace
 
 ScheduleOptions schedule_options(const SimulationData& data, uint32_t cloth, const FrameInput& frame) {
   const ClothData& c = data.cloths[cloth];
@@ -18,6 +24,7 @@ ScheduleOptions schedule_options(const SimulationData& data, uint32_t cloth, con
           .pins = !f.pins.empty(),
           .splits = c.split_rows() > 0,
           .bending = c.bending,
+          .stiff_bends = c.bend_yield * f.params.inverse_dt2 < kStiffBends,
           .fine = data.fine,
           .attachments = attached,
           .spans = spans,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -69,6 +70,8 @@ struct ClothData {
   std::vector<uint32_t> split_pixel;
   SelfData self;
   Bending bending = Bending::none;
+  /// [s^2] Of the median curvature: its compliance by what its three points have for an inverse mass together.
+  float bend_yield = std::numeric_limits<float>::max();
   bool attachments = false;  ///< max_stretch > 0
   Evenness evenness = Evenness::even;
   bool short_seams = false;        ///< parts of it hang on few springs

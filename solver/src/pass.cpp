@@ -35,12 +35,29 @@ void add_seam_bends(std::vector<PassStep>& steps, const ScheduleOptions& options
   }
 }
 
+void add_curvatures(std::vector<PassStep>& steps, const ScheduleOptions& options, uint32_t relaxation) {
+  // Half of the steps there and half of them back: every second one back would converge more slowly. Six leave nothing
+  // that could grow.
+  constexpr uint32_t kEnough = 6;
+  const bool goes_back = 2 * relaxation >= options.relaxation_steps && options.relaxation_steps < kEnough;
+  const BendOrder order = !options.stiff_bends            ? BendOrder::forward
+                          : options.relaxation_steps == 1 ? BendOrder::there_and_back
+                          : goes_back                     ? BendOrder::backward
+                                                          : BendOrder::forward;
+  for (uint32_t k = 0; k < shader::kBendGroups; ++k) {
+    const uint32_t g = order == BendOrder::backward ? shader::kBendGroups - 1 - k : k;
+    steps.push_back({Pass::curvature, g, relaxation, order});
+    if (order != BendOrder::there_and_back || g % 3 != 2) continue;
+    for (const uint32_t back : {g - 1, g - 2}) steps.push_back({Pass::curvature, back, relaxation, order, true});
+  }
+}
+
 void add_bending(std::vector<PassStep>& steps, const ScheduleOptions& options, uint32_t relaxation) {
   if (options.bending == Bending::none) return;
   if (options.bending == Bending::springs) {
     add_family(steps, Pass::bending, 2 * kGroupsPerFamily, relaxation);
   } else {
-    for (uint32_t g = 0; g < shader::kBendGroups; ++g) steps.push_back({Pass::curvature, g, relaxation});
+    add_curvatures(steps, options, relaxation);
   }
 }
 

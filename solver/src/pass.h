@@ -111,14 +111,31 @@ inline constexpr std::array<PassInfo, 40> kPasses{{
          pass == Pass::whole_ties;
 }
 
+/// In which order the three groups of curvatures along a line are projected. Each of them moves three points, so what a
+/// sweep of the groups leaves of an error turns in the plane of complex numbers, and a stiff cloth that goes on as it
+/// moved gains energy from it; there and back again the groups are a symmetric operator, whose shares are real and
+/// between 0 and 1, and it cannot.
+enum class BendOrder : uint8_t {
+  forward,
+  backward,        ///< in the second half of a few relaxation steps
+  there_and_back,  ///< the first and the second group twice, each time with twice the compliance
+};
+
 /// One entry of a schedule: a pass over all of a cloth, or one group of springs of it.
 struct PassStep {
   Pass pass;
   uint32_t group = 0;       ///< spring group 0..11, group 0..5 of the curvatures, or a colour of the list over seams
   uint32_t relaxation = 0;  ///< 0..relaxation_steps - 1
+  BendOrder order = BendOrder::forward;  ///< of the curvatures
+  bool again = false;                    ///< a group's second time, on the way back
 
   friend bool operator==(const PassStep&, const PassStep&) = default;
 };
+
+/// Of a group of curvatures: so many times its compliance.
+[[nodiscard]] constexpr uint32_t compliance_times(const PassStep& step) {
+  return step.order == BendOrder::there_and_back && step.group % 3 != 2 ? 2 : 1;
+}
 
 /// Passes over the points of all cloths that collide with each other, once for all of them.
 [[nodiscard]] constexpr bool is_between_cloths(Pass pass) {
@@ -141,6 +158,7 @@ struct ScheduleOptions {
   bool pins = false;     ///< the cloth has pins in this frame
   bool splits = false;   ///< the split-vertex table has rows
   Bending bending = Bending::none;
+  bool stiff_bends = false;  ///< stiffer than one sweep of them can be
   bool fine = false;         ///< constraints act on offsets
   bool attachments = false;  ///< max_stretch > 0 and pins
   /// max_stretch > 0 and colliders: attachments pull too late around them. Or pins that squeezed springs hang from,

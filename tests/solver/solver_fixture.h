@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cmath>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "geocloth/solver/solver.h"
@@ -41,6 +43,24 @@ inline std::vector<Vec3> velocities_of(Solver& solver, uint32_t cloth = 0) {
 
 inline void run(Solver& solver, uint32_t frames) {
   for (uint32_t f = 0; f < frames; ++f) solver.step();
+}
+
+/// [m] By how much the ways of points differ from one frame to the next, as a root mean square: cloth at rest has none.
+inline double tremble(Solver& solver, uint32_t frames) {
+  std::vector<Vec3> before = positions_of(solver);
+  solver.step();
+  std::vector<Vec3> last = positions_of(solver);
+  double squares = 0, count = 0;
+  for (uint32_t f = 0; f < frames; ++f) {
+    solver.step();
+    std::vector<Vec3> now = positions_of(solver);
+    for (size_t p = 0; p < now.size(); ++p, ++count) {
+      const auto change = static_cast<double>(length(now[p] - 2.F * last[p] + before[p]));
+      squares += change * change;
+    }
+    before = std::exchange(last, std::move(now));
+  }
+  return std::sqrt(squares / count);
 }
 
 /// Pins that hold the named group of source vertices where they start.

@@ -18,8 +18,9 @@ struct BendConstants {
 };
 
 /// The weights as bend.h has them, for a middle point that carries all of its mass.
-BendConstants bend_constants(const RowSource& source, uint32_t component, size_t a, uint32_t offset) {
-  const float unclamped = source.scaled_compliance(component, a);
+/// @param times  of the compliance
+BendConstants bend_constants(const RowSource& source, uint32_t component, size_t a, uint32_t offset, uint32_t times) {
+  const float unclamped = source.scaled_compliance(component, a) * static_cast<float>(times);
   if (!(unclamped > 0)) return {};
   const std::vector<float>& along = source.state.rest[component - 4];
   const float chord = shader::chord_share(along[a], along[a + offset]), back = 1.F - chord;
@@ -56,7 +57,7 @@ void reach_thirds(uint32_t lanes, std::span<const uint32_t> blocks, uint32_t thi
 }
 
 /// Columns of a group are 0 for its first one, 1 for the third one after it, ...
-SweepOp bends_along(const RowSource& source, RowStream& stream) {
+SweepOp bends_along(const RowSource& source, BendOrder order, RowStream& stream) {
   const uint32_t thirds = source.width / 3;  // complete ones; WideRows keeps cloth out of the columns behind
   const BlockShape shape = vectors(RowKernel::bends_along, source.lanes, thirds);
   // A line of the scratch holds the vectors of thirds, and where the last block begins at the next one, one more.
@@ -64,12 +65,13 @@ SweepOp bends_along(const RowSource& source, RowStream& stream) {
   stream.thirds.assign(source.height, {thirds, 0});
   stream.row_first.assign(source.height + 1, 0);
   for (uint32_t group = 0; group < 3; ++group) {
+    const uint32_t times = compliance_times({Pass::curvature, group, 0, order});
     for (uint32_t y = 0; y < source.height; ++y) {
       const size_t before = stream.pixel.size();
       stream.group_first.push_back(static_cast<uint32_t>(before));
       cover_bends(source, stream, shape, 0, [&](uint32_t n) {
         const uint32_t x = 3 * n + group;
-        return x + 2 < 3 * thirds ? bend_constants(source, 4, y * source.width + x, 1) : BendConstants{};
+        return x + 2 < 3 * thirds ? bend_constants(source, 4, y * source.width + x, 1, times) : BendConstants{};
       });
       const auto blocks = std::span(stream.pixel).subspan(before);
       reach_thirds(source.lanes, blocks, thirds, stream.thirds[y]);
@@ -79,19 +81,20 @@ SweepOp bends_along(const RowSource& source, RowStream& stream) {
     stream.group_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
   }
   std::partial_sum(stream.row_first.begin(), stream.row_first.end(), stream.row_first.begin());
-  return {.kernel = RowKernel::bends_along, .offset = line, .stream = &stream};
+  return {.kernel = RowKernel::bends_along, .offset = line, .order = order, .stream = &stream};
 }
 
 }  // namespace
 
-SweepOp bend_rows(const RowSource& source, uint32_t group, RowStream& stream) {
-  if (shader::bend_component(group) == 4) return bends_along(source, stream);
+SweepOp bend_rows(const RowSource& source, const PassStep& step, RowStream& stream) {
+  const uint32_t group = step.group, times = compliance_times(step);
+  if (shader::bend_component(group) == 4) return bends_along(source, step.order, stream);
   const BlockShape shape = vectors(RowKernel::bends_across, source.lanes, source.width);
   for (uint32_t y = 0; y < source.height; ++y) {
     stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
     if (y % 3 == group % 3 && y + 2 < source.height)
       cover_bends(source, stream, shape, y,
-                  [&](uint32_t x) { return bend_constants(source, 5, y * source.width + x, source.width); });
+                  [&](uint32_t x) { return bend_constants(source, 5, y * source.width + x, source.width, times); });
   }
   stream.row_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
   return {.kernel = RowKernel::bends_across, .offset = source.width, .stream = &stream};

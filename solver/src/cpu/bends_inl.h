@@ -301,10 +301,15 @@ HWY_NOINLINE void bends_along(D d, const SweepOp& op, ClothState& state, bool yi
     });
   }
   const ThirdRow all(frame.scratch, op.offset);
-  for (uint32_t group = 0; group < 3; ++group) {
+  const auto project = [&](uint32_t group) GEOCLOTH_LANES {
     const uint32_t* const first = &stream.group_first[group * (size_t{state.data.height} + 1)];
     project_bends<kSeveral, false>(d, op, {all.from(group), all.from(group + 1), all.from(group + 2)},
                                    first[rows.first], first[rows.last]);
+  };
+  const bool back = op.order == BendOrder::backward;
+  for (const uint32_t group : {back ? 2U : 0U, 1U, back ? 0U : 2U}) project(group);
+  if (op.order == BendOrder::there_and_back) {
+    for (const uint32_t group : {1U, 0U}) project(group);
   }
   for (uint32_t y = rows.first; y < rows.last; ++y) {
     const ThirdRow row = apart(y);

@@ -63,7 +63,8 @@ void curvature(const PassContext& context, ClothState& state, const PassStep& st
   const bool row = component == 4;
   if ((row ? width : height) < 3) return;
   const bool accumulate = context.relaxation_steps > 1;
-  const float inverse_dt2 = context.cloth.params.inverse_dt2, kept = step.relaxation > 0 ? 1.F : 0.F;
+  const float inverse_dt2 = context.cloth.params.inverse_dt2 * static_cast<float>(compliance_times(step));
+  const float kept = step.relaxation > 0 ? 1.F : 0.F;
   const size_t offset = row ? 1 : width;
 
   const auto line_from = [&](size_t a) {

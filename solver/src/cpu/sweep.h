@@ -122,6 +122,7 @@ struct SweepOp {
   bool spills = false;  ///< rows of this pass that touch the same one must not be worked on at the same time: lanes
                         ///< over the end of a row write what they found
   uint32_t offset = 0;  ///< pixels from one end of a constraint to the next; bends_along: see ThirdRow
+  BendOrder order = BendOrder::forward;  ///< of bends_along
   float share = 1;
   const RowStream* stream = nullptr;
   float* multipliers = nullptr;  ///< the stream's; nullptr: of one relaxation step

@@ -146,7 +146,7 @@ class SweepPlanner {
 
   /// Groups that bends_along() does with the first one.
   static bool is_with_first_group(const PassStep& step) {
-    return step.pass == Pass::curvature && shader::bend_component(step.group) == 4 && step.group > 0;
+    return step.pass == Pass::curvature && shader::bend_component(step.group) == 4 && (step.group > 0 || step.again);
   }
 
   static bool goes_by_rows(Pass pass) {
@@ -190,7 +190,7 @@ class SweepPlanner {
       case Pass::pins:
         return pins();
       case Pass::curvature:
-        return relaxed(step, bend_rows);
+        return bends(step);
       case Pass::spans:
         return kept(step, span_rows);
       case Pass::limit:
@@ -200,13 +200,27 @@ class SweepPlanner {
     }
   }
 
+  /// There and back the constraints of a group are laid out once, too.
+  SweepOp bends(const PassStep& step) {
+    const auto known = first_relaxation_.find({step.pass, step.group});
+    if (step.again && known != first_relaxation_.end()) return known->second;
+    const auto lay_out = [&](const RowSource& source, uint32_t, RowStream& stream) {
+      return bend_rows(source, step, stream);
+    };
+    SweepOp op = relaxed(step, lay_out);
+    op.order = step.order;
+    if (step.order == BendOrder::there_and_back) first_relaxation_.emplace(std::pair{step.pass, step.group}, op);
+    return op;
+  }
+
   using LayOut = SweepOp (*)(const RowSource&, uint32_t group, RowStream&);
   static SweepOp ties(const RowSource& source, uint32_t group, RowStream& stream) {
     return tie_rows(source, group % kLastTies, group >= kLastTies, stream);
   }
 
   /// With several relaxation steps the constraints of a group are laid out once, and their multipliers are kept there.
-  SweepOp relaxed(const PassStep& step, LayOut lay_out) {
+  template <class LayOutGroup>
+  SweepOp relaxed(const PassStep& step, const LayOutGroup& lay_out) {
     const auto known = first_relaxation_.find({step.pass, step.group});
     SweepOp op = known != first_relaxation_.end() ? known->second : lay_out(source_, step.group, new_stream());
     if (relaxation_steps_ == 1) return op;
@@ -303,7 +317,7 @@ namespace {
 /// But for the streams and what follows from them.
 bool are_alike(const SweepOp& a, const SweepOp& b) {
   const auto facts = [](const SweepOp& op) {
-    return std::tuple(op.kernel, op.pass, op.lag, op.up, op.down, op.spills, op.offset, op.share);
+    return std::tuple(op.kernel, op.pass, op.lag, op.up, op.down, op.spills, op.offset, op.order, op.share);
   };
   return facts(a) == facts(b);
 }

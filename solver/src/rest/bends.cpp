@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "geocloth/asset/grid_mesh.h"
+#include "lib/yield.h"
 #include "rest/bend_directions.h"
 #include "rest/seam_list.h"
 
@@ -63,6 +64,11 @@ class BendBuilder {
       add_seam_bends();
       append(listed_);
     }
+    if (!yield_.empty()) {
+      const auto median = yield_.begin() + static_cast<std::ptrdiff_t>(yield_.size() / 2);
+      std::nth_element(yield_.begin(), median, yield_.end());
+      data_.bend_yield = *median;
+    }
     if (data_.springs_per_sweep > before_) data_.bending = springs ? Bending::springs : Bending::curvature;
   }
 
@@ -92,6 +98,10 @@ class BendBuilder {
       listed_.push_back(bend);
     } else {
       store(a, component, bend.rest, bend.compliance);
+      const float back = 1 - bend.chord;
+      const auto inverse_mass = [&](uint32_t p) { return shader::inverse_mass_of(data_.position[p].w); };
+      const float w = inverse_mass(a) * back * back + inverse_mass(middle) + inverse_mass(b) * bend.chord * bend.chord;
+      if (w > 0) yield_.push_back(bend.compliance / w);
     }
   }
 
@@ -316,6 +326,7 @@ class BendBuilder {
   ClothData& data_;
   std::vector<Vec3> normal_;                ///< at rest, only with a rigidity
   std::vector<shader::SeamSpring> listed_;  ///< bends that have no place in the images
+  std::vector<float> yield_;                ///< see ClothData::bend_yield
   uint64_t before_ = data_.springs_per_sweep;
 };
 

@@ -16,7 +16,7 @@ namespace {
 
 constexpr uint32_t kLargestSide = 32;
 constexpr uint32_t kSideStep = 8;
-constexpr uint32_t kWidestBorder = 8;  ///< six bends take 6 and four structural groups 2
+constexpr uint32_t kWidestBorder = 12;  ///< stiff bends take 10 and four structural groups 2
 
 /// Nothing for a pass that a work group does not run by itself.
 std::optional<uint32_t> tile_pass(Pass pass) {
@@ -179,11 +179,14 @@ class Planner {
     if (step.pass == Pass::pins) return;
     const bool colored = is_over_seams(step.pass);
     const uint32_t first = colored ? lists_.seam_color_offset[step.group] : 0;
+    const uint32_t count = colored                        ? lists_.seam_color_offset[step.group + 1] - first
+                           : step.pass == Pass::curvature ? compliance_times(step)
+                                                          : lists_.split_rows;
     plan_.steps.push_back({.pass = *tile_pass(step.pass),
                            .substep = substep,
                            .group = step.group,
                            .first = first,
-                           .count = colored ? lists_.seam_color_offset[step.group + 1] - first : lists_.split_rows,
+                           .count = count,
                            .read_multiplier = step.relaxation > 0 ? 1U : 0U,
                            .write_multiplier = step.relaxation + 1 < options_.relaxation_steps ? 1U : 0U,
                            .pins = options_.pins ? 1U : 0U});

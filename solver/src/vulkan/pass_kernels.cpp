@@ -221,6 +221,7 @@ void PassKernels::dispatch(const vk::raii::CommandBuffer& commands, const ClothR
     case Pass::collide_cells:
       return over_pixels(shader::cell_extent(cloth.width, cloth.height));
     case Pass::curvature:
+      constants.count = compliance_times(step);
       return over_pixels(shader::bend_extent(step.group, cloth.width, cloth.height));
     case Pass::normals:
     case Pass::rescale:
