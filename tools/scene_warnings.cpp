@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -126,24 +127,69 @@ uint32_t frame_of(const Scene& scene, double time) {
   return frame;
 }
 
-/// Where only some of the pins jump with the collider that they follow, the cloth cannot.
+/// Whether a pin jumps in a frame [s], by itself or with the collider that it follows.
+bool jumps_in(const Scene& scene, const ScenePin& pin, double start, double end) {
+  return teleports(pin.motion, start, end) ||
+         std::any_of(scene.colliders.begin(), scene.colliders.end(), [&](const SceneCollider& c) {
+           return c.collider.name == pin.follow && teleports(c.motion, start, end);
+         });
+}
+
+/// Whether the pins' own motions take the cloth apart in a frame [s]: pins turn about their own middles.
+bool part_in(const std::vector<ScenePin>& pins, double start, double end) {
+  const ScenePin* first = nullptr;
+  Vec3 first_way;
+  for (const ScenePin& pin : pins) {
+    if (!pin.acts(start, end) || !teleports(pin.motion, start, end)) continue;
+    const Transform from = pose_at(pin.motion, start), to = pose_at(pin.motion, end);
+    const Vec3 way = to.translate - from.translate;
+    if (first != nullptr && (!(from.rotate == to.rotate) || length(way - first_way) > 1e-3F)) return true;
+    if (first == nullptr) first_way = way;
+    first = &pin;
+  }
+  return false;
+}
+
+/// Where only some of the pins jump, or not alike, the cloth cannot jump with them.
 void warn_of_torn_jumps(const Scene& scene, size_t index, std::vector<std::string>& warnings) {
   const std::vector<ScenePin>& pins = scene.cloths[index].pins;
-  for (const SceneCollider& collider : scene.colliders) {
-    for (const Keyframe& key : collider.motion) {
-      if (!key.teleport || !(key.time > 0) || key.time > end_of(scene)) continue;
-      const uint32_t frame = frame_of(scene, key.time);
-      const double start = (frame - 1) / scene.frame_rate, end = frame / scene.frame_rate;
-      const auto acting =
-          std::count_if(pins.begin(), pins.end(), [&](const auto& pin) { return pin.acts(start, end); });
-      const auto jumping = std::count_if(pins.begin(), pins.end(), [&](const auto& pin) {
-        return pin.acts(start, end) && pin.follow == collider.collider.name;
-      });
-      if (jumping == 0 || jumping == acting) continue;
+  std::vector<std::pair<double, std::string>> jumps;  // time [s], whose
+  const auto collect = [&](const Motion& motion, const std::string& whose) {
+    for (const Keyframe& key : motion)
+      if (key.teleport && key.time > 0 && key.time <= end_of(scene)) jumps.emplace_back(key.time, whose);
+  };
+  for (const SceneCollider& collider : scene.colliders) collect(collider.motion, collider.collider.name);
+  for (const ScenePin& pin : pins) collect(pin.motion, "");
+  for (const auto& [time, whose] : jumps) {
+    const uint32_t frame = frame_of(scene, time);
+    const double start = (frame - 1) / scene.frame_rate, end = frame / scene.frame_rate;
+    const auto count = [&](const auto& is_so) {
+      return std::count_if(pins.begin(), pins.end(),
+                           [&](const auto& pin) { return pin.acts(start, end) && is_so(pin); });
+    };
+    const auto acting = count([](const ScenePin&) { return true; });
+    const auto jumping = count([&](const ScenePin& pin) { return jumps_in(scene, pin, start, end); });
+    const auto following = count([&](const ScenePin& pin) { return !whose.empty() && pin.follow == whose; });
+    const std::string name = name_of_cloth(scene, index);
+    if (following > 0 && jumping != acting) {
+      warnings.push_back(fmt::format(
+          "{}: {} of its {} pins follow \"{}\", which jumps at {:.6g} s, and pull the cloth open there; let "
+          "all pins follow that collider, and the cloth jumps with it",
+          name, following, acting, whose, time));
+      return;
+    }
+    if (jumping > 0 && jumping != acting) {
       warnings.push_back(
-          fmt::format("{}: {} of its {} pins follow \"{}\", which jumps at {:.6g} s, and pull the cloth "
-                      "open there; let all pins follow that collider, and the cloth jumps with it",
-                      name_of_cloth(scene, index), jumping, acting, collider.collider.name, key.time));
+          fmt::format("{}: {} of its {} pins jump at {:.6g} s and pull the cloth open there; let all pins jump alike, "
+                      "and the cloth jumps with them",
+                      name, jumping, acting, time));
+      return;
+    }
+    if (part_in(pins, start, end)) {
+      warnings.push_back(fmt::format(
+          "{}: its pins jump at {:.6g} s, but apart, and pull the cloth open; give them the same way without "
+          "a turn, or make one pin of them (each turns about its own middle), and the cloth jumps with it",
+          name, time));
       return;
     }
   }

@@ -363,6 +363,58 @@ TEST_F(Playing, AClothJumpsWithTheColliderThatHoldsIt) {
   }
 }
 
+/// A jump in a pin's own motion was read and did nothing.
+TEST_F(Playing, AClothJumpsWithItsPins) {
+  constexpr const char* kJump =
+      R"([{"time":0},{"time":0.505,"translate":[3,1,0],"rotate_deg":[0,90,0],"teleport":true}])";
+  constexpr const char* kShift = R"([{"time":0},{"time":0.505,"translate":[3,1,0],"teleport":true}])";
+  const std::string shifting = std::string(R"("motion":)") + kShift;
+  const std::string bar =
+      R"(,"colliders":[{"name":"bar","shape":"sphere","center":[0,9,0],"radius":0.1,)" + shifting + "}]";
+  const auto pin = [](const std::string& where, const std::string& rest) {
+    return R"({"where":{)" + where + "}," + rest + "}";
+  };
+  const std::string left = R"("vertices":[0])", right = R"("vertices":[8])";
+  struct Case {
+    std::string pins, still_pins;
+    Transform way;
+  };
+  const std::string top = R"("vertex_group":"top")";
+  const Transform turned{{3, 1, 0}, quat_from_euler_deg({0, 90, 0}), 1};
+  for (const Case& each :
+       {Case{pin(top, std::string(R"("follow":"world","motion":)") + kJump), pin(top, R"("follow":"world")"), turned},
+        Case{pin(left, shifting) + "," + pin(right, shifting),
+             pin(left, R"("follow":"world")") + "," + pin(right, R"("follow":"world")"),
+             {{3, 1, 0}, {}, 1}},
+        Case{pin(left, R"("frequency":5,"follow":"bar")") + "," + pin(right, shifting),
+             pin(left, R"("frequency":5,"follow":"world")") + "," + pin(right, R"("follow":"world")"),
+             {{3, 1, 0}, {}, 1}}}) {
+    Simulation jumps = play(R"(,"pins":[)" + each.pins + "]", bar),
+               stays = play(R"(,"pins":[)" + each.still_pins + "]");
+    for (int f = 1; f <= 45; ++f) {
+      jumps.step();
+      stays.step();
+      const std::vector<Vec3> x = test::positions_of(jumps.solver()), y = test::positions_of(stays.solver());
+      for (size_t p = 0; p < x.size(); ++p) {
+        if (!jumps.cloths()[0].asset->valid(static_cast<uint32_t>(p))) continue;
+        // The pins turn about their own middle, half a metre up.
+        const Vec3 up{0, 0.5F, 0};
+        ASSERT_LT(length(x[p] - (f > 30 ? up + apply(each.way, y[p] - up) : y[p])), 5e-3F) << f << each.pins;
+      }
+    }
+  }
+}
+
+/// Pins that part cannot both be followed; they go where they say all the same.
+TEST_F(Playing, AClothDoesNotJumpWithPinsThatPart) {
+  Simulation simulation = play(R"(,"pins":[{"where":{"vertices":[0]},"motion":[{"time":0},
+      {"time":0.1,"translate":[0,1,0],"teleport":true}]},{"where":{"vertices":[8]},"motion":[{"time":0},
+      {"time":0.1,"translate":[0,2,0],"teleport":true}]}])");
+  for (int f = 0; f < 7; ++f) simulation.step();
+  EXPECT_LT(length(point(simulation, 0, 0) - Vec3{-0.5F, 1.5F, 0}), 1e-5F);
+  EXPECT_LT(length(point(simulation, 8, 0) - Vec3{0.5F, 2.5F, 0}), 1e-5F);
+}
+
 TEST_F(Playing, OnlyWhatHangsOnItJumpsWithACollider) {
   Simulation simulation = play(R"(,"pins":[{"where":{"vertex_group":"top"},"follow":"bar"}],
       "cuts":[{"time":0,"triangle":[[-3,0.02,-2],[3,0.02,-2],[0,0.02,4]]}])",

@@ -111,6 +111,17 @@ TEST_F(SceneWarnings, TellThatOnlySomePinsJump) {
               ElementsAre(AllOf(HasSubstr("cloths[0] (sheet.glb): 1 of its 2 pins follow \"bar\""),
                                 HasSubstr("jumps at 0.2 s"))));
   EXPECT_THAT(warnings(sheet(R"("until":0.1)"), bar), IsEmpty());
+
+  const auto pins = [](const std::string& first, const std::string& second) {
+    return R"({"asset":"sheet.glb","pins":[{"where":{"vertices":[0]},"motion":[{"time":0},)" + first +
+           R"(]},{"where":{"vertices":[8]},"motion":[{"time":0},)" + second + "]}]}";
+  };
+  const std::string away = R"({"time":0.2,"translate":[3,0,0],"teleport":true})";
+  EXPECT_THAT(warnings(pins(away, away)), IsEmpty());
+  EXPECT_THAT(warnings(pins(away, R"({"time":0.2,"translate":[0,0,0]})")),
+              ElementsAre(AllOf(HasSubstr("1 of its 2 pins jump at 0.2 s"), HasSubstr("jump alike"))));
+  EXPECT_THAT(warnings(pins(away, R"({"time":0.2,"translate":[3,1,0],"teleport":true})")),
+              ElementsAre(HasSubstr("its pins jump at 0.2 s, but apart")));
 }
 
 /// A curtain that was drawn lay squeezed in its plane, in a heap of cells, and nothing said why.

@@ -121,8 +121,8 @@ struct Scene {
 /// For every pixel the first one of the connected part that it is of, over springs and copies; itself where not valid.
 [[nodiscard]] std::vector<uint32_t> connected_parts(const ClothAsset& asset);
 
-/// A scene being played: assets loaded, pins chosen, keyframes evaluated frame by frame. A cloth all of whose pins
-/// follow one collider jumps with it (what hangs on the pins does).
+/// A scene being played: assets loaded, pins chosen, keyframes evaluated frame by frame. A cloth all of whose pins jump
+/// alike, by their own keys or by those of colliders that they follow, jumps with them (what hangs on the pins does).
 class Simulation {
  public:
   /// Reads the assets and meshes that the scene names. Settings' substeps, relaxation_steps, keep_momentum,
@@ -171,8 +171,14 @@ class Simulation {
     bool acts = false;
   };
   void take_hold(PinSet& set, double start);
-  [[nodiscard]] std::vector<Pin> pins_of(uint32_t cloth, double start, double own_time) const;
-  [[nodiscard]] const SceneCollider* jumps_with(uint32_t cloth, double start) const;
+  struct Jumps {
+    bool carrier = false;  ///< what the pin follows
+    bool own = false;      ///< its own motion
+  };
+  [[nodiscard]] Jumps jumps_of(const PinSet& set, double start) const;
+  [[nodiscard]] Transform place_of(const PinSet& set, double carrier_time, double own_time) const;
+  [[nodiscard]] std::vector<Pin> pins_of(uint32_t cloth, double start, bool only_jumps) const;
+  [[nodiscard]] std::optional<Transform> way_of_jump(uint32_t cloth, double start) const;
 
   std::vector<PinSet> pins_;
   std::vector<CutMade> cuts_made_;
