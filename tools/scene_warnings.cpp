@@ -9,6 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "geocloth/parametrize/import.h"
+
 namespace geocloth {
 namespace {
 
@@ -195,6 +197,43 @@ void warn_of_torn_jumps(const Scene& scene, size_t index, std::vector<std::strin
   }
 }
 
+/// A walker stood still, and nothing said why.
+void warn_of_animated_bodies(const Scene& scene, std::vector<std::string>& warnings) {
+  for (size_t i = 0; i < scene.colliders.size(); ++i) {
+    const SceneCollider& collider = scene.colliders[i];
+    if (!collider.mesh) continue;
+    const size_t animations = count_animations(collider.mesh->file);
+    if (animations == 0) continue;
+    warnings.push_back(
+        fmt::format("colliders[{}] ({}): the file has {} animation{}, which {} not played: the collider keeps the pose "
+                    "that the file opens with; a \"motion\" moves it as a whole",
+                    i, collider.mesh->file.filename().string(), animations, animations == 1 ? "" : "s",
+                    animations == 1 ? "is" : "are"));
+  }
+}
+
+/// What is set and changes nothing, and cloth that nothing can hold.
+void warn_of_idle_settings(const Scene& scene, size_t index, std::vector<std::string>& warnings) {
+  const SceneCloth& cloth = scene.cloths[index];
+  const std::string name = name_of_cloth(scene, index);
+  const auto meeting = std::count_if(scene.cloths.begin(), scene.cloths.end(),
+                                     [](const SceneCloth& c) { return c.inter_collision.has_value(); });
+  if (cloth.inter_collision && meeting < 2) {
+    warnings.push_back(
+        fmt::format("{}: \"inter_collision\" has no effect, since no other cloth has it; \"self_collision\" keeps the "
+                    "layers of one "
+                    "cloth apart",
+                    name));
+  }
+  if (cloth.motion.empty() && cloth.inertia_scale != Vec3{1, 1, 1})
+    warnings.push_back(fmt::format("{}: \"inertia_scale\" has no effect without a \"motion\" of the cloth", name));
+  const bool meets_cloth = cloth.inter_collision && meeting > 1;
+  if (cloth.pins.empty() && scene.colliders.empty() && !meets_cloth && length(scene.gravity) > 0 && scene.frames > 0) {
+    warnings.push_back(fmt::format(
+        "{}: it has no pins, and there are no colliders: it only falls; give it \"pins\", or the scene a floor", name));
+  }
+}
+
 /// Whether points lie in a plane, to a hundred thousandth of how far they are apart.
 bool are_coplanar(const std::vector<Vec3>& points) {
   constexpr float kOff = 1e-5F;
@@ -243,7 +282,9 @@ std::vector<std::string> scene_warnings(const Simulation& simulation) {
     warn_of_loose_parts(simulation, c, warnings);
     warn_of_late_parts(simulation.scene(), c, warnings);
     warn_of_torn_jumps(simulation.scene(), c, warnings);
+    warn_of_idle_settings(simulation.scene(), c, warnings);
   }
+  warn_of_animated_bodies(simulation.scene(), warnings);
   return warnings;
 }
 

@@ -124,7 +124,7 @@ Simulation::Simulation(Scene scene, SolverSettings settings, const ReadSurface& 
   hands_.resize(cloths_.size());
   solver_ = std::make_unique<Solver>(solver_of(scene_, cloths_, settings, make_solver));
   solver_->set_colliders(colliders_at(scene_, 0), true);
-  if (scene_.wind) solver_->set_wind(*scene_.wind);
+  if (scene_.wind) solver_->set_wind(wind_at(scene_, 0));
   for (uint32_t c = 0; c < scene_.cloths.size(); ++c) {
     const SceneCloth& cloth = scene_.cloths[c];
     if (!cloth.motion.empty()) solver_->set_parent(c, pose_at(cloth.motion, 0), cloth.inertia_scale);
@@ -261,6 +261,12 @@ void Simulation::set_hand(uint32_t cloth, std::vector<Pin> pins) {
   hands_[cloth] = std::move(pins);
 }
 
+void Simulation::set_wind(const Wind& wind) {
+  solver_->set_wind(wind);
+  scene_.wind = wind;
+  scene_.wind_motion.clear();
+}
+
 /// The cuts between the beginning of the last frame and that of the next one.
 void Simulation::cut(double start) {
   constexpr double kSameTime = 1e-9;  // [s] what a time loses as a decimal
@@ -282,6 +288,7 @@ void Simulation::step() {
   std::vector<Collider> solids = colliders();
   for (size_t i = 0; i < solids.size(); ++i) solids[i].teleport = teleports(scene_.colliders[i].motion, start, time());
   solver_->set_colliders(solids);
+  if (scene_.wind && !scene_.wind_motion.empty()) solver_->set_wind(wind_at(scene_, time()));
   for (uint32_t c = 0; c < scene_.cloths.size(); ++c) {
     const SceneCloth& cloth = scene_.cloths[c];
     if (cloth.motion.empty()) continue;

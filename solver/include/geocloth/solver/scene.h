@@ -22,8 +22,10 @@ struct WhereTop {
 };  ///< the highest share of the bounding box's height, at rest in the scene
 struct WhereBoundary {
   std::optional<uint32_t> index;
-  bool of_each_part = false;  ///< the highest loop of every connected part; of a closed part its highest 2 %
-};                            ///< boundary loop, longest first; not set: the highest one
+};  ///< boundary loop, longest first; not set: the highest one
+/// What a garment hangs by if nothing is said: of every connected part the highest boundary; where that goes far down,
+/// or there is none, the highest 2 % of the part; of a level sheet one end.
+struct WhereHanger {};
 struct WhereBox {
   Vec3 min, max;
 };
@@ -37,7 +39,8 @@ struct WhereVertices {
 struct WhereVertexGroup {
   std::string name;
 };
-using Where = std::variant<WhereTop, WhereBoundary, WhereBox, WhereSphere, WhereVertices, WhereVertexGroup>;
+using Where =
+    std::variant<WhereTop, WhereBoundary, WhereBox, WhereSphere, WhereVertices, WhereVertexGroup, WhereHanger>;
 
 struct ScenePin {
   Where where;
@@ -87,6 +90,13 @@ struct SceneCollider {
   std::optional<SceneMesh> mesh;  ///< of shape "mesh"
 };
 
+/// A keyframe of the wind, which is linear between keys and held before the first and after the last.
+struct WindKey {
+  double time = 0;  ///< [s], ascending
+  Vec3 velocity = {};
+  float turbulence = 0;
+};
+
 /// A scene file, version 1, checked.
 struct Scene {
   std::filesystem::path path;
@@ -98,9 +108,10 @@ struct Scene {
   float imperfection = 0;  ///< see SolverSettings
   std::vector<SceneCloth> cloths;
   std::vector<SceneCollider> colliders;
-  float sleep_speed = 0;     ///< [m/s] see SolverSettings
-  float sleep_time = 0.5F;   ///< [s]
-  std::optional<Wind> wind;  ///< not set: no air at all; set: the air also brakes cloth when it stands still
+  float sleep_speed = 0;             ///< [m/s] see SolverSettings
+  float sleep_time = 0.5F;           ///< [s]
+  std::optional<Wind> wind;          ///< not set: no air at all; set: the air also brakes cloth when it stands still
+  std::vector<WindKey> wind_motion;  ///< of `wind`; empty: it does not change
 };
 
 /// Parses a scene. Unknown keys are errors that name the nearest known key; wrong types and ranges name the JSON path.
@@ -108,8 +119,11 @@ struct Scene {
 [[nodiscard]] Scene read_scene(const std::filesystem::path& path);
 [[nodiscard]] Scene parse_scene(std::string_view text, const std::filesystem::path& path);
 
-/// Hangs one asset by the highest boundary of each of its parts for 120 frames.
+/// Hangs one asset for 120 frames, see WhereHanger.
 [[nodiscard]] Scene default_scene(const std::filesystem::path& asset);
+
+/// The wind of a scene that has one, at a time [s].
+[[nodiscard]] Wind wind_at(const Scene& scene, double time);
 
 /// The collider in its pose at a time [s].
 [[nodiscard]] Collider collider_at(const SceneCollider& collider, double time);
@@ -148,6 +162,9 @@ class Simulation {
     CutResult result;
   };
   [[nodiscard]] const std::vector<CutMade>& cuts_made() const { return cuts_made_; }
+
+  /// A wind in place of the scene's and its keyframes.
+  void set_wind(const Wind& wind);
 
   /// Pixels that the pins of the scene hold at time(), ascending, all copies included.
   [[nodiscard]] std::vector<uint32_t> held_pixels(uint32_t cloth) const;
