@@ -11,7 +11,7 @@
 namespace geocloth {
 
 /// What a user sees go wrong where cloth meets colliders, and which no error stops: a garment that begins inside its
-/// wearer, and a wearer that shows through the garment between the vertices that are drawn.
+/// wearer, and a wearer that shows through the garment between its points, or went through it.
 class ContactCheck {
  public:
   /// Looks at where the cloths are before the first frame; reads them back.
@@ -30,10 +30,12 @@ class ContactCheck {
   struct Start {
     size_t cloth = 0, collider = 0, points = 0, points_of_cloth = 0;
     float depth = 0;  // [m]
+    bool is_buried = false;
   };
   struct Between {
     size_t collider = 0;
-    float depth = 0;  // [m]
+    float depth = 0;    // [m]
+    float stretch = 0;  // of the grid, the most where a collider shows through it
   };
 
   std::vector<Start> start_;

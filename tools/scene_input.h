@@ -20,7 +20,7 @@ void add_solver_options(CLI::App& app, SolverSettings& settings);
 /// What those options begin with: all threads of the machine.
 [[nodiscard]] SolverSettings default_solver_settings();
 
-/// A scene file, or an asset (.glb), hung by its highest boundary. @throws as read_scene
+/// A scene file, or an asset (.glb), hung as default_scene says. @throws as read_scene
 [[nodiscard]] Scene read_scene_or_asset(const std::filesystem::path& input);
 /// The triangles of a collider's mesh, which may be of any kind that a garment may be. @throws as import_mesh
 [[nodiscard]] TriangleSurface read_body(const std::filesystem::path& path);

@@ -5,8 +5,11 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
+
+#include "geocloth/parametrize/import.h"
 
 namespace geocloth {
 namespace {
@@ -126,26 +129,108 @@ uint32_t frame_of(const Scene& scene, double time) {
   return frame;
 }
 
-/// Where only some of the pins jump with the collider that they follow, the cloth cannot.
+/// Whether a pin jumps in a frame [s], by itself or with the collider that it follows.
+bool jumps_in(const Scene& scene, const ScenePin& pin, double start, double end) {
+  return teleports(pin.motion, start, end) ||
+         std::any_of(scene.colliders.begin(), scene.colliders.end(), [&](const SceneCollider& c) {
+           return c.collider.name == pin.follow && teleports(c.motion, start, end);
+         });
+}
+
+/// Whether the pins' own motions take the cloth apart in a frame [s]: pins turn about their own middles.
+bool part_in(const std::vector<ScenePin>& pins, double start, double end) {
+  const ScenePin* first = nullptr;
+  Vec3 first_way;
+  for (const ScenePin& pin : pins) {
+    if (!pin.acts(start, end) || !teleports(pin.motion, start, end)) continue;
+    const Transform from = pose_at(pin.motion, start), to = pose_at(pin.motion, end);
+    const Vec3 way = to.translate - from.translate;
+    if (first != nullptr && (!(from.rotate == to.rotate) || length(way - first_way) > 1e-3F)) return true;
+    if (first == nullptr) first_way = way;
+    first = &pin;
+  }
+  return false;
+}
+
+/// Where only some of the pins jump, or not alike, the cloth cannot jump with them.
 void warn_of_torn_jumps(const Scene& scene, size_t index, std::vector<std::string>& warnings) {
   const std::vector<ScenePin>& pins = scene.cloths[index].pins;
-  for (const SceneCollider& collider : scene.colliders) {
-    for (const Keyframe& key : collider.motion) {
-      if (!key.teleport || !(key.time > 0) || key.time > end_of(scene)) continue;
-      const uint32_t frame = frame_of(scene, key.time);
-      const double start = (frame - 1) / scene.frame_rate, end = frame / scene.frame_rate;
-      const auto acting =
-          std::count_if(pins.begin(), pins.end(), [&](const auto& pin) { return pin.acts(start, end); });
-      const auto jumping = std::count_if(pins.begin(), pins.end(), [&](const auto& pin) {
-        return pin.acts(start, end) && pin.follow == collider.collider.name;
-      });
-      if (jumping == 0 || jumping == acting) continue;
-      warnings.push_back(
-          fmt::format("{}: {} of its {} pins follow \"{}\", which jumps at {:.6g} s, and pull the cloth "
-                      "open there; let all pins follow that collider, and the cloth jumps with it",
-                      name_of_cloth(scene, index), jumping, acting, collider.collider.name, key.time));
+  std::vector<std::pair<double, std::string>> jumps;  // time [s], whose
+  const auto collect = [&](const Motion& motion, const std::string& whose) {
+    for (const Keyframe& key : motion)
+      if (key.teleport && key.time > 0 && key.time <= end_of(scene)) jumps.emplace_back(key.time, whose);
+  };
+  for (const SceneCollider& collider : scene.colliders) collect(collider.motion, collider.collider.name);
+  for (const ScenePin& pin : pins) collect(pin.motion, "");
+  for (const auto& [time, whose] : jumps) {
+    const uint32_t frame = frame_of(scene, time);
+    const double start = (frame - 1) / scene.frame_rate, end = frame / scene.frame_rate;
+    const auto count = [&](const auto& is_so) {
+      return std::count_if(pins.begin(), pins.end(),
+                           [&](const auto& pin) { return pin.acts(start, end) && is_so(pin); });
+    };
+    const auto acting = count([](const ScenePin&) { return true; });
+    const auto jumping = count([&](const ScenePin& pin) { return jumps_in(scene, pin, start, end); });
+    const auto following = count([&](const ScenePin& pin) { return !whose.empty() && pin.follow == whose; });
+    const std::string name = name_of_cloth(scene, index);
+    if (following > 0 && jumping != acting) {
+      warnings.push_back(fmt::format(
+          "{}: {} of its {} pins follow \"{}\", which jumps at {:.6g} s, and pull the cloth open there; let "
+          "all pins follow that collider, and the cloth jumps with it",
+          name, following, acting, whose, time));
       return;
     }
+    if (jumping > 0 && jumping != acting) {
+      warnings.push_back(
+          fmt::format("{}: {} of its {} pins jump at {:.6g} s and pull the cloth open there; let all pins jump alike, "
+                      "and the cloth jumps with them",
+                      name, jumping, acting, time));
+      return;
+    }
+    if (part_in(pins, start, end)) {
+      warnings.push_back(fmt::format(
+          "{}: its pins jump at {:.6g} s, but apart, and pull the cloth open; give them the same way without "
+          "a turn, or make one pin of them (each turns about its own middle), and the cloth jumps with it",
+          name, time));
+      return;
+    }
+  }
+}
+
+/// A walker stood still, and nothing said why.
+void warn_of_animated_bodies(const Scene& scene, std::vector<std::string>& warnings) {
+  for (size_t i = 0; i < scene.colliders.size(); ++i) {
+    const SceneCollider& collider = scene.colliders[i];
+    if (!collider.mesh) continue;
+    const size_t animations = count_animations(collider.mesh->file);
+    if (animations == 0) continue;
+    warnings.push_back(
+        fmt::format("colliders[{}] ({}): the file has {} animation{}, which {} not played: the collider keeps the pose "
+                    "that the file opens with; a \"motion\" moves it as a whole",
+                    i, collider.mesh->file.filename().string(), animations, animations == 1 ? "" : "s",
+                    animations == 1 ? "is" : "are"));
+  }
+}
+
+/// What is set and changes nothing, and cloth that nothing can hold.
+void warn_of_idle_settings(const Scene& scene, size_t index, std::vector<std::string>& warnings) {
+  const SceneCloth& cloth = scene.cloths[index];
+  const std::string name = name_of_cloth(scene, index);
+  const auto meeting = std::count_if(scene.cloths.begin(), scene.cloths.end(),
+                                     [](const SceneCloth& c) { return c.inter_collision.has_value(); });
+  if (cloth.inter_collision && meeting < 2) {
+    warnings.push_back(
+        fmt::format("{}: \"inter_collision\" has no effect, since no other cloth has it; \"self_collision\" keeps the "
+                    "layers of one "
+                    "cloth apart",
+                    name));
+  }
+  if (cloth.motion.empty() && cloth.inertia_scale != Vec3{1, 1, 1})
+    warnings.push_back(fmt::format("{}: \"inertia_scale\" has no effect without a \"motion\" of the cloth", name));
+  const bool meets_cloth = cloth.inter_collision && meeting > 1;
+  if (cloth.pins.empty() && scene.colliders.empty() && !meets_cloth && length(scene.gravity) > 0 && scene.frames > 0) {
+    warnings.push_back(fmt::format(
+        "{}: it has no pins, and there are no colliders: it only falls; give it \"pins\", or the scene a floor", name));
   }
 }
 
@@ -197,7 +282,9 @@ std::vector<std::string> scene_warnings(const Simulation& simulation) {
     warn_of_loose_parts(simulation, c, warnings);
     warn_of_late_parts(simulation.scene(), c, warnings);
     warn_of_torn_jumps(simulation.scene(), c, warnings);
+    warn_of_idle_settings(simulation.scene(), c, warnings);
   }
+  warn_of_animated_bodies(simulation.scene(), warnings);
   return warnings;
 }
 

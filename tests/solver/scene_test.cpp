@@ -123,6 +123,21 @@ TEST(Scene, PresetsAreNamed) {
   for (const MaterialPreset& preset : material_presets()) EXPECT_FALSE(preset.source.empty());
 }
 
+TEST(Scene, WindIsLinearBetweenItsKeys) {
+  const Scene scene =
+      parse_scene(R"({"version":1,"cloths":[{"asset":"a.glb"}],"wind":{"velocity":[1,2,3],"turbulence":0.5,
+      "drag":2,"motion":[{"time":1},{"time":3,"velocity":[5,2,3],"turbulence":0.1},{"time":4,"velocity":[0,0,0]}]}})",
+                  "s.json");
+  ASSERT_EQ(scene.wind_motion.size(), 3U);
+  for (const double early : {0.0, 1.0}) EXPECT_EQ(wind_at(scene, early), *scene.wind);
+  EXPECT_EQ(wind_at(scene, 2).velocity, (Vec3{3, 2, 3}));
+  EXPECT_FLOAT_EQ(wind_at(scene, 2).turbulence, 0.3F);
+  EXPECT_EQ(wind_at(scene, 2).drag, 2);
+  EXPECT_EQ(wind_at(scene, 3).turbulence, 0.1F);
+  EXPECT_EQ(wind_at(scene, 9).velocity, Vec3{});
+  EXPECT_EQ(wind_at(scene, 9).turbulence, 0.5F);
+}
+
 struct BadScene {
   const char* name;
   const char* find;  ///< in the full scene
@@ -166,9 +181,10 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{"ShareAboveOne", "\"stiffness\": 0.9", "\"stiffness\": 1.5", "stiffness: must be from 0"},
         BadScene{"NoDirection", "\"normal\": [0, 2, 0]", "\"normal\": [0, 0, 0]",
                  "colliders[0].normal: must have a direction"},
-        BadScene{"UnknownShape", "\"shape\": \"box\"", "\"shape\": \"bocks\"", "the nearest is \"box\""},
+        BadScene{"UnknownShape", "\"shape\": \"box\"", "\"shape\": \"bx\"", "the nearest is \"box\", all are plane"},
         BadScene{"TwoSelectors", "{ \"top\": 0.02 }", "{ \"top\": 0.02, \"boundary\": 0 }", "exactly one of"},
-        BadScene{"NoSuchFollow", "\"follow\": \"ball\"", "\"follow\": \"bell\"", "the nearest name is \"ball\""},
+        BadScene{"NoSuchFollow", "\"follow\": \"ball\"", "\"follow\": \"bell\"",
+                 "the nearest is \"ball\", all are cloth, world, ball"},
         BadScene{"NameTwice", "\"shape\": \"capsule\"", "\"name\": \"ball\", \"shape\": \"capsule\"",
                  "the name \"ball\" is taken"},
         BadScene{"TimeGoesBack", "\"time\": 2", "\"time\": -2", "must be later than the key before"},
@@ -200,6 +216,30 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{"Truncated", "\"wind\":", "\"wind\"", "not valid JSON"},
         BadScene{"UnknownPreset", "\"areal_density\": 0.3", "\"preset\": \"coton\"",
                  "no material preset \"coton\"; the nearest is \"cotton\""},
+        BadScene{"MisspeltBeginning", "\"stretch_warp\"", "\"streach\"", "nearest known one is \"stretch_warp\""},
+        BadScene{"PartOfAKey", "\"areal_density\"", "\"density\"", "nearest known one is \"areal_density\""},
+        // No name is better than one that has nothing to do with it.
+        BadScene{"ShapeFarFromAll", "\"shape\": \"capsule\"", "\"shape\": \"cylinder\"",
+                 "no shape \"cylinder\"; all are plane, sphere, capsule, box"},
+        BadScene{"KeyFarFromAll", "\"half_extents\"", "\"size\"",
+                 "unknown key \"size\"; known are name, shape, friction, motion, center, half_extents, rotate_deg"},
+        BadScene{"PresetFarFromAll", "\"areal_density\": 0.3", "\"preset\": \"silk\"", "preset \"silk\"; all are "},
+        BadScene{"ScaleOfAMesh",
+                 "\"shape\": \"box\", \"center\": [0, 1, 0], \"half_extents\": [1, 2, 3], \"rotate_deg\": [0, 0, 45]",
+                 "\"shape\": \"mesh\", \"file\": \"a.obj\", \"scale\": 2",
+                 "colliders[3]: \"scale\" belongs into \"transform\""},
+        BadScene{"RotationOfACloth", "\"inertia_scale\": [1, 1, 1]", "\"rotate_deg\": [1, 1, 1]",
+                 "cloths[0]: \"rotate_deg\" belongs into \"transform\""},
+        BadScene{"WindKeyWithoutTime", "\"drag\": 1.5", "\"motion\": [{}]",
+                 "wind.motion[0]: the key \"time\" is missing"},
+        BadScene{"WindTimeGoesBack", "\"drag\": 1.5", "\"motion\": [{\"time\": 1}, {\"time\": 1}]",
+                 "wind.motion[1].time: must be later than the key before"},
+        BadScene{"WindKeyOfAPose", "\"drag\": 1.5", "\"motion\": [{\"time\": 1, \"translate\": [0, 0, 0]}]",
+                 "wind.motion[0]: unknown key \"translate\"; known are time, velocity, turbulence"},
+        BadScene{"WindKeyTooFast", "\"drag\": 1.5", "\"motion\": [{\"time\": 1, \"velocity\": [0, 1e9, 0]}]",
+                 "wind.motion[0]: velocity"},
+        BadScene{"WindKeyBelowZero", "\"drag\": 1.5", "\"motion\": [{\"time\": 1, \"turbulence\": -1}]",
+                 "wind.motion[0]: turbulence"},
         BadScene{"UnknownClothKey", "\"transform\"", "\"material_\": 1, \"transform\"",
                  "nearest known one is \"material\""}),
     [](const auto& scene) { return scene.param.name; });
@@ -266,13 +306,35 @@ TEST_F(Playing, RowsOnTheFaceOfASelectorAreTakenWhole) {
   }
 }
 
-TEST_F(Playing, DefaultPinHoldsEveryPartByItsHighestBoundary) {
+// Held by their boundary, which goes all around, flags and capes did not move.
+TEST_F(Playing, SheetsHangByTheirTopOrOneEnd) {
+  const ClothAsset asset = test::make_sheet({.nx = 9, .ny = 9});
+  const auto rows = [&](const Vec3& degrees, auto&& is_held) {
+    const std::vector<uint32_t> held = select_pixels(asset, {{}, quat_from_euler_deg(degrees), 1}, WhereHanger{});
+    EXPECT_EQ(held.size(), 9U);
+    for (const uint32_t p : held) EXPECT_TRUE(is_held(asset.rest_position[p])) << p;
+  };
+  rows({0, 0, 0}, [](const Vec3& x) { return x.y > 0.49F; });
+  rows({0, 0, 90}, [](const Vec3& x) { return x.x > 0.49F; });
+  rows({20, 0, 0}, [](const Vec3& x) { return x.y > 0.49F; });
+  rows({90, 0, 0}, [](const Vec3& x) { return x.x < -0.49F; });
+  const ClothAsset long_sheet = test::make_sheet({.nx = 5, .ny = 9, .width = 0.5F});
+  const Transform level{{}, quat_from_euler_deg({90, 0, 0}), 1};
+  EXPECT_EQ(select_pixels(long_sheet, level, WhereHanger{}).size(), 5U);
+}
+
+TEST_F(Playing, HangersHoldTubesByTheirUpperEnd) {
+  const ClothAsset tube = test::make_tube({});
+  EXPECT_EQ(select_pixels(tube, {}, WhereHanger{}), select_pixels(tube, {}, WhereBoundary{}));
+}
+
+TEST_F(Playing, DefaultPinHoldsEveryPart) {
   // Two sheets in one image: the charts of a cut sheet without their seam.
   ClothAsset asset = test::make_sheet({.nx = 9, .ny = 9, .charts_x = 2});
   asset.splits = {};
   asset.seam_bends.clear();
   EXPECT_EQ(select_pixels(asset, {}, WhereBoundary{}).size(), 24U);
-  EXPECT_EQ(select_pixels(asset, {}, WhereBoundary{.index = std::nullopt, .of_each_part = true}).size(), 48U);
+  EXPECT_EQ(select_pixels(asset, {}, WhereHanger{}).size(), 10U);
 }
 
 TEST_F(Playing, HighestBoundaryOfATubeIsItsUpperEnd) {
@@ -363,6 +425,58 @@ TEST_F(Playing, AClothJumpsWithTheColliderThatHoldsIt) {
   }
 }
 
+/// A jump in a pin's own motion was read and did nothing.
+TEST_F(Playing, AClothJumpsWithItsPins) {
+  constexpr const char* kJump =
+      R"([{"time":0},{"time":0.505,"translate":[3,1,0],"rotate_deg":[0,90,0],"teleport":true}])";
+  constexpr const char* kShift = R"([{"time":0},{"time":0.505,"translate":[3,1,0],"teleport":true}])";
+  const std::string shifting = std::string(R"("motion":)") + kShift;
+  const std::string bar =
+      R"(,"colliders":[{"name":"bar","shape":"sphere","center":[0,9,0],"radius":0.1,)" + shifting + "}]";
+  const auto pin = [](const std::string& where, const std::string& rest) {
+    return R"({"where":{)" + where + "}," + rest + "}";
+  };
+  const std::string left = R"("vertices":[0])", right = R"("vertices":[8])";
+  struct Case {
+    std::string pins, still_pins;
+    Transform way;
+  };
+  const std::string top = R"("vertex_group":"top")";
+  const Transform turned{{3, 1, 0}, quat_from_euler_deg({0, 90, 0}), 1};
+  for (const Case& each :
+       {Case{pin(top, std::string(R"("follow":"world","motion":)") + kJump), pin(top, R"("follow":"world")"), turned},
+        Case{pin(left, shifting) + "," + pin(right, shifting),
+             pin(left, R"("follow":"world")") + "," + pin(right, R"("follow":"world")"),
+             {{3, 1, 0}, {}, 1}},
+        Case{pin(left, R"("frequency":5,"follow":"bar")") + "," + pin(right, shifting),
+             pin(left, R"("frequency":5,"follow":"world")") + "," + pin(right, R"("follow":"world")"),
+             {{3, 1, 0}, {}, 1}}}) {
+    Simulation jumps = play(R"(,"pins":[)" + each.pins + "]", bar),
+               stays = play(R"(,"pins":[)" + each.still_pins + "]");
+    for (int f = 1; f <= 45; ++f) {
+      jumps.step();
+      stays.step();
+      const std::vector<Vec3> x = test::positions_of(jumps.solver()), y = test::positions_of(stays.solver());
+      for (size_t p = 0; p < x.size(); ++p) {
+        if (!jumps.cloths()[0].asset->valid(static_cast<uint32_t>(p))) continue;
+        // The pins turn about their own middle, half a metre up.
+        const Vec3 up{0, 0.5F, 0};
+        ASSERT_LT(length(x[p] - (f > 30 ? up + apply(each.way, y[p] - up) : y[p])), 5e-3F) << f << each.pins;
+      }
+    }
+  }
+}
+
+/// Pins that part cannot both be followed; they go where they say all the same.
+TEST_F(Playing, AClothDoesNotJumpWithPinsThatPart) {
+  Simulation simulation = play(R"(,"pins":[{"where":{"vertices":[0]},"motion":[{"time":0},
+      {"time":0.1,"translate":[0,1,0],"teleport":true}]},{"where":{"vertices":[8]},"motion":[{"time":0},
+      {"time":0.1,"translate":[0,2,0],"teleport":true}]}])");
+  for (int f = 0; f < 7; ++f) simulation.step();
+  EXPECT_LT(length(point(simulation, 0, 0) - Vec3{-0.5F, 1.5F, 0}), 1e-5F);
+  EXPECT_LT(length(point(simulation, 8, 0) - Vec3{0.5F, 2.5F, 0}), 1e-5F);
+}
+
 TEST_F(Playing, OnlyWhatHangsOnItJumpsWithACollider) {
   Simulation simulation = play(R"(,"pins":[{"where":{"vertex_group":"top"},"follow":"bar"}],
       "cuts":[{"time":0,"triangle":[[-3,0.02,-2],[3,0.02,-2],[0,0.02,4]]}])",
@@ -393,9 +507,35 @@ TEST_F(Playing, MissingAssetIsNamed) {
   }
 }
 
-TEST_F(Playing, DefaultSceneHangsByTheHighestBoundary) {
+/// Of the state after half a second, in a wind.
+std::vector<Vec3> blown(Simulation simulation) {
+  for (int f = 0; f < 30; ++f) simulation.step();
+  return test::positions_of(simulation.solver());
+}
+
+TEST_F(Playing, WindChangesWithItsKeys) {
+  const auto wind = [&](const std::string& what) {
+    return blown(play(R"(,"pins":[{"where":{"vertex_group":"top"}}])", R"(,"wind":{"frequency":2,)" + what + "}"));
+  };
+  const std::string blows = R"("velocity":[1,0,4],"turbulence":0.3)";
+  const std::vector<Vec3> steady = wind(blows);
+  EXPECT_EQ(wind(R"("motion":[{"time":0.1,)" + blows + R"(},{"time":0.3,)" + blows + "}]"), steady);
+  EXPECT_EQ(wind(blows + R"(,"motion":[{"time":0.1},{"time":0.3}])"), steady);
+  EXPECT_EQ(wind(blows + R"(,"motion":[])"), steady);
+  EXPECT_EQ(wind(blows + R"(,"motion":[{"time":9,"velocity":[1,0,4]}])"), steady);
+  EXPECT_NE(wind(blows + R"(,"motion":[{"time":0},{"time":0.4,"velocity":[0,0,0]}])"), steady);
+
+  // Wind that is set by hand goes before the keys.
+  Simulation simulation = play("", R"(,"gravity":[0,0,0],"wind":{"motion":[{"time":0,"velocity":[0,0,9]}]})");
+  simulation.set_wind({});
+  for (int f = 0; f < 10; ++f) simulation.step();
+  EXPECT_EQ(point(simulation, 4, 4).z, 0);
+}
+
+TEST_F(Playing, DefaultSceneHangsAndFalls) {
   Simulation simulation(default_scene(folder_ / "sheet.glb"), test::cpu_settings());
   simulation.step();
+  EXPECT_EQ(simulation.held_pixels(0).size(), 10U);  // the upper edge, 9 points, one of them twice
   EXPECT_EQ(simulation.scene().frames, 120U);
   EXPECT_TRUE(test::all_finite(test::positions_of(simulation.solver())));
 }

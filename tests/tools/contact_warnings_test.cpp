@@ -15,9 +15,11 @@ namespace geocloth::test {
 namespace {
 
 using testing::AllOf;
+using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 
 /// A level square of 0.6 m about the origin, in few triangles: 0.15 m, the grid's springs are a tenth of that.
 std::string coarse_square() {
@@ -48,11 +50,11 @@ class ContactWarnings : public testing::Test {
     std::string err;
   };
 
-  Run simulate(const std::string& cloth, const std::string& colliders) {
+  Run simulate(const std::string& cloth, const std::string& colliders, int substeps = 16) {
     const std::string scene = folder_.write(
-        "scene.json",
-        fmt::format(R"({{"version":1,"frames":30,"cloths":[{{"asset":"square.glb",{}}}],"colliders":[{}]}})", cloth,
-                    colliders));
+        "scene.json", fmt::format(R"({{"version":1,"frames":30,"substeps":{},"cloths":[{{"asset":"square.glb",{}}}],)"
+                                  R"("colliders":[{}]}})",
+                                  substeps, cloth, colliders));
     const ProgramResult result =
         run_program({"simulate", scene, "--backend", "cpu", "--report", folder_ / "r.json", "--quiet"});
     EXPECT_EQ(result.status, 0) << result.err;
@@ -85,6 +87,26 @@ TEST_F(ContactWarnings, TellThatAGarmentBeginsInsideACollider) {
   // A quarter of a spacing is no more than the thickness puts right.
   const Run touching = simulate(cloth, R"({"shape":"box","center":[0,-0.098,0],"half_extents":[0.5,0.1,0.5]})");
   EXPECT_THAT(touching.warnings, IsEmpty());
+}
+
+/// Two fifths of a dress began inside its wearer, by less than two spacings, and nothing was said.
+TEST_F(ContactWarnings, TellThatMuchOfAGarmentBeginsInsideACollider) {
+  const std::string cloth = R"("material":"cotton")";
+  const Run half = simulate(cloth, R"({"shape":"box","center":[0.3,-0.095,0],"half_extents":[0.3,0.1,0.5]})");
+  EXPECT_THAT(half.warnings,
+              Contains(AllOf(HasSubstr("begin inside colliders[0], up to 0.005 m"), HasSubstr("may stretch"))));
+  const Run spot = simulate(cloth, R"({"shape":"box","center":[0,-0.095,0],"half_extents":[0.04,0.1,0.04]})");
+  EXPECT_THAT(spot.warnings, Not(Contains(HasSubstr("begin inside"))));
+}
+
+/// A thickness was advised where a ball had torn the cloth open and gone.
+TEST_F(ContactWarnings, TellThatAColliderWentThrough) {
+  const Run torn = simulate(R"("material":"cotton","pins":[{"where":{"boundary":0}}])",
+                            R"({"name":"ball","shape":"sphere","center":[0.02,-0.3,0.03],"radius":0.2,)"
+                            R"("motion":[{"time":0},{"time":0.2,"translate":[0,1.5,0]}]})",
+                            1);
+  EXPECT_THAT(torn.warnings, ElementsAre(AllOf(HasSubstr("collider \"ball\" went through it"),
+                                               HasSubstr("more \"substeps\""), Not(HasSubstr("thickness")))));
 }
 
 TEST_F(ContactWarnings, LeaveOutWhatPinsHoldAndFlatGround) {

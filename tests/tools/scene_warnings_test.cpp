@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What `simulate` says of scenes that play without an error and not as their authors expect.
 #include <algorithm>
+#include <regex>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -52,6 +53,8 @@ class SceneWarnings : public testing::Test {
   TemporaryFolder folder_;
 };
 
+constexpr const char* kFloor = R"(,"colliders":[{"shape":"plane","point":[0,-3,0],"normal":[0,1,0]}])";
+
 /// Shorts of a garment whose T-shirt was pinned fell 39 m without a word.
 TEST_F(SceneWarnings, TellThatAPartHangsOnNoPin) {
   const std::string left = R"({"asset":"two.glb","pins":[{"where":{"vertices":[0,1]}}]})";
@@ -59,7 +62,7 @@ TEST_F(SceneWarnings, TellThatAPartHangsOnNoPin) {
               ElementsAre(AllOf(HasSubstr("cloths[0] (two.glb): a part of it ("), HasSubstr("near vertex "),
                                 HasSubstr("is held by no pin and falls"), HasSubstr("--parts"))));
   EXPECT_THAT(warnings(left, R"(,"gravity":[0,0,0])"), IsEmpty());
-  EXPECT_THAT(warnings(R"({"asset":"two.glb"})"), IsEmpty());
+  EXPECT_THAT(warnings(R"({"asset":"two.glb"})", kFloor), IsEmpty());
   EXPECT_THAT(warnings(R"({"asset":"two.glb","pins":[{"where":{"top":0.1}}]})"), IsEmpty());
   EXPECT_THAT(warnings(R"({"asset":"sheet.glb","pins":[{"where":{"vertices":[0,1]}}]})"), IsEmpty());
   EXPECT_THAT(warnings(R"({"asset":"two.glb","pins":[{"where":{"vertices":[0]}},
@@ -95,7 +98,7 @@ TEST_F(SceneWarnings, TellWhatComesAfterTheLastFrame) {
                                 HasSubstr("ends at 0.5 s"))));
   std::string many = fmt::format(R"({{"time":9,{}}})", kAcross);
   for (int i = 0; i < 5; ++i) many += fmt::format(R"(,{{"time":9,{}}})", kAcross);
-  EXPECT_THAT(warnings(R"({"asset":"sheet.glb","cuts":[)" + many + "]}"),
+  EXPECT_THAT(warnings(R"({"asset":"sheet.glb","cuts":[)" + many + "]}", kFloor),
               ElementsAre(HasSubstr("cuts[0], cuts[1], cuts[2] and 3 more would come")));
 }
 
@@ -111,6 +114,69 @@ TEST_F(SceneWarnings, TellThatOnlySomePinsJump) {
               ElementsAre(AllOf(HasSubstr("cloths[0] (sheet.glb): 1 of its 2 pins follow \"bar\""),
                                 HasSubstr("jumps at 0.2 s"))));
   EXPECT_THAT(warnings(sheet(R"("until":0.1)"), bar), IsEmpty());
+
+  const auto pins = [](const std::string& first, const std::string& second) {
+    return R"({"asset":"sheet.glb","pins":[{"where":{"vertices":[0]},"motion":[{"time":0},)" + first +
+           R"(]},{"where":{"vertices":[8]},"motion":[{"time":0},)" + second + "]}]}";
+  };
+  const std::string away = R"({"time":0.2,"translate":[3,0,0],"teleport":true})";
+  EXPECT_THAT(warnings(pins(away, away)), IsEmpty());
+  EXPECT_THAT(warnings(pins(away, R"({"time":0.2,"translate":[0,0,0]})")),
+              ElementsAre(AllOf(HasSubstr("1 of its 2 pins jump at 0.2 s"), HasSubstr("jump alike"))));
+  EXPECT_THAT(warnings(pins(away, R"({"time":0.2,"translate":[3,1,0],"teleport":true})")),
+              ElementsAre(HasSubstr("its pins jump at 0.2 s, but apart")));
+}
+
+TEST_F(SceneWarnings, TellWhatHasNoEffect) {
+  const auto sheet = [](const std::string& more) {
+    return R"({"asset":"sheet.glb","pins":[{"where":{"vertex_group":"top"}}])" + more + "}";
+  };
+  const std::string apart = R"(,"inter_collision":true)";
+  EXPECT_THAT(warnings(sheet(apart)),
+              ElementsAre(HasSubstr("cloths[0] (sheet.glb): \"inter_collision\" has no effect")));
+  EXPECT_THAT(warnings(sheet(apart) + "," + sheet("")), ElementsAre(HasSubstr("\"inter_collision\" has no effect")));
+  EXPECT_THAT(warnings(sheet(apart) + R"(,{"asset":"sheet.glb","transform":{"translate":[0,0,1]})" + apart + "}"),
+              IsEmpty());
+  EXPECT_THAT(warnings(sheet(R"(,"inertia_scale":[0.5,1,1])")),
+              ElementsAre(HasSubstr("\"inertia_scale\" has no effect")));
+  EXPECT_THAT(warnings(sheet(R"(,"inertia_scale":[0.5,1,1],"motion":[{"time":0}])")), IsEmpty());
+}
+
+TEST_F(SceneWarnings, TellThatNothingHoldsACloth) {
+  const std::string sheet = R"({"asset":"sheet.glb"})";
+  EXPECT_THAT(warnings(sheet),
+              ElementsAre(HasSubstr("cloths[0] (sheet.glb): it has no pins, and there are no colliders")));
+  EXPECT_THAT(warnings(sheet, kFloor), IsEmpty());
+  EXPECT_THAT(warnings(sheet, R"(,"gravity":[0,0,0])"), IsEmpty());
+}
+
+/// A tetrahedron that an animation moves.
+constexpr const char* kAnimated =
+    R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
+    "meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":3}]}],"accessors":[
+      {"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","min":[0,0,0],"max":[1,1,1]},
+      {"bufferView":1,"componentType":5126,"count":2,"type":"SCALAR","min":[0],"max":[1]},
+      {"bufferView":2,"componentType":5126,"count":2,"type":"VEC3"},
+      {"bufferView":3,"componentType":5121,"count":12,"type":"SCALAR"}],
+    "bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":8},
+      {"buffer":0,"byteOffset":56,"byteLength":24},{"buffer":0,"byteOffset":80,"byteLength":12}],
+    "animations":[{"samplers":[{"input":1,"output":2}],
+      "channels":[{"sampler":0,"target":{"node":0,"path":"translation"}}]}],
+    "buffers":[{"byteLength":92,"uri":"data:application/octet-stream;base64,)"
+    "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAAAAAAAgD8AAAAAAAAAAAAA"
+    R"(AAAAAAAAAAAAAACAPwAAAAAAAgEAAQMAAwIBAgM="}]})";
+
+/// A knight with 76 animations stood still, and nothing said so.
+TEST_F(SceneWarnings, TellThatABodyIsAnimated) {
+  folder_.write("moves.gltf", kAnimated);
+  folder_.write("still.gltf", std::regex_replace(kAnimated, std::regex(R"("animations":\[\{[^!]*\}\]\}\],)"), ""));
+  const auto on = [](const std::string& file) {
+    return R"(,"colliders":[{"shape":"mesh","file":")" + file + R"(","transform":{"translate":[0,-5,0]}}])";
+  };
+  const std::string sheet = R"({"asset":"sheet.glb","pins":[{"where":{"vertex_group":"top"}}]})";
+  EXPECT_THAT(warnings(sheet, on("moves.gltf")),
+              ElementsAre(HasSubstr("colliders[0] (moves.gltf): the file has 1 animation, which is not played")));
+  EXPECT_THAT(warnings(sheet, on("still.gltf")), IsEmpty());
 }
 
 /// A curtain that was drawn lay squeezed in its plane, in a heap of cells, and nothing said why.

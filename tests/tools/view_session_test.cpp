@@ -398,6 +398,19 @@ TEST_F(SessionTest, forces_and_substeps_change_while_it_plays) {
   EXPECT_EQ(session.wind().velocity.z, 8);
 }
 
+TEST_F(SessionTest, wind_that_is_set_goes_before_the_keys_of_the_scene) {
+  setup_.scene.wind = Wind{};
+  setup_.scene.wind_motion = {{0, {0, 0, 0}, 0}, {1, {0, 0, 6}, 0}};
+  Session session(setup_, kSize);
+  play(session, 30);
+  EXPECT_NEAR(session.wind().velocity.z, 3, 0.3);
+  session.set_wind({.velocity = {0, 0, -1}});
+  play(session, 5);
+  EXPECT_EQ(session.wind().velocity.z, -1);
+  session.restart();
+  EXPECT_EQ(session.wind().velocity.z, -1);
+}
+
 TEST_F(SessionTest, goes_along_with_a_garment_that_nothing_holds) {
   setup_.scene.cloths[0].pins.clear();
   setup_.scene.colliders.clear();

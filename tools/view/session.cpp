@@ -139,8 +139,9 @@ void Session::set_playing(bool playing) {
 }
 
 void Session::set_wind(const Wind& wind) {
-  simulation_->solver().set_wind(wind);
+  simulation_->set_wind(wind);
   scene_.wind = wind;
+  scene_.wind_motion.clear();
 }
 
 void Session::set_gravity(const Vec3& gravity) {

@@ -96,8 +96,8 @@ class Session {
   void set_cutting(bool cutting) { cutting_ = cutting; }
   /// What happened last, for the panel; empty when nothing is to be said.
   [[nodiscard]] const std::string& note() const { return note_; }
-  /// Wind that is set, calm where the scene has none.
-  [[nodiscard]] Wind wind() const { return scene_.wind.value_or(Wind{}); }
+  /// Wind that blows, calm where the scene has none.
+  [[nodiscard]] Wind wind() const { return wind_at(scene_, simulation_->time()); }
   [[nodiscard]] const Scene& scene() const { return scene_; }
 
   /// The state of a cloth now; read from the solver once a frame at most. Pixels of the asset in simulation order.

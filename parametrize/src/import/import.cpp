@@ -23,6 +23,7 @@
 
 #include "geocloth/asset/error.h"
 #include "geocloth/asset/output_file.h"
+#include "import/gltf_file.h"
 #include "import/import_detail.h"
 #include "import/import_files.h"
 #include "import/scene_pose.h"
@@ -582,6 +583,15 @@ TriangleMesh read(const std::filesystem::path& file, const ImportOptions& option
 
 }  // namespace
 }  // namespace import_detail
+
+size_t count_animations(const std::filesystem::path& path) {
+  using import_detail::Format;
+  const Format format = import_detail::format_of(path);
+  if (format != Format::gltf && format != Format::glb) return 0;
+  const std::vector<std::byte> bytes = read_file(path, import_detail::kMaxFileBytes);
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  return import_detail::GltfFile(path, bytes, text.starts_with("glTF")).array("animations").size();
+}
 
 TriangleMesh import_mesh(const std::filesystem::path& path, const ImportOptions& options) {
   if (options.scale && !(std::isfinite(*options.scale) && *options.scale > 0)) {

@@ -60,18 +60,28 @@ std::string reason(const nlohmann::json::exception& error) {
 }  // namespace
 
 std::string_view nearest_word(std::string_view word, const std::vector<std::string_view>& list) {
+  constexpr size_t kLongest = 64, kTelling = 4;  // letters: fewer begin many words
+  word = word.substr(0, kLongest);
   std::string_view best;
-  size_t least = std::numeric_limits<size_t>::max();
+  size_t least = std::max<size_t>(1, word.size() / 3) + 1;
   for (const std::string_view candidate : list) {
-    // "rotate" means "rotate_deg", although "time" is as few edits away.
-    const bool begins = !word.empty() && candidate.starts_with(word);
-    const size_t edits = begins ? 0 : edit_distance(word.substr(0, 64), candidate);
+    // "rotate" means "rotate_deg", although "time" is as few edits away; "streach" means "stretch_warp".
+    size_t edits = edit_distance(word, candidate);
+    if (word.size() > kTelling) edits = std::min(edits, edit_distance(word, candidate.substr(0, word.size())));
+    if (word.size() >= kTelling && candidate.find(word) != std::string_view::npos) edits = std::min<size_t>(edits, 1);
+    if (!word.empty() && candidate.starts_with(word)) edits = 0;
     if (edits < least) {
       least = edits;
       best = candidate;
     }
   }
   return best;
+}
+
+std::string listed(const std::vector<std::string_view>& list) {
+  std::string text;
+  for (const std::string_view word : list) text += (text.empty() ? "" : ", ") + std::string(word);
+  return text;
 }
 
 std::string in_quotes(std::string_view text) {
@@ -97,8 +107,10 @@ void JsonReader::expect_object(const std::vector<std::string_view>& known_keys) 
   if (!value_->is_object()) fail("must be an object, not " + std::string(value_->type_name()));
   for (const auto& [key, value] : value_->items()) {
     if (std::find(known_keys.begin(), known_keys.end(), key) != known_keys.end()) continue;
-    fail("unknown key " + in_quotes(key) + "; the nearest known one is \"" +
-         std::string(nearest_word(key, known_keys)) + "\"");
+    const std::string_view nearest = nearest_word(key, known_keys);
+    fail("unknown key " + in_quotes(key) +
+         (nearest.empty() ? "; known are " + listed(known_keys)
+                          : "; the nearest known one is \"" + std::string(nearest) + "\""));
   }
 }
 

@@ -14,8 +14,12 @@
 
 namespace geocloth {
 
-/// The word of a list that is nearest to another by edits; empty for an empty list.
+/// The word of a list that another one was most likely meant to be: one edit away, or a third of its length; empty when
+/// there is none.
 [[nodiscard]] std::string_view nearest_word(std::string_view word, const std::vector<std::string_view>& list);
+
+/// "a, b, c"
+[[nodiscard]] std::string listed(const std::vector<std::string_view>& list);
 
 /// A user's text for a message: short, on one line, in quotation marks.
 [[nodiscard]] std::string in_quotes(std::string_view text);

@@ -38,6 +38,20 @@ double in_range(const JsonReader& json, double low, double high) {
   return value;
 }
 
+/// How a message goes on that there is no such word.
+std::string nearest_and_all(std::string_view word, const std::vector<std::string_view>& list) {
+  const std::string_view nearest = nearest_word(word, list);
+  return (nearest.empty() ? "; all are " : "; the nearest is \"" + std::string(nearest) + "\", all are ") +
+         listed(list);
+}
+
+/// What places a cloth or a mesh is the transform's.
+void expect_no_placing(const JsonReader& json) {
+  for (const auto* key : {"translate", "rotate_deg", "scale"}) {
+    if (json.has(key)) json.fail("\"" + std::string(key) + "\" belongs into \"transform\"");
+  }
+}
+
 Motion read_motion(const JsonReader& json) {
   Motion motion;
   for (const JsonReader& entry : json.elements()) {
@@ -78,10 +92,7 @@ Material preset_named(const JsonReader& json) {
   if (const MaterialPreset* preset = find_material_preset(name)) return preset->material;
   std::vector<std::string_view> names;
   for (const MaterialPreset& preset : material_presets()) names.push_back(preset.name);
-  std::string list;
-  for (const std::string_view known : names) list += (list.empty() ? "" : ", ") + std::string(known);
-  json.fail("there is no material preset " + in_quotes(name) + "; the nearest is \"" +
-            std::string(nearest_word(name, names)) + "\", all are " + list);
+  json.fail("there is no material preset " + in_quotes(name) + nearest_and_all(name, names));
 }
 
 /// A preset's name, or an object with the fields that differ from the defaults (or from its "preset").
@@ -186,6 +197,7 @@ std::optional<Collision> read_cloth_collision(const JsonReader& json) {
 }
 
 SceneCloth read_cloth(const JsonReader& json, const std::filesystem::path& folder) {
+  expect_no_placing(json);
   json.expect_object({"asset", "material", "transform", "inertia_scale", "motion", "pins", "cuts", "self_collision",
                       "inter_collision"});
   SceneCloth cloth;
@@ -299,6 +311,7 @@ SceneCollider read_collider(const JsonReader& json, const std::filesystem::path&
     if (reader.name != shape) continue;
     std::vector<std::string_view> keys{"name", "shape", "friction", "motion"};
     keys.insert(keys.end(), reader.keys.begin(), reader.keys.end());
+    if (reader.read == read_mesh) expect_no_placing(json);
     json.expect_object(keys);
     SceneCollider collider;
     json.read("name", collider.collider.name);
@@ -313,12 +326,11 @@ SceneCollider read_collider(const JsonReader& json, const std::filesystem::path&
     }
     return collider;
   }
-  json.at("shape").fail("there is no shape " + in_quotes(shape) + "; the nearest is \"" +
-                        std::string(nearest_word(shape, names)) + "\"");
+  json.at("shape").fail("there is no shape " + in_quotes(shape) + nearest_and_all(shape, names));
 }
 
 Wind read_wind(const JsonReader& json) {
-  json.expect_object({"velocity", "turbulence", "frequency", "drag", "lift"});
+  json.expect_object({"velocity", "turbulence", "frequency", "drag", "lift", "motion"});
   Wind wind;
   json.read("velocity", wind.velocity);
   json.read("turbulence", wind.turbulence);
@@ -327,6 +339,21 @@ Wind read_wind(const JsonReader& json) {
   json.read("lift", wind.lift);
   checked([&] { check(wind, json.where()); });
   return wind;
+}
+
+/// @param wind  what a key does not say is as there
+std::vector<WindKey> read_wind_motion(const JsonReader& json, const Wind& wind) {
+  std::vector<WindKey> motion;
+  for (const JsonReader& entry : json.elements()) {
+    entry.expect_object({"time", "velocity", "turbulence"});
+    WindKey key{entry.at("time").number(), wind.velocity, wind.turbulence};
+    if (!motion.empty() && !(key.time > motion.back().time)) entry.at("time").fail("must be later than the key before");
+    entry.read("velocity", key.velocity);
+    entry.read("turbulence", key.turbulence);
+    checked([&] { check(Wind{.velocity = key.velocity, .turbulence = key.turbulence}, entry.where()); });
+    motion.push_back(key);
+  }
+  return motion;
 }
 
 /// Collider names are what pins refer to: each once, and not one of the two words with a meaning of their own.
@@ -345,8 +372,7 @@ void check_names(const Scene& scene, const JsonReader& json) {
       const std::string& follow = scene.cloths[c].pins[p].follow;
       if (std::find(known.begin(), known.end(), follow) != known.end()) continue;
       json.at("cloths").elements()[c].at("pins").elements()[p].at("follow").fail(
-          "there is no collider " + in_quotes(follow) + "; the nearest name is \"" +
-          std::string(nearest_word(follow, known)) + "\"");
+          "there is no collider " + in_quotes(follow) + nearest_and_all(follow, known));
     }
   }
 }
@@ -398,7 +424,11 @@ Scene parse_scene(std::string_view text, const std::filesystem::path& path) {
       scene.colliders.push_back(read_collider(collider, path.parent_path()));
     }
   }
-  if (json.has("wind")) scene.wind = read_wind(json.at("wind"));
+  if (json.has("wind")) {
+    const JsonReader wind = json.at("wind");
+    scene.wind = read_wind(wind);
+    if (wind.has("motion")) scene.wind_motion = read_wind_motion(wind.at("motion"), *scene.wind);
+  }
   if (json.has("sleep")) {
     const JsonReader sleep = json.at("sleep");
     sleep.expect_object({"speed", "time"});
@@ -430,9 +460,23 @@ Scene default_scene(const std::filesystem::path& asset) {
   scene.path = asset;
   SceneCloth cloth;
   cloth.asset = asset;
-  cloth.pins.push_back({WhereBoundary{.index = std::nullopt, .of_each_part = true}, "cloth", {}});
+  cloth.pins.push_back({WhereHanger{}, "cloth", {}});
   scene.cloths.push_back(std::move(cloth));
   return scene;
+}
+
+Wind wind_at(const Scene& scene, double time) {
+  Wind wind = scene.wind.value_or(Wind{});
+  const std::vector<WindKey>& motion = scene.wind_motion;
+  if (motion.empty()) return wind;
+  const auto after =
+      std::upper_bound(motion.begin(), motion.end(), time, [](double t, const WindKey& key) { return t < key.time; });
+  const WindKey& b = after == motion.end() ? motion.back() : *after;
+  const WindKey& a = after == motion.begin() ? b : *(after - 1);
+  const auto t = b.time > a.time ? static_cast<float>((time - a.time) / (b.time - a.time)) : 0.F;
+  wind.velocity = a.velocity + t * (b.velocity - a.velocity);
+  wind.turbulence = a.turbulence + t * (b.turbulence - a.turbulence);
+  return wind;
 }
 
 Collider collider_at(const SceneCollider& collider, double time) {

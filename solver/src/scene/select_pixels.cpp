@@ -77,7 +77,6 @@ class Selector {
 
   void operator()(const WhereBoundary& where) {
     const WeldedSurface surface(asset_);
-    if (where.of_each_part) return take_highest_of_each_part(surface);
     const std::vector<Loop>& loops = surface.longest_first();
     if (loops.empty()) {
       throw Error(ErrorCode::invalid_data,
@@ -91,6 +90,8 @@ class Selector {
     take(*std::max_element(loops.begin(), loops.end(),
                            [&](const Loop& a, const Loop& b) { return mean_height(a) < mean_height(b); }));
   }
+
+  void operator()(const WhereHanger&) { take_highest_of_each_part(WeldedSurface(asset_)); }
 
   void operator()(const WhereBox& where) {
     const float slack = rounding();
@@ -150,19 +151,62 @@ class Selector {
     for (const uint32_t p : loop.pixel) taken_[p] = true;
   }
 
+  struct Range {
+    float low = std::numeric_limits<float>::max(), high = -std::numeric_limits<float>::max();
+    void include(float x) {
+      low = std::min(low, x);
+      high = std::max(high, x);
+    }
+    [[nodiscard]] float length() const { return high - low; }
+  };
+
+  /// Along an axis, of the pixels that are in a set.
+  template <class InSet>
+  [[nodiscard]] Range range_of(float Vec3::*axis, const InSet& in_set) const {
+    Range range;
+    for_valid([&](uint32_t p, const Vec3& x) {
+      if (in_set(p)) range.include(x.*axis);
+    });
+    return range;
+  }
+
   /// The highest share of the height of the pixels that are in a set.
   template <class InSet>
   void take_top(float share, const InSet& in_set) {
-    float low = std::numeric_limits<float>::max(), high = -low;
-    for_valid([&](uint32_t p, const Vec3& x) {
-      if (!in_set(p)) return;
-      low = std::min(low, x.y);
-      high = std::max(high, x.y);
-    });
-    const float from = high - share * (high - low) - rounding();
+    const Range height = range_of(&Vec3::y, in_set);
+    const float from = height.high - share * height.length() - rounding();
     for_valid([&](uint32_t p, const Vec3& x) {
       if (in_set(p) && x.y >= from) taken_[p] = true;
     });
+  }
+
+  /// One end of a level sheet.
+  template <class InSet>
+  void take_end(float share, const InSet& in_set) {
+    const bool along_x = range_of(&Vec3::x, in_set).length() >= range_of(&Vec3::z, in_set).length();
+    float Vec3::*const axis = along_x ? &Vec3::x : &Vec3::z;
+    const Range range = range_of(axis, in_set);
+    const float to = range.low + share * range.length() + rounding();
+    for_valid([&](uint32_t p, const Vec3& x) {
+      if (in_set(p) && x.*axis <= to) taken_[p] = true;
+    });
+  }
+
+  /// What a part hangs by.
+  /// @param loop  its highest boundary, if it has any
+  void hang(uint32_t part, const Loop* loop, const WeldedSurface& surface) {
+    constexpr float kEnd = 0.02F;                  // of the part's height or length
+    constexpr float kDeep = 0.2F, kLevel = 0.05F;  // of its height, and of its length
+    const auto in_part = [&](uint32_t p) { return surface.part_of(p) == part; };
+    if (loop == nullptr) return take_top(kEnd, in_part);
+    Range rim;
+    for (const uint32_t p : loop->pixel) rim.include(apply(transform_, asset_.rest_position[p]).y);
+    const float height = range_of(&Vec3::y, in_part).length();
+    const float length = std::max(range_of(&Vec3::x, in_part).length(), range_of(&Vec3::z, in_part).length());
+    // The rim of a flag or a cape goes all around it: held by that, nothing moves.
+    if (rim.length() <= kDeep * height && height > rounding()) return take(*loop);
+    if (height > kLevel * length) return take_top(kEnd, in_part);
+    take_end(kEnd, in_part);
   }
 
   void take_highest_of_each_part(const WeldedSurface& surface) {
@@ -172,13 +216,7 @@ class Selector {
       const Loop*& best = highest[loop.part];
       if (best == nullptr || mean_height(loop) > mean_height(*best)) best = &loop;
     }
-    for (const auto& [part, loop] : highest) {
-      if (loop != nullptr) {
-        take(*loop);
-      } else {
-        take_top(0.02F, [&, closed = part](uint32_t p) { return surface.part_of(p) == closed; });
-      }
-    }
+    for (const auto& [part, loop] : highest) hang(part, loop, surface);
   }
 
   [[nodiscard]] double mean_height(const Loop& loop) const {

@@ -124,7 +124,7 @@ Simulation::Simulation(Scene scene, SolverSettings settings, const ReadSurface& 
   hands_.resize(cloths_.size());
   solver_ = std::make_unique<Solver>(solver_of(scene_, cloths_, settings, make_solver));
   solver_->set_colliders(colliders_at(scene_, 0), true);
-  if (scene_.wind) solver_->set_wind(*scene_.wind);
+  if (scene_.wind) solver_->set_wind(wind_at(scene_, 0));
   for (uint32_t c = 0; c < scene_.cloths.size(); ++c) {
     const SceneCloth& cloth = scene_.cloths[c];
     if (!cloth.motion.empty()) solver_->set_parent(c, pose_at(cloth.motion, 0), cloth.inertia_scale);
@@ -150,14 +150,31 @@ void Simulation::take_hold(PinSet& set, double start) {
   set.own_start = pose_at(set.pin.motion, start);
 }
 
-/// Of the frame that begins at `start`, where what they follow takes them until its end.
-/// @param own_time  [s] of their own motions
-std::vector<Pin> Simulation::pins_of(uint32_t cloth, double start, double own_time) const {
+/// Of the frame that begins at `start`, which of the motions that move the pin jump.
+Simulation::Jumps Simulation::jumps_of(const PinSet& set, double start) const {
+  Jumps jumps{false, teleports(set.pin.motion, start, time())};
+  for (const SceneCollider& c : scene_.colliders)
+    jumps.carrier = jumps.carrier || (c.collider.name == set.pin.follow && teleports(c.motion, start, time()));
+  return jumps;
+}
+
+/// What takes the pin's points from where they rest to where they are held.
+Transform Simulation::place_of(const PinSet& set, double carrier_time, double own_time) const {
+  const Transform carried = carrier(scene_, scene_.cloths[set.cloth], set.pin.follow, carrier_time);
+  const Transform own = compose(pose_at(set.pin.motion, own_time), inverse_rigid(set.own_start));
+  const Vec3 center = middle(set.rest);
+  return compose(carried, {center - rotate(own.rotate, center) + own.translate, own.rotate, 1});
+}
+
+/// Of the frame that begins at `start`, where they are at its end.
+/// @param only_jumps  where they are at its beginning, once what jumps in the frame has jumped
+std::vector<Pin> Simulation::pins_of(uint32_t cloth, double start, bool only_jumps) const {
   std::vector<Pin> pins;
   for (const PinSet& set : pins_) {
     if (set.cloth != cloth || !set.pin.acts(start, time())) continue;
-    const Transform carried = carrier(scene_, scene_.cloths[cloth], set.pin.follow, time());
-    const Transform own = compose(pose_at(set.pin.motion, own_time), inverse_rigid(set.own_start));
+    const Jumps moves = only_jumps ? jumps_of(set, start) : Jumps{true, true};
+    const Transform carried = carrier(scene_, scene_.cloths[cloth], set.pin.follow, moves.carrier ? time() : start);
+    const Transform own = compose(pose_at(set.pin.motion, moves.own ? time() : start), inverse_rigid(set.own_start));
     const Vec3 center = middle(set.rest);
     for (size_t k = 0; k < set.pixels.size(); ++k) {
       // Without a motion of its own the point must not even be rounded.
@@ -172,37 +189,42 @@ std::vector<Pin> Simulation::pins_of(uint32_t cloth, double start, double own_ti
 void Simulation::update_pins() {
   const double start = (frame_ - 1) / scene_.frame_rate;
   for (uint32_t c = 0; c < scene_.cloths.size(); ++c) {
-    std::vector<Pin> pins = pins_of(c, start, time());
+    std::vector<Pin> pins = pins_of(c, start, false);
     pins.insert(pins.end(), hands_[c].begin(), hands_[c].end());
     solver_->set_pins(c, pins);
   }
 }
 
-/// The collider that all pins of a cloth follow, where it jumps in this frame. A cloth that jumps with its own motion
-/// has been taken along.
-const SceneCollider* Simulation::jumps_with(uint32_t cloth, double start) const {
-  const SceneCloth& c = scene_.cloths[cloth];
-  const std::string* followed = nullptr;
-  for (const ScenePin& pin : c.pins) {
-    if (!pin.acts(start, time())) continue;
-    if (followed != nullptr && *followed != pin.follow) return nullptr;
-    followed = &pin.follow;
+/// The way that all pins of a cloth jump in this frame, if it is the same for all. A cloth that jumps with its own
+/// motion has been taken along.
+std::optional<Transform> Simulation::way_of_jump(uint32_t cloth, double start) const {
+  constexpr float kAlike = 0.05F;  // of a spacing, that the ways of two pins may take a point apart
+  if (teleports(scene_.cloths[cloth].motion, start, time())) return std::nullopt;
+  std::optional<Transform> way;
+  for (const PinSet& set : pins_) {
+    if (set.cloth != cloth || !set.pin.acts(start, time())) continue;
+    const Jumps jumps = jumps_of(set, start);
+    if (!jumps.carrier && !jumps.own) return std::nullopt;
+    const Transform before = place_of(set, start, start);
+    const Transform own_way =
+        compose(place_of(set, jumps.carrier ? time() : start, jumps.own ? time() : start), inverse_rigid(before));
+    if (!way) way = own_way;
+    const float apart = kAlike * cloths_[cloth].asset->spacing * cloths_[cloth].transform.scale;
+    for (const Vec3& rest : set.rest) {
+      const Vec3 x = apply(before, rest);
+      if (length(apply(own_way, x) - apply(*way, x)) > apart) return std::nullopt;
+    }
   }
-  if (followed == nullptr || teleports(c.motion, start, time())) return nullptr;
-  for (const SceneCollider& collider : scene_.colliders) {
-    if (collider.collider.name == *followed && teleports(collider.motion, start, time())) return &collider;
-  }
-  return nullptr;
+  return way;
 }
 
-/// Takes cloths along, as they are, to where the colliders that hold them jump.
+/// Takes cloths along, as they are, to where the pins that hold them jump.
 void Simulation::jump(double start) {
   for (uint32_t c = 0; c < scene_.cloths.size(); ++c) {
-    const SceneCollider* const collider = jumps_with(c, start);
-    if (collider == nullptr) continue;
-    const Transform way =
-        compose(collider_at(*collider, time()).pose, inverse_rigid(collider_at(*collider, start).pose));
-    const std::vector<Pin> pins = pins_of(c, start, start);
+    const std::optional<Transform> found = way_of_jump(c, start);
+    if (!found) continue;
+    const Transform& way = *found;
+    const std::vector<Pin> pins = pins_of(c, start, true);
     const std::vector<uint32_t> part = connected_parts(*cloths_[c].asset);
     std::vector<bool> hangs(part.size());
     for (const Pin& pin : pins) hangs[part[pin.pixel]] = true;
@@ -239,6 +261,12 @@ void Simulation::set_hand(uint32_t cloth, std::vector<Pin> pins) {
   hands_[cloth] = std::move(pins);
 }
 
+void Simulation::set_wind(const Wind& wind) {
+  solver_->set_wind(wind);
+  scene_.wind = wind;
+  scene_.wind_motion.clear();
+}
+
 /// The cuts between the beginning of the last frame and that of the next one.
 void Simulation::cut(double start) {
   constexpr double kSameTime = 1e-9;  // [s] what a time loses as a decimal
@@ -260,6 +288,7 @@ void Simulation::step() {
   std::vector<Collider> solids = colliders();
   for (size_t i = 0; i < solids.size(); ++i) solids[i].teleport = teleports(scene_.colliders[i].motion, start, time());
   solver_->set_colliders(solids);
+  if (scene_.wind && !scene_.wind_motion.empty()) solver_->set_wind(wind_at(scene_, time()));
   for (uint32_t c = 0; c < scene_.cloths.size(); ++c) {
     const SceneCloth& cloth = scene_.cloths[c];
     if (cloth.motion.empty()) continue;

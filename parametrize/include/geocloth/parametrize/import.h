@@ -24,4 +24,8 @@ struct ImportOptions {
 ///   Error(limit) when it is absurdly large
 [[nodiscard]] TriangleMesh import_mesh(const std::filesystem::path& path, const ImportOptions& options = {});
 
+/// How many animations a glTF file has, which import_mesh() does not play; 0 for other files.
+/// @throws Error as import_mesh for what is no glTF
+[[nodiscard]] size_t count_animations(const std::filesystem::path& path);
+
 }  // namespace geocloth

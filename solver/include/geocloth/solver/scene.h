@@ -22,8 +22,10 @@ struct WhereTop {
 };  ///< the highest share of the bounding box's height, at rest in the scene
 struct WhereBoundary {
   std::optional<uint32_t> index;
-  bool of_each_part = false;  ///< the highest loop of every connected part; of a closed part its highest 2 %
-};                            ///< boundary loop, longest first; not set: the highest one
+};  ///< boundary loop, longest first; not set: the highest one
+/// What a garment hangs by if nothing is said: of every connected part the highest boundary; where that goes far down,
+/// or there is none, the highest 2 % of the part; of a level sheet one end.
+struct WhereHanger {};
 struct WhereBox {
   Vec3 min, max;
 };
@@ -37,7 +39,8 @@ struct WhereVertices {
 struct WhereVertexGroup {
   std::string name;
 };
-using Where = std::variant<WhereTop, WhereBoundary, WhereBox, WhereSphere, WhereVertices, WhereVertexGroup>;
+using Where =
+    std::variant<WhereTop, WhereBoundary, WhereBox, WhereSphere, WhereVertices, WhereVertexGroup, WhereHanger>;
 
 struct ScenePin {
   Where where;
@@ -87,6 +90,13 @@ struct SceneCollider {
   std::optional<SceneMesh> mesh;  ///< of shape "mesh"
 };
 
+/// A keyframe of the wind, which is linear between keys and held before the first and after the last.
+struct WindKey {
+  double time = 0;  ///< [s], ascending
+  Vec3 velocity = {};
+  float turbulence = 0;
+};
+
 /// A scene file, version 1, checked.
 struct Scene {
   std::filesystem::path path;
@@ -98,9 +108,10 @@ struct Scene {
   float imperfection = 0;  ///< see SolverSettings
   std::vector<SceneCloth> cloths;
   std::vector<SceneCollider> colliders;
-  float sleep_speed = 0;     ///< [m/s] see SolverSettings
-  float sleep_time = 0.5F;   ///< [s]
-  std::optional<Wind> wind;  ///< not set: no air at all; set: the air also brakes cloth when it stands still
+  float sleep_speed = 0;             ///< [m/s] see SolverSettings
+  float sleep_time = 0.5F;           ///< [s]
+  std::optional<Wind> wind;          ///< not set: no air at all; set: the air also brakes cloth when it stands still
+  std::vector<WindKey> wind_motion;  ///< of `wind`; empty: it does not change
 };
 
 /// Parses a scene. Unknown keys are errors that name the nearest known key; wrong types and ranges name the JSON path.
@@ -108,8 +119,11 @@ struct Scene {
 [[nodiscard]] Scene read_scene(const std::filesystem::path& path);
 [[nodiscard]] Scene parse_scene(std::string_view text, const std::filesystem::path& path);
 
-/// Hangs one asset by the highest boundary of each of its parts for 120 frames.
+/// Hangs one asset for 120 frames, see WhereHanger.
 [[nodiscard]] Scene default_scene(const std::filesystem::path& asset);
+
+/// The wind of a scene that has one, at a time [s].
+[[nodiscard]] Wind wind_at(const Scene& scene, double time);
 
 /// The collider in its pose at a time [s].
 [[nodiscard]] Collider collider_at(const SceneCollider& collider, double time);
@@ -121,8 +135,8 @@ struct Scene {
 /// For every pixel the first one of the connected part that it is of, over springs and copies; itself where not valid.
 [[nodiscard]] std::vector<uint32_t> connected_parts(const ClothAsset& asset);
 
-/// A scene being played: assets loaded, pins chosen, keyframes evaluated frame by frame. A cloth all of whose pins
-/// follow one collider jumps with it (what hangs on the pins does).
+/// A scene being played: assets loaded, pins chosen, keyframes evaluated frame by frame. A cloth all of whose pins jump
+/// alike, by their own keys or by those of colliders that they follow, jumps with them (what hangs on the pins does).
 class Simulation {
  public:
   /// Reads the assets and meshes that the scene names. Settings' substeps, relaxation_steps, keep_momentum,
@@ -149,6 +163,9 @@ class Simulation {
   };
   [[nodiscard]] const std::vector<CutMade>& cuts_made() const { return cuts_made_; }
 
+  /// A wind in place of the scene's and its keyframes.
+  void set_wind(const Wind& wind);
+
   /// Pixels that the pins of the scene hold at time(), ascending, all copies included.
   [[nodiscard]] std::vector<uint32_t> held_pixels(uint32_t cloth) const;
   /// Pins beside those of the scene, and in place of them where both hold a pixel: a hand that drags the cloth. From
@@ -171,8 +188,14 @@ class Simulation {
     bool acts = false;
   };
   void take_hold(PinSet& set, double start);
-  [[nodiscard]] std::vector<Pin> pins_of(uint32_t cloth, double start, double own_time) const;
-  [[nodiscard]] const SceneCollider* jumps_with(uint32_t cloth, double start) const;
+  struct Jumps {
+    bool carrier = false;  ///< what the pin follows
+    bool own = false;      ///< its own motion
+  };
+  [[nodiscard]] Jumps jumps_of(const PinSet& set, double start) const;
+  [[nodiscard]] Transform place_of(const PinSet& set, double carrier_time, double own_time) const;
+  [[nodiscard]] std::vector<Pin> pins_of(uint32_t cloth, double start, bool only_jumps) const;
+  [[nodiscard]] std::optional<Transform> way_of_jump(uint32_t cloth, double start) const;
 
   std::vector<PinSet> pins_;
   std::vector<CutMade> cuts_made_;
