@@ -63,7 +63,7 @@ longer="(TimeStep[.]OfAnyGame|FarFromTheStart)"
 shared="(All/SharedMesh[.].*/(garments|bodies)_|Garments/SharedGarment[.].*/diffcloth_dress_5k_panels)"
 count_tests build/sanitize -L '^(asset|parametrize|fuzz|solver)$' -E "^$compares|^$longer|^$shared|_NOT_BUILT\$"
 # Not where a Vulkan driver is loaded: Mesa's leaks a little when it is unloaded.
-count_tests build/sanitize -L '^unit$' -R '^(Convert|Inspect|Simulate|Signals/Interrupt)[/.]' -E '^Simulate\.UnknownDevice'
+count_tests build/sanitize -L '^unit$' -R '^(Convert|Inspect|Simulate)[/.]' -E '^Simulate\.UnknownDevice'
 check "clang-tidy" tools/lint.sh
 
 echo "$passed passed, $failed failed"
