@@ -5,7 +5,6 @@
 #include <cmath>
 #include <map>
 #include <optional>
-#include <utility>
 
 #include <fmt/format.h>
 
@@ -152,18 +151,24 @@ bool part_in(const std::vector<ScenePin>& pins, double start, double end) {
   return false;
 }
 
+/// A key that is jumped to.
+struct Jump {
+  double time;           // [s]
+  std::string collider;  // that jumps; empty: a pin does
+};
+
 /// Where only some of the pins jump, or not alike, the cloth cannot jump with them.
 void warn_of_torn_jumps(const Scene& scene, size_t index, std::vector<std::string>& warnings) {
   const std::vector<ScenePin>& pins = scene.cloths[index].pins;
-  std::vector<std::pair<double, std::string>> jumps;  // time [s], whose
+  std::vector<Jump> jumps;
   const auto collect = [&](const Motion& motion, const std::string& whose) {
     for (const Keyframe& key : motion)
-      if (key.teleport && key.time > 0 && key.time <= end_of(scene)) jumps.emplace_back(key.time, whose);
+      if (key.teleport && key.time > 0 && key.time <= end_of(scene)) jumps.push_back({key.time, whose});
   };
   for (const SceneCollider& collider : scene.colliders) collect(collider.motion, collider.collider.name);
   for (const ScenePin& pin : pins) collect(pin.motion, "");
-  for (const auto& [time, whose] : jumps) {
-    const uint32_t frame = frame_of(scene, time);
+  for (const Jump& jump : jumps) {
+    const uint32_t frame = frame_of(scene, jump.time);
     const double start = (frame - 1) / scene.frame_rate, end = frame / scene.frame_rate;
     const auto count = [&](const auto& is_so) {
       return std::count_if(pins.begin(), pins.end(),
@@ -171,27 +176,28 @@ void warn_of_torn_jumps(const Scene& scene, size_t index, std::vector<std::strin
     };
     const auto acting = count([](const ScenePin&) { return true; });
     const auto jumping = count([&](const ScenePin& pin) { return jumps_in(scene, pin, start, end); });
-    const auto following = count([&](const ScenePin& pin) { return !whose.empty() && pin.follow == whose; });
+    const auto following =
+        count([&](const ScenePin& pin) { return !jump.collider.empty() && pin.follow == jump.collider; });
     const std::string name = name_of_cloth(scene, index);
     if (following > 0 && jumping != acting) {
       warnings.push_back(fmt::format(
           "{}: {} of its {} pins follow \"{}\", which jumps at {:.6g} s, and pull the cloth open there; let "
           "all pins follow that collider, and the cloth jumps with it",
-          name, following, acting, whose, time));
+          name, following, acting, jump.collider, jump.time));
       return;
     }
     if (jumping > 0 && jumping != acting) {
       warnings.push_back(
           fmt::format("{}: {} of its {} pins jump at {:.6g} s and pull the cloth open there; let all pins jump alike, "
                       "and the cloth jumps with them",
-                      name, jumping, acting, time));
+                      name, jumping, acting, jump.time));
       return;
     }
     if (part_in(pins, start, end)) {
       warnings.push_back(fmt::format(
           "{}: its pins jump at {:.6g} s, but apart, and pull the cloth open; give them the same way without "
           "a turn, or make one pin of them (each turns about its own middle), and the cloth jumps with it",
-          name, time));
+          name, jump.time));
       return;
     }
   }
