@@ -156,8 +156,7 @@ std::vector<std::string> ContactCheck::warnings(const Simulation& simulation) co
     if (between_[i].stretch > kTorn) {
       result.push_back(
           fmt::format("{}: {} went through it or stretched it open, by up to {:.2g} m and {:.2g} times its length; "
-                      "more \"substeps\" "
-                      "than {} let the cloth yield, and so does a slower collider",
+                      "more \"substeps\" than {} let the cloth yield, and so does a slower collider",
                       name, collider, depth, between_[i].stretch, simulation.scene().substeps));
       continue;
     }

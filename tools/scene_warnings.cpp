@@ -130,10 +130,7 @@ uint32_t frame_of(const Scene& scene, double time) {
 
 /// Whether a pin jumps in a frame [s], by itself or with the collider that it follows.
 bool jumps_in(const Scene& scene, const ScenePin& pin, double start, double end) {
-  return teleports(pin.motion, start, end) ||
-         std::any_of(scene.colliders.begin(), scene.colliders.end(), [&](const SceneCollider& c) {
-           return c.collider.name == pin.follow && teleports(c.motion, start, end);
-         });
+  return teleports(pin.motion, start, end) || carrier_teleports(scene, pin.follow, start, end);
 }
 
 /// Whether the pins' own motions take the cloth apart in a frame [s]: pins turn about their own middles.
@@ -227,8 +224,7 @@ void warn_of_idle_settings(const Scene& scene, size_t index, std::vector<std::st
   if (cloth.inter_collision && meeting < 2) {
     warnings.push_back(
         fmt::format("{}: \"inter_collision\" has no effect, since no other cloth has it; \"self_collision\" keeps the "
-                    "layers of one "
-                    "cloth apart",
+                    "layers of one cloth apart",
                     name));
   }
   if (cloth.motion.empty() && cloth.inertia_scale != Vec3{1, 1, 1})

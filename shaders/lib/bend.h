@@ -39,6 +39,13 @@ inline float chord_share(float h1, float h2) {
   return f;
 }
 
+// Inverse mass [1/kg] of a bend: those of its points, each times the square of its weight in e.
+inline float bend_weight(float wa, float wm, float wb, float chord) {
+  precise float back = 1.0f - chord;
+  precise float w = wa * back * back + wm + wb * chord * chord;
+  return w;
+}
+
 // What a clamp leaves of the compliance.
 // @param wa, wm, wb  inverse masses [1/kg]
 inline float clamped_share(float wa, float wm, float wb, float chord) {
@@ -73,7 +80,7 @@ inline BendMove bend_move(vec3 to_a, float wa, float wm, vec3 to_b, float wb, fl
                           float multiplier) {
   precise float back = 1.0f - chord;
   precise vec3 e = to_a * back + to_b * chord;
-  precise float w = wa * back * back + wm + wb * chord * chord;
+  float w = bend_weight(wa, wm, wb, chord);
   precise float left = compliance * clamped_share(wa, wm, wb, chord);
   return bend_move_along(e, w, rest, left, multiplier);
 }

@@ -220,7 +220,7 @@ void Solver::Impl::take_pins(Cloth& cloth, ClothFrame& frame) const {
     cloth.reach = pinned.empty() ? cloth.size : 0;
     for (const shader::Attachment& a : frame.attachments) cloth.reach = std::max(cloth.reach, a.reach);
     cloth.hangs = hangs(*cloth.asset, frame.attachments, frame.inverse_mass);
-    cloth.hangs_by_few = geocloth::hangs_by_few(*cloth.asset, frame.inverse_mass);
+    cloth.hangs_by_few = hangs_by_few(*cloth.asset, frame.inverse_mass);
   }
 }
 

@@ -23,12 +23,12 @@ BendConstants bend_constants(const RowSource& source, uint32_t component, size_t
   const float unclamped = source.scaled_compliance(component, a) * static_cast<float>(times);
   if (!(unclamped > 0)) return {};
   const std::vector<float>& along = source.state.rest[component - 4];
-  const float chord = shader::chord_share(along[a], along[a + offset]), back = 1.F - chord;
+  const float chord = shader::chord_share(along[a], along[a + offset]);
   const float wa = source.state.inverse_mass[a], wm = source.state.inverse_mass[a + offset];
   const float wb = source.state.inverse_mass[a + 2 * size_t{offset}];
-  const float w = wa * back * back + wm * 1.F + wb * chord * chord;
   const float compliance = unclamped * shader::clamped_share(wa, wm, wb, chord);
-  return {source.state.rest[component][a], 1.F / (w + compliance), chord, compliance};
+  return {source.state.rest[component][a], 1.F / (shader::bend_weight(wa, wm, wb, chord) + compliance), chord,
+          compliance};
 }
 
 /// @param constants_of  of the bend that starts in a column, or with the inverse 0
@@ -81,7 +81,7 @@ SweepOp bends_along(const RowSource& source, BendOrder order, RowStream& stream)
     stream.group_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
   }
   std::partial_sum(stream.row_first.begin(), stream.row_first.end(), stream.row_first.begin());
-  return {.kernel = RowKernel::bends_along, .offset = line, .order = order, .stream = &stream};
+  return {.kernel = RowKernel::bends_along, .offset = line, .stream = &stream};
 }
 
 }  // namespace

@@ -202,14 +202,11 @@ class SweepPlanner {
 
   /// There and back the constraints of a group are laid out once, too.
   SweepOp bends(const PassStep& step) {
-    const auto known = first_relaxation_.find({step.pass, step.group});
-    if (step.again && known != first_relaxation_.end()) return known->second;
     const auto lay_out = [&](const RowSource& source, uint32_t, RowStream& stream) {
       return bend_rows(source, step, stream);
     };
-    SweepOp op = relaxed(step, lay_out);
+    SweepOp op = step.order == BendOrder::there_and_back ? kept(step, lay_out) : relaxed(step, lay_out);
     op.order = step.order;
-    if (step.order == BendOrder::there_and_back) first_relaxation_.emplace(std::pair{step.pass, step.group}, op);
     return op;
   }
 
@@ -236,7 +233,8 @@ class SweepPlanner {
   }
 
   /// What has no multipliers is laid out once, too.
-  SweepOp kept(const PassStep& step, LayOut lay_out) {
+  template <class LayOutGroup>
+  SweepOp kept(const PassStep& step, const LayOutGroup& lay_out) {
     const auto known = first_relaxation_.find({step.pass, step.group});
     if (known != first_relaxation_.end()) return known->second;
     const SweepOp op = lay_out(source_, step.group, new_stream());

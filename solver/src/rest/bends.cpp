@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "geocloth/asset/grid_mesh.h"
+#include "lib/bend.h"
 #include "lib/yield.h"
 #include "rest/bend_directions.h"
 #include "rest/seam_list.h"
@@ -98,9 +99,8 @@ class BendBuilder {
       listed_.push_back(bend);
     } else {
       store(a, component, bend.rest, bend.compliance);
-      const float back = 1 - bend.chord;
       const auto inverse_mass = [&](uint32_t p) { return shader::inverse_mass_of(data_.position[p].w); };
-      const float w = inverse_mass(a) * back * back + inverse_mass(middle) + inverse_mass(b) * bend.chord * bend.chord;
+      const float w = shader::bend_weight(inverse_mass(a), inverse_mass(middle), inverse_mass(b), bend.chord);
       if (w > 0) yield_.push_back(bend.compliance / w);
     }
   }

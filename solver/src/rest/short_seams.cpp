@@ -11,10 +11,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <map>
 #include <numeric>
-#include <queue>
 #include <utility>
 
 #include "geocloth/asset/grid_mesh.h"
@@ -35,21 +33,15 @@ using Rings = std::array<std::vector<std::pair<uint32_t, double>>, shader::kSpan
 Rings rings_around(const SurfaceGraph& graph, uint32_t copy, double spacing) {
   const double farthest = (shader::kSpanPixels - 0.5) * spacing;
   std::map<uint32_t, double> distance{{copy, 0.0}};
-  using Entry = std::pair<double, uint32_t>;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-  queue.emplace(0.0, copy);
-  while (!queue.empty()) {
-    const auto [d, p] = queue.top();
-    queue.pop();
-    if (d > distance.at(p)) continue;
-    graph.for_neighbors(p, [&, from = d](uint32_t q, double step) {
-      if (!(step > 0) || from + step >= farthest) return;  // not over a seam, where the step is 0
-      const auto [known, added] = distance.try_emplace(q, from + step);
-      if (!added && known->second <= from + step) return;
-      known->second = from + step;
-      queue.emplace(from + step, q);
-    });
-  }
+  spread(
+      graph, {&copy, 1}, [&](uint32_t p) { return distance.at(p); },
+      [&](uint32_t, uint32_t p, double d, double step) {
+        if (!(step > 0) || d >= farthest) return false;  // not over a seam, where the step is 0
+        const auto [known, added] = distance.try_emplace(p, d);
+        if (!added && known->second <= d) return false;
+        known->second = d;
+        return true;
+      });
   Rings rings;
   for (const auto& [p, d] : distance)
     if (const auto ring = static_cast<size_t>(std::lround(d / spacing)); ring > 0) rings.at(ring).emplace_back(p, d);

@@ -2,6 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <queue>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -59,5 +62,25 @@ class SurfaceGraph {
   float scale_;
   std::vector<uint32_t> row_of_;
 };
+
+/// Goes outwards from some pixels, which the caller knows at the distance 0, nearest first (Dijkstra 1959).
+/// @param distance_of  distance_of(pixel) [m] as it is known so far
+/// @param reach        reach(from, pixel, distance [m], step [m]): whether the pixel is to be reached and was not known
+///   as near; the caller then knows it at that distance
+template <class DistanceOf, class Reach>
+void spread(const SurfaceGraph& graph, std::span<const uint32_t> sources, const DistanceOf& distance_of,
+            const Reach& reach) {
+  using Entry = std::pair<double, uint32_t>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  for (const uint32_t p : sources) queue.emplace(0.0, p);
+  while (!queue.empty()) {
+    const auto [d, p] = queue.top();
+    queue.pop();
+    if (d > distance_of(p)) continue;
+    graph.for_neighbors(p, [&, from = p, distance = d](uint32_t q, double step) {
+      if (reach(from, q, distance + step, step)) queue.emplace(distance + step, q);
+    });
+  }
+}
 
 }  // namespace geocloth

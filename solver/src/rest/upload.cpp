@@ -9,10 +9,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <map>
-#include <queue>
 #include <utility>
 
 #include "colliders/reach.h"
@@ -180,24 +178,18 @@ std::vector<shader::Attachment> make_attachments(const ClothAsset& asset, float 
   const SurfaceGraph graph(asset, scale);
   std::vector<double> distance(asset.pixel_count(), std::numeric_limits<double>::infinity());
   std::vector<uint32_t> anchor(asset.pixel_count(), shader::kNoAnchor);
-  using Entry = std::pair<double, uint32_t>;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
   for (const uint32_t p : pinned) {
     distance[p] = 0;
     anchor[p] = p;
-    queue.emplace(0.0, p);
   }
-  while (!queue.empty()) {
-    const auto [d, p] = queue.top();
-    queue.pop();
-    if (d > distance[p]) continue;
-    graph.for_neighbors(p, [&, from = d, pixel = p](uint32_t q, double step) {
-      if (from + step >= distance[q]) return;
-      distance[q] = from + step;
-      anchor[q] = anchor[pixel];
-      queue.emplace(distance[q], q);
-    });
-  }
+  spread(
+      graph, pinned, [&](uint32_t p) { return distance[p]; },
+      [&](uint32_t from, uint32_t p, double d, double) {
+        if (d >= distance[p]) return false;
+        distance[p] = d;
+        anchor[p] = anchor[from];
+        return true;
+      });
   // Copies lie at the same distance, but half-way between two pins they may have been reached from different ones: all
   // of them take the first one's anchor, so that they stay together.
   const std::vector<uint32_t> first = first_copies(asset);

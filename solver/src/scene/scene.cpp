@@ -479,6 +479,12 @@ Wind wind_at(const Scene& scene, double time) {
   return wind;
 }
 
+bool carrier_teleports(const Scene& scene, const std::string& follow, double from, double to) {
+  return std::any_of(scene.colliders.begin(), scene.colliders.end(), [&](const SceneCollider& c) {
+    return c.collider.name == follow && teleports(c.motion, from, to);
+  });
+}
+
 Collider collider_at(const SceneCollider& collider, double time) {
   Collider result = collider.collider;
   if (collider.motion.empty()) return result;

@@ -150,20 +150,16 @@ void Simulation::take_hold(PinSet& set, double start) {
   set.own_start = pose_at(set.pin.motion, start);
 }
 
-/// Of the frame that begins at `start`, which of the motions that move the pin jump.
-Simulation::Jumps Simulation::jumps_of(const PinSet& set, double start) const {
-  Jumps jumps{false, teleports(set.pin.motion, start, time())};
-  for (const SceneCollider& c : scene_.colliders)
-    jumps.carrier = jumps.carrier || (c.collider.name == set.pin.follow && teleports(c.motion, start, time()));
-  return jumps;
+/// At the beginning of the frame, but for what jumps in it: that has jumped.
+Simulation::PinTimes Simulation::times_of_jump(const PinSet& set, double start) const {
+  return {carrier_teleports(scene_, set.pin.follow, start, time()) ? time() : start,
+          teleports(set.pin.motion, start, time()) ? time() : start};
 }
 
-/// What takes the pin's points from where they rest to where they are held.
-Transform Simulation::place_of(const PinSet& set, double carrier_time, double own_time) const {
-  const Transform carried = carrier(scene_, scene_.cloths[set.cloth], set.pin.follow, carrier_time);
-  const Transform own = compose(pose_at(set.pin.motion, own_time), inverse_rigid(set.own_start));
-  const Vec3 center = middle(set.rest);
-  return compose(carried, {center - rotate(own.rotate, center) + own.translate, own.rotate, 1});
+/// What the pin follows, and its own way about the middle of its points since it began to act.
+Simulation::PinPlace Simulation::place_of(const PinSet& set, const PinTimes& times) const {
+  return {carrier(scene_, scene_.cloths[set.cloth], set.pin.follow, times.carrier),
+          compose(pose_at(set.pin.motion, times.own), inverse_rigid(set.own_start))};
 }
 
 /// Of the frame that begins at `start`, where they are at its end.
@@ -172,9 +168,8 @@ std::vector<Pin> Simulation::pins_of(uint32_t cloth, double start, bool only_jum
   std::vector<Pin> pins;
   for (const PinSet& set : pins_) {
     if (set.cloth != cloth || !set.pin.acts(start, time())) continue;
-    const Jumps moves = only_jumps ? jumps_of(set, start) : Jumps{true, true};
-    const Transform carried = carrier(scene_, scene_.cloths[cloth], set.pin.follow, moves.carrier ? time() : start);
-    const Transform own = compose(pose_at(set.pin.motion, moves.own ? time() : start), inverse_rigid(set.own_start));
+    const PinPlace place = place_of(set, only_jumps ? times_of_jump(set, start) : PinTimes{time(), time()});
+    const Transform &carried = place.carried, &own = place.own;
     const Vec3 center = middle(set.rest);
     for (size_t k = 0; k < set.pixels.size(); ++k) {
       // Without a motion of its own the point must not even be rounded.
@@ -203,11 +198,14 @@ std::optional<Transform> Simulation::way_of_jump(uint32_t cloth, double start) c
   std::optional<Transform> way;
   for (const PinSet& set : pins_) {
     if (set.cloth != cloth || !set.pin.acts(start, time())) continue;
-    const Jumps jumps = jumps_of(set, start);
-    if (!jumps.carrier && !jumps.own) return std::nullopt;
-    const Transform before = place_of(set, start, start);
-    const Transform own_way =
-        compose(place_of(set, jumps.carrier ? time() : start, jumps.own ? time() : start), inverse_rigid(before));
+    const PinTimes times = times_of_jump(set, start);
+    if (times.carrier == start && times.own == start) return std::nullopt;
+    const auto from_rest = [&, center = middle(set.rest)](const PinPlace& place) {
+      const Transform& own = place.own;
+      return compose(place.carried, {center - rotate(own.rotate, center) + own.translate, own.rotate, 1});
+    };
+    const Transform before = from_rest(place_of(set, {start, start}));
+    const Transform own_way = compose(from_rest(place_of(set, times)), inverse_rigid(before));
     if (!way) way = own_way;
     const float apart = kAlike * cloths_[cloth].asset->spacing * cloths_[cloth].transform.scale;
     for (const Vec3& rest : set.rest) {

@@ -125,6 +125,9 @@ struct Scene {
 /// The wind of a scene that has one, at a time [s].
 [[nodiscard]] Wind wind_at(const Scene& scene, double time);
 
+/// Whether the collider that pins follow by this name, if it is one's, jumps after `from` and until `to` [s].
+[[nodiscard]] bool carrier_teleports(const Scene& scene, const std::string& follow, double from, double to);
+
 /// The collider in its pose at a time [s].
 [[nodiscard]] Collider collider_at(const SceneCollider& collider, double time);
 
@@ -188,12 +191,15 @@ class Simulation {
     bool acts = false;
   };
   void take_hold(PinSet& set, double start);
-  struct Jumps {
-    bool carrier = false;  ///< what the pin follows
-    bool own = false;      ///< its own motion
+  /// [s] Of what moves a pin's points.
+  struct PinTimes {
+    double carrier, own;  ///< of what the pin follows, and of its own motion
   };
-  [[nodiscard]] Jumps jumps_of(const PinSet& set, double start) const;
-  [[nodiscard]] Transform place_of(const PinSet& set, double carrier_time, double own_time) const;
+  struct PinPlace {
+    Transform carried, own;
+  };
+  [[nodiscard]] PinTimes times_of_jump(const PinSet& set, double start) const;
+  [[nodiscard]] PinPlace place_of(const PinSet& set, const PinTimes& times) const;
   [[nodiscard]] std::vector<Pin> pins_of(uint32_t cloth, double start, bool only_jumps) const;
   [[nodiscard]] std::optional<Transform> way_of_jump(uint32_t cloth, double start) const;
 
