@@ -50,6 +50,18 @@ TEST(Bending, GridLinesThatAreNotStraightDoNotPullAFlatSheetOutOfShape) {
   EXPECT_LT(drift(test::describe(make_sheet(options), material)), 0.02 * spacing);
 }
 
+// A button of 26 pixels in measured cotton, without gravity, shook and span ten times a second: straightened lines pulled.
+TEST(Bending, GridLinesWithSharpTurnsLeaveAFreePieceAtRest) {
+  const Material& cotton = find_material_preset("cotton")->material;
+  for (const uint32_t charts : {1U, 2U}) {
+    const test::SheetOptions options{
+        .nx = 7, .ny = 7, .width = 0.08F, .height = 0.08F, .charts_x = charts, .jitter = 0.35F};
+    const double moved = drift(test::describe(make_sheet(options), cotton));
+    RecordProperty("mm", std::to_string(1000 * moved));
+    EXPECT_LT(moved, 0.05 * 0.08 / 6) << charts;
+  }
+}
+
 /// Elastic energy [J] that it takes to roll a knit of 20 cm a little; its grid points are moved by a share of the
 /// spacing.
 double rolled_energy(float jitter, bool across) {

@@ -29,6 +29,10 @@ namespace {
 /// cloth that is soft beside its rigidity would be pulled out of shape: there a fourth point takes the turn up.
 constexpr double kLargestPull = 0.005;
 
+/// Nor where it turns by more than this [rad]: among grid lines that turn so sharply, as those of a button or beside a
+/// ragged outline do, what pulls at the sheet does not cancel, and free pieces would shake and spin.
+constexpr double kLargestTurn = 0.2;
+
 /// Of a bend with a fourth point: the least share of its curvature that it still sees, and of either end in the chord.
 constexpr double kLeastSeen = 0.5, kLeastChord = 0.1;
 
@@ -200,7 +204,9 @@ class BendBuilder {
     // [N/m] if rest were out_of_plane
     const double pull = 2 * rigidity * (2 * scale * kink / (h1 * h2)) / (0.5 * (h1 + h2));
     const double softest = std::min(material_.stretch_warp, material_.stretch_weft);
-    const bool turns = within > out_of_plane, straighten = turns && pull <= kLargestPull * softest;
+    const double turned = within * (h1 + h2) / (h1 * h2);
+    const bool turns = within > out_of_plane;
+    const bool straighten = turns && pull <= kLargestPull * softest && turned <= kLargestTurn;
     const Turn turn = turns && !straighten ? take_up_turn(a, middle, b) : Turn{};
     const bool taken_up = turn.weight != 0;
     const double seen = taken_up ? scale * scale * turn.seen : 0.5 * h1 * h2;
