@@ -38,6 +38,16 @@ inline bool meets_triangles(float spacing, ColliderShape shape) {
   return opens_cells(spacing, shape) || leads_in;
 }
 
+// What a collider in whose way a triangle lies may push it further out by in a substep [m] than the triangle came in:
+// the collider's own way, and what brings a triangle out that begins inside. Cloth over an edge that is thinner than
+// its cells has triangles inside for good: pushed out in every substep it would never come to rest.
+inline float lift_of(ClothParams params, ColliderShape shape) {
+  bool edged = shape.kind == kShapeBox || shape.kind == kShapeConvex;
+  bool rests = edged && shape.way <= kStirs * params.spacing;
+  precise float lift = shape.way + (rests ? 0.0f : kLiftSpeed * params.dt);
+  return lift;
+}
+
 // Sides [m] from which on a triangle meets a collider itself. Smaller ones are kept out well enough by their pixels.
 inline float open_side(ClothParams params, ColliderShape shape) {
   bool meets = meets_triangles(params.spacing, shape);
@@ -187,7 +197,7 @@ inline MovedTriangle push_point(ColliderSet set, ClothParams params, ColliderSha
   precise vec3 share = w * weights;
   precise float sum = dot3(share, weights);
   if (!contact.touches || sum <= 0.0f) return t;
-  precise float approach = max(dot3(p0 - p1, contact.normal), 0.0f) + shape.way + kLiftSpeed * params.dt;
+  precise float approach = max(dot3(p0 - p1, contact.normal), 0.0f) + lift_of(params, shape);
   // Where only a corner with little weight is free it would be thrown far to lift the point by a little, again and
   // again where a collider is pushed in between held corners: the less the point gives way, the less is asked of the
   // corner.

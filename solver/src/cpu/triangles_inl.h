@@ -133,8 +133,8 @@ HWY_NOINLINE Mask<D> push_points(D d, const Meeting& meeting, const shader::Coll
   const auto sum = dot(d, share, weights);
   const auto moved = hn::AndNot(hn::Le(sum, zero), contact.touches);
   if (hn::AllFalse(d, moved)) return moved;
-  const auto approach = hn::Add(hn::Add(max_of(d, dot(d, sub(p0, p1), contact.normal), zero), hn::Set(d, shape.way)),
-                                hn::Set(d, shader::kLiftSpeed * meeting.params.dt));
+  const auto approach =
+      hn::Add(max_of(d, dot(d, sub(p0, p1), contact.normal), zero), hn::Set(d, shader::lift_of(meeting.params, shape)));
   const auto least = hn::Mul(max_of(d, share), hn::Set(d, 1.F / shader::kLargestLever));
   const auto lifted = min_of(d, hn::Mul(sum, hn::Div(one, least)), one);
   const auto push = hn::Mul(hn::Mul(min_of(d, contact.depth, approach), lifted), hn::Div(one, max_of(d, sum, least)));
