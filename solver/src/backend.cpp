@@ -29,7 +29,7 @@ ScheduleOptions schedule_options(const SimulationData& data, uint32_t cloth, con
           .attachments = attached,
           .spans = spans,
           .ties = (spans || (attached && c.evenness != Evenness::even)) && !f.pulled_apart && !data.fine &&
-                  !f.held_open && !frame.measure_motion,
+                  !f.held_open && !frame.may_sleep,
           .self_collision = f.params.self_points > 0,
           .inter_collision = f.params.inter_points > 0,
           .collide = !frame.shapes.empty() || f.params.max_step > 0,

@@ -294,6 +294,18 @@ shader::ColliderShape collider_shape_of(const Collider& collider, std::vector<fl
   return shape;
 }
 
+namespace {
+
+/// The place of a collider's frame from which on its points are counted: of a plane the nearest to the origin, as a
+/// slope may be given by a point that is far away, and what friction may hold is less than single precision has there.
+Vec3 near_place(const Collider& collider, const Transform& frame, const Vec3& origin) {
+  if (!std::holds_alternative<Plane>(collider.shape)) return {};
+  const Vec3 seen = rotate(conjugate(frame.rotate), origin - frame.translate);
+  return {seen.x, 0, seen.z};
+}
+
+}  // namespace
+
 void collider_poses(std::span<const Transform> from, std::span<const Collider> to, uint32_t substeps,
                     const Vec3& origin, std::vector<shader::ColliderPose>& poses) {
   poses.clear();
@@ -304,8 +316,8 @@ void collider_poses(std::span<const Transform> from, std::span<const Collider> t
       const Transform& a = from[i];
       const Transform b = collider_frame(to[i]);
       const Vec3 translate = s == substeps ? b.translate : a.translate + t * (b.translate - a.translate);
-      poses.push_back(
-          make_pose({translate, a.rotate == b.rotate ? b.rotate : slerp(a.rotate, b.rotate, t), 1}, origin));
+      const Quat turn = a.rotate == b.rotate ? b.rotate : slerp(a.rotate, b.rotate, t);
+      poses.push_back(make_pose({translate + rotate(turn, near_place(to[i], a, origin)), turn, 1}, origin));
     }
   }
 }
@@ -363,14 +375,20 @@ shader::PinTarget pin_target(uint32_t pixel, const Vec3& from, const Vec3& to, f
   return target;
 }
 
-float largest_stretch(const Material& m, const Vec3& gravity, float reach) {
-  // A sheet that has swung down from level is longer by 1.5 times its weight over its stiffness.
-  constexpr float kSolverStrain = 0.001F, kSwing = 1.5F;
+float largest_stretch(const Material& m, const Vec3& gravity, const std::optional<Wind>& wind, float reach) {
+  // A sheet that has swung down from level is longer by 1.5 times its weight over its stiffness. Where less or nothing
+  // draws it down it is not held tighter than on the earth: what colliders and hands draw it by is not known here.
+  constexpr float kSolverStrain = 0.001F, kSwing = 1.5F, kEarth = 9.81F;
   constexpr float kLongestGarment = 2;  // [m] a larger one is most often a file whose unit was not told
+  constexpr float kFlagDrag = 0.15F;    // of all of its area, by which a flag that streams pulls at its pole
   if (m.max_stretch >= 0) return m.max_stretch;
   if (m.stiffness >= 0) return 0;  // the seeds' cloth is as elastic as its step
-  return kSolverStrain + kSwing * m.areal_density * length(gravity) * std::min(reach, kLongestGarment) /
-                             std::min(m.stretch_warp, m.stretch_weft);
+  float load = kSwing * m.areal_density * std::max(length(gravity), kEarth);  // [N/m^2]
+  if (wind) {
+    const float pressure = 0.5F * static_cast<float>(kAirDensity) * dot(wind->velocity, wind->velocity);
+    load += kFlagDrag * std::max(wind->drag, wind->lift) * pressure;
+  }
+  return kSolverStrain + load * std::min(reach, kLongestGarment) / std::min(m.stretch_warp, m.stretch_weft);
 }
 
 void set_imperfection(float share, const Vec3& gravity, float size, const Vec3& origin, shader::ClothParams& p) {

@@ -68,10 +68,11 @@ void set_frame_motion(shader::ClothParams& params, const Transform& from, const 
                       const Vec3& inertia_scale, uint32_t substeps, const Vec3& origin);
 
 /// Largest strain of the long-range attachments, 0: none. An automatic one lies above what the weight of the cloth
-/// stretches it by at the bottom of a swing (three times the weight), so that only the solver's own softness is cut
-/// off.
+/// stretches it by at the bottom of a swing on the earth and what the wind draws a flag by, so that only the solver's
+/// own softness is cut off.
 /// @param reach  [m] of the longest attachment; counts up to 2 m
-[[nodiscard]] float largest_stretch(const Material& material, const Vec3& gravity, float reach);
+[[nodiscard]] float largest_stretch(const Material& material, const Vec3& gravity, const std::optional<Wind>& wind,
+                                    float reach);
 
 /// How gravity strays, as of lib/predict.h; p.dt is there.
 /// @param share   of gravity

@@ -402,17 +402,19 @@ Vec3 Solver::Impl::middle_of_told(const Cloth& cloth) const {
 }
 
 /// Keeps the origin near the cloths, whose positions have no more digits than single precision. Only where they go is
-/// looked at that is told; cloth that nothing holds is looked for where colliders go far.
+/// looked at that is told; cloth that nothing holds is looked for where it or colliders may have gone far.
 void Solver::Impl::follow_cloths() {
-  constexpr float kFar = 3;  // [m]
-  bool colliders_went = false;
+  constexpr float kFar = 3, kLooked = 1;  // [m] until the origin comes after, and where cloth was just looked for
+  bool looked = false, colliders_went = false;
   for (size_t i = 0; i < colliders_to_.size(); ++i)
     colliders_went = colliders_went || length(colliders_to_[i].pose.translate - places_seen_[i]) > kFar;
   if (colliders_went) places_seen_ = places_of(colliders_to_);
   ClothBox middles;
   for (uint32_t c = 0; c < cloths_.size(); ++c) {
     Cloth& cloth = cloths_[c];
-    if (colliders_went && cloth.pins.empty() && !cloth.parent_to) {
+    if (cloth.is_free() && (colliders_went || cloth.strayed > kFar)) {
+      cloth.strayed = 0;
+      looked = true;
       std::vector<vec4> position;
       backend_->read_positions(c, position);
       const Vec3 middle = box_of(*cloth.asset, position).middle() + origin_;
@@ -420,7 +422,8 @@ void Solver::Impl::follow_cloths() {
     }
     middles.add(middle_of_told(cloth));
   }
-  const auto whole_metres = [](float away) { return std::abs(away) > kFar ? std::round(away) : 0.F; };
+  const float most = looked ? kLooked : kFar;
+  const auto whole_metres = [&](float away) { return std::abs(away) > most ? std::round(away) : 0.F; };
   const Vec3 away = middles.middle() - origin_;
   const Vec3 by{whole_metres(away.x), whole_metres(away.y), whole_metres(away.z)};
   if (by == Vec3{}) return;

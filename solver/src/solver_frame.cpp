@@ -103,7 +103,7 @@ FrameClock Solver::Impl::clock() const {
 }
 
 float Solver::Impl::stretch_limit(const Cloth& cloth) const {
-  const float stretch = largest_stretch(cloth.material, settings_.gravity, cloth.reach);
+  const float stretch = largest_stretch(cloth.material, settings_.gravity, wind_, cloth.reach);
   return stretch > 0 ? 1 + stretch : 0;
 }
 
@@ -445,9 +445,10 @@ bool Solver::Impl::is_reached(uint32_t index) {
 
 /// Decides by what was measured two frames ago, on both backends, so that none waits and both decide alike.
 void Solver::Impl::fall_asleep() {
-  frame_.measure_motion = settings_.sleep_speed > 0;
+  frame_.may_sleep = settings_.sleep_speed > 0;
+  frame_.measure_motion = frame_.may_sleep || std::ranges::any_of(cloths_, &Cloth::is_free);
   frame_.motion_word = 1 - frame_.motion_word;
-  const bool stirred = std::exchange(scene_changed_, false) || blows(wind_) || !frame_.measure_motion;
+  const bool stirred = std::exchange(scene_changed_, false) || blows(wind_) || !frame_.may_sleep;
   bool others_wake = false;  // of the cloths that collide with each other
   for (uint32_t c = 0; c < cloths_.size(); ++c) {
     Cloth& cloth = cloths_[c];
@@ -467,7 +468,26 @@ void Solver::Impl::fall_asleep() {
     if (!cloth.asleep) cloth.asleep = meets_others(cloth) ? others_sleep : is_calm(c);
     if (!cloth.asleep) ++cloth.calm_frames;
     if (cloth.asleep) cloth.factor = 1;
+    if (cloth.is_free() && !cloth.asleep) stray(c);
   }
+}
+
+/// Adds up how far a cloth may go that nothing holds; to be asked once a frame. Where it comes to rest it is looked
+/// for.
+void Solver::Impl::stray(uint32_t c) {
+  constexpr float kFar = 1, kMost = 1e6F;  // [m]
+  constexpr double kSlow = 0.2;            // [m/s]
+  float& strayed = cloths_[c].strayed;
+  const double speed = speed_of(c);
+  if (!std::isfinite(speed)) return;
+  strayed = std::min(strayed + static_cast<float>(speed * settings_.frame_time), kMost);
+  if (speed < kSlow && strayed > kFar) strayed = kMost;
+}
+
+/// [m/s] Of a cloth's fastest point two frames ago.
+double Solver::Impl::speed_of(uint32_t c) const {
+  const double step = cloths_[c].measured_steps[frame_.motion_word];
+  return step > 0 ? static_cast<double>(backend_->longest_way(c, frame_.motion_word)) / step : 0;
 }
 
 void Solver::Impl::wake(Cloth& cloth) {
@@ -481,8 +501,7 @@ bool Solver::Impl::is_calm(uint32_t c) {
   constexpr uint32_t kLatency = 2;  // frames
   Cloth& cloth = cloths_[c];
   if (cloth.calm_frames < kLatency) return false;
-  const double speed = backend_->longest_way(c, frame_.motion_word) / cloth.measured_steps[frame_.motion_word];
-  cloth.calm_for = speed <= settings_.sleep_speed ? cloth.calm_for + settings_.frame_time : 0;
+  cloth.calm_for = speed_of(c) <= settings_.sleep_speed ? cloth.calm_for + settings_.frame_time : 0;
   if (!(cloth.calm_for > 0 && cloth.calm_for >= settings_.sleep_time)) return false;
   cloth.resting.reset();
   if (!is_reached(c)) return true;

@@ -91,6 +91,8 @@ class Solver::Impl {
     Transform parent_first;                           ///< its first one
     float size = 0;                                   ///< [m] at rest
     Vec3 start_middle, middle;                        ///< [m, world] of its points: at the start, where last seen
+    float strayed = 0;                                ///< [m] that it may have gone since then, if nothing holds it
+    [[nodiscard]] bool is_free() const { return pins.empty() && !parent_to; }
     Vec3 inertia_scale{1, 1, 1};
     std::optional<SelfCollision> self_collision;
     SelfNumbers self;
@@ -179,6 +181,8 @@ class Solver::Impl {
   [[nodiscard]] bool is_reached(uint32_t cloth);
   void fall_asleep();
   static void wake(Cloth& cloth);
+  void stray(uint32_t cloth);
+  [[nodiscard]] double speed_of(uint32_t cloth) const;
   [[nodiscard]] bool is_calm(uint32_t cloth);
 
   SolverSettings settings_;

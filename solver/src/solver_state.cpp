@@ -24,7 +24,7 @@ namespace {
 using shader::vec4;
 
 constexpr uint32_t kMagic = 0x53434C47;  // "GLCS"; read in another order of bytes it is another number
-constexpr uint32_t kVersion = 1;         ///< one more whenever what is written changes, or what a frame makes of it
+constexpr uint32_t kVersion = 2;         ///< one more whenever what is written changes, or what a frame makes of it
 
 /// Of one point.
 struct SavedPoint {
@@ -285,7 +285,7 @@ struct Solver::Impl::SavedCloth {
   std::array<Ride, 2> rides;
   std::optional<Seen> seen;
   double look_again = 0;
-  float limit = 0, reach = 0;
+  float limit = 0, reach = 0, strayed = 0;
   uint32_t calm_frames = 0;
   std::array<float, 2> longest_way{};
   std::array<uint32_t, 2> left_behind{};
@@ -325,6 +325,7 @@ struct Solver::Impl::SavedCloth {
     bytes.value(look_again);
     bytes.value(limit);
     bytes.value(reach);
+    bytes.value(strayed);
     bytes.value(calm_frames);
     bytes.value(longest_way);
     bytes.value(left_behind);
@@ -462,6 +463,7 @@ void Solver::Impl::keep_cloth(uint32_t index, SavedCloth& saved) {
   saved.look_again = cloth.look_again;
   saved.limit = cloth.limit;
   saved.reach = cloth.reach;
+  saved.strayed = cloth.strayed;
   saved.calm_frames = cloth.calm_frames;
   ClothMemory memory;
   backend_->read_memory(index, memory);
@@ -594,7 +596,7 @@ void Solver::Impl::check_cloth(SavedCloth& saved, uint32_t index) const {
   require(saved.parent_from.has_value() == saved.parent_to.has_value(), where, " has half a parent");
   require(!saved.teleport || saved.parent_to, where, " follows a parent that it does not have");
   check_parent(saved.parent_first, saved.inertia_scale, where + ": parent");
-  require(finite(saved.middle), where, ": its middle is not finite");
+  require(finite(saved.middle) && finite(saved.strayed), where, ": its place is not finite");
   for (const double time : {saved.placed_at, saved.pulled_at, saved.calm_for, saved.look_again})
     require(finite(time), where, ": a time is not finite");
   for (const double time : {saved.compliance_step, saved.last_step, saved.measured_steps[0], saved.measured_steps[1]})
@@ -687,6 +689,7 @@ void Solver::Impl::take_cloth(SavedCloth& saved, uint32_t index) {
   cloth.look_again = saved.look_again;
   cloth.limit = saved.limit;
   cloth.reach = saved.reach;
+  cloth.strayed = saved.strayed;
   cloth.calm_frames = saved.calm_frames;
   cloth.resting.reset();
 

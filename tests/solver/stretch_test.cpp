@@ -250,6 +250,35 @@ TEST(WholeTies, AreTheShortSpringsAtSeams) {
   EXPECT_EQ(ties, 3U * 49U);
 }
 
+// The automatic limit knew the cloth's weight only: a knit on a frame bulged by 6 cm without gravity, by 18 cm with it,
+// and by 40 cm where nothing but its springs held it.
+TEST(Attachments, LeaveAKnitToTheWindWithGravityAndWithout) {
+  const auto bulge_of = [](float gravity, float max_stretch) {
+    const ClothAsset asset = test::make_sheet({.nx = 33, .ny = 33, .horizontal = true});
+    ClothDesc cloth = test::describe(asset, find_material_preset("interlock_knit")->material);
+    cloth.material.max_stretch = max_stretch;
+    SolverSettings settings = test::cpu_settings();
+    settings.substeps = 16;
+    settings.gravity = {0, -gravity, 0};
+    Solver solver(std::vector{cloth}, settings);
+    std::vector<Pin> pins;
+    for (const char* edge : {"top", "bottom", "left", "right"}) {
+      const std::vector<Pin> of_edge = test::pins_at_rest(asset, edge);
+      pins.insert(pins.end(), of_edge.begin(), of_edge.end());
+    }
+    solver.set_pins(0, pins);
+    solver.set_wind(Wind{.velocity = {0, 8, 0}});
+    test::run(solver, 60);
+    float highest = 0;
+    for (const Vec3& p : test::positions_of(solver)) highest = std::max(highest, p.y);
+    return static_cast<double>(highest);
+  };
+  const double with = bulge_of(9.81F, -1), without = bulge_of(0, -1), springs = bulge_of(0, 0);
+  RecordProperty("bulges", std::to_string(with) + ' ' + std::to_string(without) + ' ' + std::to_string(springs));
+  EXPECT_NEAR(without, with, 0.05 * with);
+  EXPECT_GT(without, 0.7 * springs);
+}
+
 // A cloth that lies over a ball without a pin has no attachments.
 TEST(Spans, HoldClothWithoutPins) {
   const auto stretch_of = [](float max_stretch) {
