@@ -59,7 +59,7 @@ check "build sanitize" build sanitize \
 # Not what only compares results, or plays what others do for longer: its code is that of the tests beside it. Of the
 # shared meshes the irregular ones go all the way, of the garments five, and all of them as far as the repair.
 compares="(Invariance|(Convert|Holes|PartPanels|Quality)[.].*(TheSame|DoesNotDepend))"
-longer="(TimeStep[.]OfAnyGame|FarFromTheStart)"
+longer="(TimeStep[.]OfAnyGame|FarFromTheStart|FreeFall[.]FromHigh|Bending[.]StiffClothOverABall)"
 shared="(All/SharedMesh[.].*/(garments|bodies)_|Garments/SharedGarment[.].*/diffcloth_dress_5k_panels)"
 count_tests build/sanitize -L '^(asset|parametrize|fuzz|solver)$' -E "^$compares|^$longer|^$shared|_NOT_BUILT\$"
 # Not where a Vulkan driver is loaded: Mesa's leaks a little when it is unloaded.
