@@ -50,7 +50,8 @@ TEST(Bending, GridLinesThatAreNotStraightDoNotPullAFlatSheetOutOfShape) {
   EXPECT_LT(drift(test::describe(make_sheet(options), material)), 0.02 * spacing);
 }
 
-// A button of 26 pixels in measured cotton, without gravity, shook and span ten times a second: straightened lines pulled.
+// A button of 26 pixels in measured cotton, without gravity, shook and spun ten times a second: lines that were
+// straightened pulled at it.
 TEST(Bending, GridLinesWithSharpTurnsLeaveAFreePieceAtRest) {
   const Material& cotton = find_material_preset("cotton")->material;
   for (const uint32_t charts : {1U, 2U}) {
