@@ -31,10 +31,17 @@ inline bool opens_cells(float spacing, ColliderShape shape) {
   return half_thickness(shape) < kThin * spacing || (shape.kind == kShapeConvex && shape.b.z > 0.0f);
 }
 
+inline bool has_edges(ColliderShape shape) {
+  return shape.kind == kShapeBox || shape.kind == kShapeConvex;
+}
+
+inline bool stirs(float spacing, ColliderShape shape) {
+  return shape.way > kStirs * spacing;
+}
+
 // Whether triangles meet a collider themselves, so that it does not slip through between points.
 inline bool meets_triangles(float spacing, ColliderShape shape) {
-  bool edged = shape.kind == kShapeBox || shape.kind == kShapeConvex;
-  bool leads_in = edged && half_thickness(shape) < kThinEdged * spacing && shape.way > kStirs * spacing;
+  bool leads_in = has_edges(shape) && half_thickness(shape) < kThinEdged * spacing && stirs(spacing, shape);
   return opens_cells(spacing, shape) || leads_in;
 }
 
@@ -42,8 +49,7 @@ inline bool meets_triangles(float spacing, ColliderShape shape) {
 // the collider's own way, and what brings a triangle out that begins inside. Cloth over an edge that is thinner than
 // its cells has triangles inside for good: pushed out in every substep it would never come to rest.
 inline float lift_of(ClothParams params, ColliderShape shape) {
-  bool edged = shape.kind == kShapeBox || shape.kind == kShapeConvex;
-  bool rests = edged && shape.way <= kStirs * params.spacing;
+  bool rests = has_edges(shape) && !stirs(params.spacing, shape);
   precise float lift = shape.way + (rests ? 0.0f : kLiftSpeed * params.dt);
   return lift;
 }

@@ -182,6 +182,14 @@ shader::ColliderPose make_pose(const Transform& t, const Vec3& origin) {
   return pose;
 }
 
+/// The place of a collider's frame from which on its points are counted: of a plane the nearest to the origin, as a
+/// slope may be given by a point that is far away, and what friction may hold is less than single precision has there.
+Vec3 near_place(const Collider& collider, const Transform& frame, const Vec3& origin) {
+  if (!std::holds_alternative<Plane>(collider.shape)) return {};
+  const Vec3 seen = rotate(conjugate(frame.rotate), origin - frame.translate);
+  return {seen.x, 0, seen.z};
+}
+
 /// Axis times angle [rad], the shorter way round.
 Vec3 rotation_vector(const Quat& q) {
   const double x = q.x, y = q.y, z = q.z, w = q.w;
@@ -294,30 +302,18 @@ shader::ColliderShape collider_shape_of(const Collider& collider, std::vector<fl
   return shape;
 }
 
-namespace {
-
-/// The place of a collider's frame from which on its points are counted: of a plane the nearest to the origin, as a
-/// slope may be given by a point that is far away, and what friction may hold is less than single precision has there.
-Vec3 near_place(const Collider& collider, const Transform& frame, const Vec3& origin) {
-  if (!std::holds_alternative<Plane>(collider.shape)) return {};
-  const Vec3 seen = rotate(conjugate(frame.rotate), origin - frame.translate);
-  return {seen.x, 0, seen.z};
-}
-
-}  // namespace
-
 void collider_poses(std::span<const Transform> from, std::span<const Collider> to, uint32_t substeps,
                     const Vec3& origin, std::vector<shader::ColliderPose>& poses) {
-  poses.clear();
-  poses.reserve(from.size() * (substeps + 1));
-  for (uint32_t s = 0; s <= substeps; ++s) {
-    const float t = static_cast<float>(s) / static_cast<float>(substeps);
-    for (size_t i = 0; i < from.size(); ++i) {
-      const Transform& a = from[i];
-      const Transform b = collider_frame(to[i]);
+  poses.resize(from.size() * (substeps + 1));
+  for (size_t i = 0; i < from.size(); ++i) {
+    const Transform& a = from[i];
+    const Transform b = collider_frame(to[i]);
+    const Vec3 place = near_place(to[i], a, origin);
+    for (uint32_t s = 0; s <= substeps; ++s) {
+      const float t = static_cast<float>(s) / static_cast<float>(substeps);
       const Vec3 translate = s == substeps ? b.translate : a.translate + t * (b.translate - a.translate);
       const Quat turn = a.rotate == b.rotate ? b.rotate : slerp(a.rotate, b.rotate, t);
-      poses.push_back(make_pose({translate + rotate(turn, near_place(to[i], a, origin)), turn, 1}, origin));
+      poses[s * from.size() + i] = make_pose({translate + rotate(turn, place), turn, 1}, origin);
     }
   }
 }
