@@ -206,7 +206,7 @@ void run(const SimulateArguments& options) {
   Simulation simulation = name_file_in_errors(options.input, [&] {
     Scene scene = load_scene(options);
     check_files_of_scene(options, scene);
-    return Simulation(std::move(scene), solver_settings(options), read_body);
+    return Simulation(std::move(scene), solver_settings(options), body_reader());
   });
   if (options.check) {
     print_check(options, simulation);

@@ -59,7 +59,7 @@ void run(const ViewArguments& options) {
                              .frames = std::nullopt};
   if (options.frames_option->count() > 0) window.frames = options.frames;
   const auto viewer = name_file_in_errors(
-      options.input, [&] { return std::make_unique<view::Viewer>(std::move(scene), window, read_body); });
+      options.input, [&] { return std::make_unique<view::Viewer>(std::move(scene), window, body_reader()); });
   for (const std::string& warning : viewer->warnings()) fmt::print(stderr, "geocloth view: {}\n", warning);
   while (viewer->turn()) {
   }

@@ -2,8 +2,10 @@
 #include "scene_input.h"
 
 #include <algorithm>
+#include <memory>
 #include <thread>
 
+#include "geocloth/parametrize/animated_mesh.h"
 #include "geocloth/parametrize/import.h"
 #include "options.h"
 
@@ -48,6 +50,15 @@ TriangleSurface read_body(const std::filesystem::path& path) {
     surface.position.push_back({static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])});
   surface.triangle.assign(mesh.triangle.begin(), mesh.triangle.end());
   return surface;
+}
+
+BodyReader body_reader() {
+  const auto read_moving = [](const std::filesystem::path& path, const BodyAnimation& animation) {
+    const auto mesh = std::make_shared<const AnimatedMesh>(
+        path, AnimationOptions{animation.clip, animation.start, animation.speed, animation.loop});
+    return MovingBody{mesh->triangle(), [mesh](double time) { return mesh->positions_at(time); }};
+  };
+  return {read_body, read_moving};
 }
 
 std::vector<NamedFile> files_read(const std::filesystem::path& input, const Scene& scene) {

@@ -24,6 +24,8 @@ void add_solver_options(CLI::App& app, SolverSettings& settings);
 [[nodiscard]] Scene read_scene_or_asset(const std::filesystem::path& input);
 /// The triangles of a collider's mesh, which may be of any kind that a garment may be. @throws as import_mesh
 [[nodiscard]] TriangleSurface read_body(const std::filesystem::path& path);
+/// Of these, and of those that an animation of their file deforms. @throws as AnimatedMesh
+[[nodiscard]] BodyReader body_reader();
 /// Every file that playing a scene reads.
 [[nodiscard]] std::vector<NamedFile> files_read(const std::filesystem::path& input, const Scene& scene);
 

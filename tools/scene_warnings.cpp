@@ -204,12 +204,12 @@ void warn_of_torn_jumps(const Scene& scene, size_t index, std::vector<std::strin
 void warn_of_animated_bodies(const Scene& scene, std::vector<std::string>& warnings) {
   for (size_t i = 0; i < scene.colliders.size(); ++i) {
     const SceneCollider& collider = scene.colliders[i];
-    if (!collider.mesh) continue;
+    if (!collider.mesh || collider.mesh->animation) continue;
     const size_t animations = count_animations(collider.mesh->file);
     if (animations == 0) continue;
     warnings.push_back(
         fmt::format("colliders[{}] ({}): the file has {} animation{}, which {} not played: the collider keeps the pose "
-                    "that the file opens with; a \"motion\" moves it as a whole",
+                    "that the file opens with; \"animation\": 0, or the name of one, plays it",
                     i, collider.mesh->file.filename().string(), animations, animations == 1 ? "" : "s",
                     animations == 1 ? "is" : "are"));
   }

@@ -36,9 +36,20 @@ struct Contact {
   float depth;  // [m] how far the point is to be pushed out
 };
 
-inline vec3 to_local(ColliderPose pose, vec3 p) {
+const uint kDeformSteps = 2u;
+
+// Where what is at q of a deforming body's frame will be at the end of the frame: the x with x - left way(x) = q, for
+// the ways are those of points at the end. Iterated, as a point and its neighbours go nearly alike.
+inline vec3 deformed(ColliderSet set, ColliderShape shape, float left, vec3 q) {
+  vec3 x = q;
+  for (uint i = 0u; i < kDeformSteps; ++i) x = shifted(q, deforming_way(set, shape, x), left);
+  return x;
+}
+
+inline vec3 to_local(ColliderSet set, ColliderShape shape, ColliderPose pose, vec3 p) {
   precise vec3 d = p - vec3(pose.row0.w, pose.row1.w, pose.row2.w);
   precise vec3 r = xyz(pose.row0) * d.x + xyz(pose.row1) * d.y + xyz(pose.row2) * d.z;
+  if (pose.deform.x > 0.0f) return deformed(set, shape, pose.deform.x, r);
   return r;
 }
 
@@ -46,8 +57,10 @@ inline vec3 rotate_to_world(ColliderPose pose, vec3 v) {
   return vec3(dot3(xyz(pose.row0), v), dot3(xyz(pose.row1), v), dot3(xyz(pose.row2), v));
 }
 
-inline vec3 to_world(ColliderPose pose, vec3 p) {
-  precise vec3 r = rotate_to_world(pose, p) + vec3(pose.row0.w, pose.row1.w, pose.row2.w);
+inline vec3 to_world(ColliderSet set, ColliderShape shape, ColliderPose pose, vec3 p) {
+  vec3 q = p;
+  if (pose.deform.x > 0.0f) q = shifted(p, deforming_way(set, shape, p), -pose.deform.x);
+  precise vec3 r = rotate_to_world(pose, q) + vec3(pose.row0.w, pose.row1.w, pose.row2.w);
   return r;
 }
 
@@ -80,7 +93,8 @@ inline Contact no_contact() {
 
 // The point's way p0 -> p1 in the collider's frame is longer than the collider is thick: find where it enters, by steps
 // as long as the distance to the surface, and keep the point on the outer side of the tangent plane there. A point that
-// starts on the surface, or in it, has arrived already: it stays on the side that it came from.
+// starts on the surface, or in it, has arrived already: it stays on the side that it came from. Bodies that deform are
+// not swept: between parts of theirs that go different ways a point's way in their frame leads anywhere.
 inline Contact sweep(ColliderSet set, ColliderShape shape, vec3 p0, vec3 p1, float way, float thickness) {
   precise vec3 direction = (p1 - p0) * (1.0f / way);
   float close = min(0.01f * shape.core, kSweepClose);
@@ -150,10 +164,11 @@ inline vec3 way_out(vec3 normal, float depth, float thickness, vec3 last) {
 // @param n          the contact's normal in the world
 // @param out_of_it  [m] how the point is moved out
 // @param grip       [m] see largest_grip()
-inline PointState respond(PointState point, ColliderPose before, ColliderPose after, vec3 local, Contact contact,
-                          vec3 n, vec3 out_of_it, float friction, float grip) {
+inline PointState respond(ColliderSet set, ColliderShape shape, PointState point, ColliderPose before,
+                          ColliderPose after, vec3 local, Contact contact, vec3 n, vec3 out_of_it, float friction,
+                          float grip) {
   precise vec3 on_surface = local + contact.normal * contact.depth;
-  precise vec3 carried = to_world(after, on_surface) - to_world(before, on_surface);
+  precise vec3 carried = to_world(set, shape, after, on_surface) - to_world(set, shape, before, on_surface);
   vec3 displacement = way_of(point);
   precise vec3 relative = displacement - carried;
   precise float along = dot3(relative, n);
@@ -205,7 +220,8 @@ inline Held held_by(ColliderSet set, ClothParams params, uint substep, vec3 p, v
   float least = 1e30f;
   for (uint i = 0u; i < params.collider_count; ++i) {
     ColliderPose pose = collider_pose(set, substep + 1u, i);
-    Nearest near = nearest_of_shape(set, collider_shape(set, i), to_local(pose, p));
+    ColliderShape shape = collider_shape(set, i);
+    Nearest near = nearest_of_shape(set, shape, to_local(set, shape, pose, p));
     if (near.distance > params.thickness + 10.0f * kContactSlack) continue;
     vec3 n = rotate_to_world(pose, near.normal);
     float slope = dot3(n, direction);
@@ -294,16 +310,19 @@ inline PointState push_out(ColliderSet set, ClothParams params, uint substep, Po
     for (uint i = 0u; i < params.collider_count; ++i) {
       ColliderShape shape = collider_shape(set, i);
       ColliderPose after = collider_pose(set, substep + 1u, i);
-      vec3 local = to_local(after, state.position);
+      vec3 local = to_local(set, shape, after, state.position);
       Nearest near = nearest_of_shape(set, shape, local);
       if (out_of_reach(shape, near.distance - params.thickness, way)) continue;
       ColliderPose before = collider_pose(set, substep, i);
-      Contact contact = find_contact(set, shape, to_local(before, start), local, near, params.thickness, round == 0u);
+      bool swept = round == 0u && before.deform.x == 0.0f;
+      vec3 from = to_local(set, shape, before, start);
+      Contact contact = find_contact(set, shape, from, local, near, params.thickness, swept);
       if (contact.touches && (round == 0u || contact.depth > kContactSlack)) {
         float friction = round == 0u ? sqrt(params.friction * shape.friction) : 0.0f;
         vec3 n = rotate_to_world(after, contact.normal);
         vec3 out_of_it = way_out(n, contact.depth, params.thickness, slides_out(round) ? last : vec3(0.0f, 0.0f, 0.0f));
-        state = respond(state, before, after, local, contact, n, out_of_it, friction, largest_grip(params, shape));
+        float grip = largest_grip(params, shape);
+        state = respond(set, shape, state, before, after, local, contact, n, out_of_it, friction, grip);
         last = n;
         way = length3(state.position - start);
         again = params.collider_count > 1u || shape.kind == kShapeMesh;  // its field is not quite a distance
@@ -338,8 +357,9 @@ inline PointState collide(ColliderSet set, ClothParams params, uint substep, Poi
 inline float depth_in_colliders(ColliderSet set, uint collider_count, uint substep, vec3 position) {
   float depth = 0.0f;
   for (uint i = 0u; i < collider_count; ++i) {
-    vec3 local = to_local(collider_pose(set, substep + 1u, i), position);
-    depth = max(depth, -nearest_of_shape(set, collider_shape(set, i), local).distance);
+    ColliderShape shape = collider_shape(set, i);
+    vec3 local = to_local(set, shape, collider_pose(set, substep + 1u, i), position);
+    depth = max(depth, -nearest_of_shape(set, shape, local).distance);
   }
   return depth;
 }

@@ -71,11 +71,11 @@ inline vec3 at_weights(Corners t, vec3 weights) {
   return r;
 }
 
-inline Corners corners_to_local(ColliderPose pose, Corners t) {
+inline Corners corners_to_local(ColliderSet set, ColliderShape shape, ColliderPose pose, Corners t) {
   Corners r;
-  r.a = to_local(pose, t.a);
-  r.b = to_local(pose, t.b);
-  r.c = to_local(pose, t.c);
+  r.a = to_local(set, shape, pose, t.a);
+  r.b = to_local(set, shape, pose, t.b);
+  r.c = to_local(set, shape, pose, t.c);
   return r;
 }
 
@@ -180,9 +180,9 @@ struct MovedCorner {
 
 // Moves a corner by n * push. What it moved into the collider is undone, the rest is moved as if it had begun there.
 // @param n, local_n  normal of the collider in the world and in its frame
-inline MovedCorner push_corner(ColliderPose before, ColliderPose after, vec3 now, vec3 start, vec3 n, vec3 local_n,
-                               float push) {
-  precise float along = dot3(to_local(after, now) - to_local(before, start), local_n);
+inline MovedCorner push_corner(ColliderSet set, ColliderShape shape, ColliderPose before, ColliderPose after, vec3 now,
+                               vec3 start, vec3 n, vec3 local_n, float push) {
+  precise float along = dot3(to_local(set, shape, after, now) - to_local(set, shape, before, start), local_n);
   precise float kept = max(push + min(along, 0.0f), 0.0f);
   MovedCorner r;
   r.now = shifted(now, n, push);
@@ -198,8 +198,9 @@ const float kLargestLever = 4.0f;  // way of a corner against that of the point 
 inline MovedTriangle push_point(ColliderSet set, ClothParams params, ColliderShape shape, ColliderPose before,
                                 ColliderPose after, MovedTriangle t, Corners start, vec3 w, vec3 weights) {
   vec3 p0 = at_weights(start, weights);
-  vec3 p1 = to_local(after, at_weights(corners_of(t), weights));
-  Contact contact = find_contact(set, shape, p0, p1, nearest_of_shape(set, shape, p1), 0.0f, true);
+  vec3 p1 = to_local(set, shape, after, at_weights(corners_of(t), weights));
+  bool swept = before.deform.x == 0.0f;
+  Contact contact = find_contact(set, shape, p0, p1, nearest_of_shape(set, shape, p1), 0.0f, swept);
   precise vec3 share = w * weights;
   precise float sum = dot3(share, weights);
   if (!contact.touches || sum <= 0.0f) return t;
@@ -211,9 +212,9 @@ inline MovedTriangle push_point(ColliderSet set, ClothParams params, ColliderSha
   precise float lifted = min(sum * (1.0f / least), 1.0f);
   precise float push = min(contact.depth, approach) * lifted * (1.0f / max(sum, least));
   vec3 n = rotate_to_world(after, contact.normal);
-  MovedCorner a = push_corner(before, after, t.a, t.start_a, n, contact.normal, push * share.x);
-  MovedCorner b = push_corner(before, after, t.b, t.start_b, n, contact.normal, push * share.y);
-  MovedCorner c = push_corner(before, after, t.c, t.start_c, n, contact.normal, push * share.z);
+  MovedCorner a = push_corner(set, shape, before, after, t.a, t.start_a, n, contact.normal, push * share.x);
+  MovedCorner b = push_corner(set, shape, before, after, t.b, t.start_b, n, contact.normal, push * share.y);
+  MovedCorner c = push_corner(set, shape, before, after, t.c, t.start_c, n, contact.normal, push * share.z);
   MovedTriangle r;
   r.a = a.now;
   r.b = b.now;
@@ -272,12 +273,12 @@ inline MovedTriangle collide_triangle(ColliderSet set, ClothParams params, uint 
     float way = way_of_corners(start, now);
     vec3 middle = vec3(after.row0.w, after.row1.w, after.row2.w);
     if (out_of_reach(shape, length3(now.a - middle) - shape.b.w - side, way)) continue;
-    Corners last = corners_to_local(after, now);
+    Corners last = corners_to_local(set, shape, after, now);
     Nearest near = nearest_of_shape(set, shape, middle_of(last));
     float gap = least_gap(shape, last, near, side);
     if (out_of_reach(shape, gap, way)) continue;
     ColliderPose before = collider_pose(set, substep, i);
-    Corners first = corners_to_local(before, start);
+    Corners first = corners_to_local(set, shape, before, start);
     // What is carried along by the collider has hardly moved as seen from there.
     float seen_way = way_of_corners(first, last);
     if (gap > seen_way) continue;
@@ -285,7 +286,7 @@ inline MovedTriangle collide_triangle(ColliderSet set, ClothParams params, uint 
       continue;
     }
     moved = push_point(set, params, shape, before, after, moved, first, w, deepest_weights(set, shape, first));
-    last = corners_to_local(after, corners_of(moved));
+    last = corners_to_local(set, shape, after, corners_of(moved));
     moved = push_point(set, params, shape, before, after, moved, first, w, deepest_weights(set, shape, last));
     side = longest_side(corners_of(moved));
   }

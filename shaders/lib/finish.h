@@ -37,9 +37,10 @@ inline vec3 kept_out(ColliderSet set, ClothParams params, uint substep, vec3 sta
     for (uint i = 0u; i < params.collider_count; ++i) {
       ColliderShape shape = collider_shape(set, i);
       ColliderPose pose = collider_pose(set, substep + 1u, i);
-      vec3 local = to_local(pose, position);
+      vec3 local = to_local(set, shape, pose, position);
       Nearest near = nearest_of_shape(set, shape, local);
-      Contact contact = find_contact(set, shape, to_local(pose, start), local, near, params.thickness, round == 0u);
+      vec3 from = to_local(set, shape, pose, start);
+      Contact contact = find_contact(set, shape, from, local, near, params.thickness, round == 0u);
       if (!contact.touches || contact.depth <= kContactSlack) continue;
       vec3 n = rotate_to_world(pose, contact.normal);
       precise vec3 out_of_it =
@@ -61,8 +62,8 @@ inline bool is_left(ColliderSet set, ClothParams params, uint substep, vec3 star
     ColliderShape shape = collider_shape(set, i);
     if (!is_thin(params, shape)) continue;
     ColliderPose pose = collider_pose(set, substep + 1u, i);
-    if (nearest_of_shape(set, shape, to_local(pose, start)).distance < reach) return true;
-    if (nearest_of_shape(set, shape, to_local(pose, moved)).distance < reach) return true;
+    if (nearest_of_shape(set, shape, to_local(set, shape, pose, start)).distance < reach) return true;
+    if (nearest_of_shape(set, shape, to_local(set, shape, pose, moved)).distance < reach) return true;
   }
   return false;
 }
@@ -79,10 +80,11 @@ inline float held_by_friction(ColliderSet set, ClothParams params, uint substep,
     float own = sqrt(params.friction * shape.friction);
     if (own <= friction) continue;
     ColliderPose after = collider_pose(set, substep + 1u, i);
-    vec3 local = to_local(after, start);
+    vec3 local = to_local(set, shape, after, start);
     precise float lies = per_gap * (reach - nearest_of_shape(set, shape, local).distance);
     if (lies <= 0.0f) continue;
-    precise vec3 carried = to_world(after, local) - to_world(collider_pose(set, substep, i), local);
+    ColliderPose before = collider_pose(set, substep, i);
+    precise vec3 carried = to_world(set, shape, after, local) - to_world(set, shape, before, local);
     precise vec3 slid = way - carried;
     precise float rests = 1.0f - per_slide * length3(slid);
     precise float holds = own * (max(rests, 0.0f) * min(lies, 1.0f));

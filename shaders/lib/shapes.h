@@ -124,21 +124,51 @@ inline float mix1(float a, float b, float t) {
   return r;
 }
 
+// Where a point lies in a mesh's grid: the offset of its cell's first node and the shares of the way to the next ones.
+struct GridPlace {
+  uint node;
+  vec3 t;
+};
+
+// The point in units of the grid.
+inline vec3 in_grid(ColliderShape shape, vec3 p) {
+  precise vec3 g = (p - xyz(shape.a)) * shape.b.x;
+  return g;
+}
+
+inline vec3 grid_sides(ColliderShape shape) {
+  return vec3(float(shape.data.y - 1u), float(shape.data.z - 1u), float(shape.data.w - 1u));
+}
+
+inline vec3 clamped_to(vec3 g, vec3 side) {
+  return vec3(min(max(g.x, 0.0f), side.x), min(max(g.y, 0.0f), side.y), min(max(g.z, 0.0f), side.z));
+}
+
+// @param q  in units of the grid, in it
+inline GridPlace place_in_grid(ColliderShape shape, vec3 q, vec3 side) {
+  precise vec3 cell =
+      vec3(min(floor(q.x), side.x - 1.0f), min(floor(q.y), side.y - 1.0f), min(floor(q.z), side.z - 1.0f));
+  GridPlace r;
+  precise vec3 t = q - cell;
+  r.t = t;
+  r.node = uint(cell.x) + uint(cell.y) * shape.data.y + uint(cell.z) * (shape.data.y * shape.data.z);
+  return r;
+}
+
 // Trilinear in the cell of the point, with the gradient of that; beyond the grid, where no surface is, a lower bound.
 inline Nearest nearest_mesh(ColliderSet set, ColliderShape shape, vec3 p) {
-  precise vec3 g = (p - xyz(shape.a)) * shape.b.x;
-  precise vec3 side = vec3(float(shape.data.y - 1u), float(shape.data.z - 1u), float(shape.data.w - 1u));
-  precise vec3 q = vec3(min(max(g.x, 0.0f), side.x), min(max(g.y, 0.0f), side.y), min(max(g.z, 0.0f), side.z));
+  vec3 g = in_grid(shape, p);
+  vec3 side = grid_sides(shape);
+  vec3 q = clamped_to(g, side);
   precise vec3 beyond = (g - q) * shape.a.w;
   vec4 out_of = unit_and_length(beyond);
   if (out_of.w > 0.0f) return make_nearest(out_of.w + shape.b.y, xyz(out_of));
 
-  precise vec3 cell =
-      vec3(min(floor(q.x), side.x - 1.0f), min(floor(q.y), side.y - 1.0f), min(floor(q.z), side.z - 1.0f));
-  precise vec3 t = q - cell;
+  GridPlace place = place_in_grid(shape, q, side);
+  vec3 t = place.t;
   uint row = shape.data.y;
   uint layer = shape.data.y * shape.data.z;
-  uint k = shape.data.x + uint(cell.x) + uint(cell.y) * row + uint(cell.z) * layer;
+  uint k = shape.data.x + place.node;
   float d000 = collider_number(set, k);
   float d100 = collider_number(set, k + 1u);
   float d010 = collider_number(set, k + row);
@@ -158,6 +188,30 @@ inline Nearest nearest_mesh(ColliderSet set, ColliderShape shape, vec3 p) {
   float along_y = mix1(d10 - d00, d11 - d01, t.z);
   vec4 gradient = unit_and_length(vec3(along_x, along_y, d1 - d0));
   return make_nearest(distance, gradient.w > 0.0f ? xyz(gradient) : vec3(0.0f, 1.0f, 0.0f));
+}
+
+inline vec3 node_way(ColliderSet set, uint k) {
+  return vec3(collider_number(set, k), collider_number(set, k + 1u), collider_number(set, k + 2u));
+}
+
+inline vec3 mix_ways(vec3 a, vec3 b, float t) {
+  precise vec3 r = a + (b - a) * t;
+  return r;
+}
+
+// How far what is at a point of a deforming body's frame goes in the frame that ends there; beyond the grid as at its
+// side.
+inline vec3 deforming_way(ColliderSet set, ColliderShape shape, vec3 p) {
+  vec3 side = grid_sides(shape);
+  GridPlace place = place_in_grid(shape, clamped_to(in_grid(shape, p), side), side);
+  uint row = 3u * shape.data.y;
+  uint layer = row * shape.data.z;
+  uint k = shape.data.x + shape.data.y * shape.data.z * shape.data.w + 3u * place.node;
+  vec3 w00 = mix_ways(node_way(set, k), node_way(set, k + 3u), place.t.x);
+  vec3 w10 = mix_ways(node_way(set, k + row), node_way(set, k + row + 3u), place.t.x);
+  vec3 w01 = mix_ways(node_way(set, k + layer), node_way(set, k + layer + 3u), place.t.x);
+  vec3 w11 = mix_ways(node_way(set, k + layer + row), node_way(set, k + layer + row + 3u), place.t.x);
+  return mix_ways(mix_ways(w00, w10, place.t.y), mix_ways(w01, w11, place.t.y), place.t.z);
 }
 
 inline Nearest nearest_of_shape(ColliderSet set, ColliderShape shape, vec3 p) {

@@ -202,7 +202,8 @@ struct SelfPoint {
 //              b.z 1: it has a sharp corner
 //   mesh       numbers from data.x on: signed distances [m] at data.y x data.z x data.w nodes, x fastest; a.xyz first
 //              node, a.w spacing, b.x = 1 / spacing, b.y margin: no surface is nearer to the sides of the grid, b.z
-//              largest depth inside
+//              largest depth inside; of a body that deforms they are followed by three numbers for each node, how far
+//              [m] the point of the surface that is nearest to it goes in the frame that ends with these distances
 // b.w: no point p is nearer than |p| - b.w; no such bound for planes and hulls, whose distance is that to a plane
 struct ColliderShape {
   vec4 a;
@@ -214,11 +215,13 @@ struct ColliderShape {
   float way;   // [m] no point of it moves farther in a substep of this frame; see collide.h
 };
 
-// World from local: (dot(row0.xyz, p) + row0.w, ...); the rows' xyz are a rotation matrix.
+// World from local: (dot(row0.xyz, p) + row0.w, ...); the rows' xyz are a rotation matrix. The local frame of a body
+// that deforms is that of its shape at the end of the frame.
 struct ColliderPose {
   vec4 row0;
   vec4 row1;
   vec4 row2;
+  vec4 deform;  // x: share of the frame's deformation that is still to come, 0: none; y: longest way [m] of it
 };
 
 // Push constants of a dispatch.
@@ -238,7 +241,7 @@ static_assert(sizeof(ClothParams) == 384 && offsetof(ClothParams, whole) == 192 
 static_assert(sizeof(Wave) == 32 && sizeof(Substep) == 16 + 32 * kWindWaves);
 static_assert(sizeof(PinTarget) == 48 && sizeof(Attachment) == 8 && sizeof(SeamSpring) == 44 &&
               sizeof(SelfPoint) == 48);
-static_assert(sizeof(ColliderShape) == 64 && sizeof(ColliderPose) == 48 && sizeof(PassConstants) == 24);
+static_assert(sizeof(ColliderShape) == 64 && sizeof(ColliderPose) == 64 && sizeof(PassConstants) == 24);
 }  // namespace geocloth::shader
 #endif
 

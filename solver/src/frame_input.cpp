@@ -164,6 +164,7 @@ struct LocalShape {
     r.b.z = -std::min(0.F, *std::min_element(field.distance.begin(), field.distance.end()));
     r.data.x = static_cast<uint32_t>(numbers.size());
     numbers.insert(numbers.end(), field.distance.begin(), field.distance.end());
+    for (const Vec3& way : field.way) numbers.insert(numbers.end(), {way.x, way.y, way.z});
     return r;
   }
 };
@@ -302,8 +303,16 @@ shader::ColliderShape collider_shape_of(const Collider& collider, std::vector<fl
   return shape;
 }
 
-void collider_poses(std::span<const Transform> from, std::span<const Collider> to, uint32_t substeps,
-                    const Vec3& origin, std::vector<shader::ColliderPose>& poses) {
+float longest_deformation(const Collider& collider) {
+  const auto* body = std::get_if<MeshSolid>(&collider.shape);
+  float most = 0;
+  if (body == nullptr) return most;
+  for (const Vec3& way : body->field->way) most = std::max(most, dot(way, way));
+  return std::sqrt(most);
+}
+
+void collider_poses(std::span<const Transform> from, std::span<const Collider> to, std::span<const float> deform,
+                    uint32_t substeps, const Vec3& origin, std::vector<shader::ColliderPose>& poses) {
   poses.resize(from.size() * (substeps + 1));
   for (size_t i = 0; i < from.size(); ++i) {
     const Transform& a = from[i];
@@ -313,7 +322,9 @@ void collider_poses(std::span<const Transform> from, std::span<const Collider> t
       const float t = static_cast<float>(s) / static_cast<float>(substeps);
       const Vec3 translate = s == substeps ? b.translate : a.translate + t * (b.translate - a.translate);
       const Quat turn = a.rotate == b.rotate ? b.rotate : slerp(a.rotate, b.rotate, t);
-      poses[s * from.size() + i] = make_pose({translate + rotate(turn, place), turn, 1}, origin);
+      shader::ColliderPose& pose = poses[s * from.size() + i];
+      pose = make_pose({translate + rotate(turn, place), turn, 1}, origin);
+      pose.deform = deform[i] > 0 ? vec4{1 - t, deform[i], 0, 0} : vec4{};
     }
   }
 }

@@ -30,9 +30,14 @@ struct FrameClock {
 /// Poses of all colliders before the first substep and after each: (substeps + 1) * colliders, relative to the origin.
 /// From and to have as many entries; translations go straight, rotations along the shortest arc.
 /// @param from   frames of their shapes, see collider_frame()
-/// @param poses  replaced; its memory is used again
-void collider_poses(std::span<const Transform> from, std::span<const Collider> to, uint32_t substeps,
-                    const Vec3& origin, std::vector<shader::ColliderPose>& poses);
+/// @param deform  [m] how far a point of each one's surface goes at most by which it deforms in the frame, see
+///   longest_deformation()
+/// @param poses   replaced; its memory is used again
+void collider_poses(std::span<const Transform> from, std::span<const Collider> to, std::span<const float> deform,
+                    uint32_t substeps, const Vec3& origin, std::vector<shader::ColliderPose>& poses);
+
+/// [m] The longest way of a body's surface in the frame of its field; 0 for what keeps its shape.
+[[nodiscard]] float longest_deformation(const Collider& collider);
 
 /// [m] of a ball about the origin of a shape's frame that holds all of it; infinite where none does.
 [[nodiscard]] double radius_of(const shader::ColliderShape& shape);

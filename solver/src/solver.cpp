@@ -95,6 +95,8 @@ bool has_same_field(const Collider& a, const Collider& b) {
   return p != nullptr && q != nullptr && p->field == q->field;
 }
 
+constexpr float kPlaced = -1;  ///< in deform_: the collider is at once as it is asked to be
+
 uint32_t fineness(const SolverSettings& settings) {
   if (settings.keep_momentum) return shader::kFineMomentum;
   return settings.frame_time / settings.substeps < kShortStep ? shader::kFineOffsets : shader::kFineOff;
@@ -215,6 +217,7 @@ void Solver::Impl::take_places(std::span<const Collider> asked_before) {
   const std::vector<Transform> from = std::exchange(frames_from_, frames_of(colliders_to_));
   const std::vector<Vec3> ways = std::exchange(collider_ways_, std::vector<Vec3>(colliders_to_.size()));
   const std::vector<Vec3> seen = std::exchange(places_seen_, places_of(colliders_to_));
+  const std::vector<float> deform = std::exchange(deform_, std::vector<float>(colliders_to_.size(), kPlaced));
   size_t known = 0;
   for (size_t i = 0; i < before.size(); ++i) {
     if (!before[i]) continue;
@@ -222,6 +225,7 @@ void Solver::Impl::take_places(std::span<const Collider> asked_before) {
     frames_from_[i] = from[*before[i]];
     collider_ways_[i] = ways[*before[i]];
     places_seen_[i] = seen[*before[i]];
+    deform_[i] = deform[*before[i]];
   }
   scene_changed_ = scene_changed_ || known < std::max(from.size(), colliders_to_.size());
 }
@@ -243,8 +247,24 @@ void Solver::Impl::set_colliders(std::span<const Collider> colliders, bool telep
     const Transform frame = collider_frame(colliders_to_[i]);
     scene_changed_ = scene_changed_ || !same_place(frames_from_[i], frame);
     frames_from_[i] = frame;
+    deform_[i] = kPlaced;
   }
+  take_deformations(asked_before);
   take_shapes(asked_before);
+}
+
+/// A body deforms in the frame that follows its new field, and in no other.
+void Solver::Impl::take_deformations(std::span<const Collider> asked_before) {
+  for (size_t i = 0; i < colliders_to_.size(); ++i) {
+    const Collider& collider = colliders_to_[i];
+    const bool known =
+        std::ranges::any_of(asked_before, [&](const Collider& c) { return has_same_field(collider, c); });
+    if (deform_[i] == kPlaced) {
+      deform_[i] = 0;
+    } else if (!known) {
+      deform_[i] = longest_deformation(collider);
+    }
+  }
 }
 
 void Solver::Impl::take_shapes(std::span<const Collider> asked_before) {
@@ -256,11 +276,15 @@ void Solver::Impl::take_shapes(std::span<const Collider> asked_before) {
   std::vector<float> numbers;
   const std::vector<shader::ColliderShape> before = std::exchange(shapes_, {});
   for (const Collider& c : colliders_to_) shapes_.push_back(collider_shape_of(c, numbers));
-  scene_changed_ =
-      scene_changed_ || !std::equal(before.begin(), before.end(), shapes_.begin(), shapes_.end(), same_shape);
-  if (!collider_numbers_ || *collider_numbers_ != numbers) {
-    scene_changed_ = true;
-    collider_numbers_ = std::make_shared<const std::vector<float>>(std::move(numbers));
+  const bool same_numbers = collider_numbers_ && *collider_numbers_ == numbers;
+  if (!same_numbers) collider_numbers_ = std::make_shared<const std::vector<float>>(std::move(numbers));
+  if (std::ranges::any_of(deform_, [](float way) { return way > 0; }) && asked_before.size() == colliders_to_.size()) {
+    // Bodies that deform wake what they reach, as all that moves evenly does.
+    for (size_t i = 0; i < colliders_to_.size(); ++i)
+      scene_changed_ = scene_changed_ || !(deform_[i] > 0 || looks_the_same(asked_before[i], colliders_to_[i]));
+  } else {
+    scene_changed_ = scene_changed_ || !same_numbers ||
+                     !std::equal(before.begin(), before.end(), shapes_.begin(), shapes_.end(), same_shape);
   }
 }
 

@@ -373,7 +373,7 @@ void Solver::Impl::choose_factors() {
   constexpr float kNearly = 0.5F;            // of a fast way: from here on it is known whether the cloth rides
   const auto most =
       static_cast<uint32_t>(std::clamp(settings_.frame_time / (kShortest * usual_substeps_), 1.0, double{kMost}));
-  collider_poses(frames_from_, colliders_to_, usual_substeps_, origin_, frame_.poses);
+  collider_poses(frames_from_, colliders_to_, deform_, usual_substeps_, origin_, frame_.poses);
   measure_ways(frame_.shapes, frame_.poses, usual_substeps_, 0);
   uint32_t others_factor = 1;  // of the cloths that collide with each other
   for (uint32_t c = 0; c < cloths_.size(); ++c) {
@@ -426,7 +426,7 @@ void Solver::Impl::choose_factors() {
 void Solver::Impl::find_movers() {
   movers_.clear();
   for (uint32_t i = 0; i < colliders_to_.size(); ++i)
-    if (!same_place(frames_from_[i], collider_frame(colliders_to_[i]))) movers_.push_back(i);
+    if (deform_[i] > 0 || !same_place(frames_from_[i], collider_frame(colliders_to_[i]))) movers_.push_back(i);
 }
 
 /// Whether a collider that moves in this frame may touch the cloth. Waits for the device, for a sleeping cloth once.
@@ -513,7 +513,7 @@ bool Solver::Impl::is_calm(uint32_t c) {
 void Solver::Impl::run_group(uint32_t factor) {
   substeps_ = usual_substeps_ * factor;
   if (factor > 1) {
-    collider_poses(frames_from_, colliders_to_, substeps_, origin_, frame_.poses);
+    collider_poses(frames_from_, colliders_to_, deform_, substeps_, origin_, frame_.poses);
     measure_ways(frame_.shapes, frame_.poses, substeps_, thickest(cloths_));
   }
   substep_inputs(clock(), wind_, origin_, frame_.substeps);
@@ -570,6 +570,7 @@ void Solver::Impl::step() {
     const Transform frame = collider_frame(colliders_to_[i]);
     collider_ways_[i] = frame.translate - frames_from_[i].translate;
     frames_from_[i] = frame;
+    deform_[i] = 0;
   }
   for (Cloth& cloth : cloths_) cloth.parent_from = cloth.parent_to;
   time_ += settings_.frame_time;

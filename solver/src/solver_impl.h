@@ -152,6 +152,7 @@ class Solver::Impl {
   [[nodiscard]] static bool sags_between_pins(const Cloth& cloth);
   void take_places(std::span<const Collider> asked_before);
   void take_shapes(std::span<const Collider> asked_before);
+  void take_deformations(std::span<const Collider> asked_before);
   void carry_over();
   [[nodiscard]] Vec3 middle_of_told(const Cloth& cloth) const;
   void follow_cloths();
@@ -194,6 +195,7 @@ class Solver::Impl {
   Vec3 inter_origin_;                                           ///< [m] origin_ when it was made
   std::vector<Collider> colliders_to_;                          ///< at the end of the next frame
   std::vector<Transform> frames_from_;                          ///< [m, world] of their shapes at its start
+  std::vector<float> deform_;                                   ///< [m] in the next frame, see collider_poses()
   std::vector<Vec3> collider_ways_;                             ///< [m] that their frames went in the last frame
   std::vector<shader::ColliderShape> shapes_;                   ///< of colliders_to_
   std::shared_ptr<const std::vector<float>> collider_numbers_;  ///< of their hulls and meshes

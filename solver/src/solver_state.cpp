@@ -24,7 +24,7 @@ namespace {
 using shader::vec4;
 
 constexpr uint32_t kMagic = 0x53434C47;  // "GLCS"; read in another order of bytes it is another number
-constexpr uint32_t kVersion = 2;         ///< one more whenever what is written changes, or what a frame makes of it
+constexpr uint32_t kVersion = 3;         ///< one more whenever what is written changes, or what a frame makes of it
 
 /// Of one point.
 struct SavedPoint {
@@ -47,6 +47,7 @@ struct SavedCollider {
   uint64_t field = 0;    ///< of a body: mark of its field
   Transform from;        ///< its frame at the start of the next frame
   Vec3 way, place_seen;  ///< see Impl
+  float deform = 0;
 };
 
 bool finite(double v) {
@@ -238,6 +239,7 @@ void exchange(Bytes& bytes, SavedCollider& c) {
   bytes.value(c.from);
   bytes.value(c.way);
   bytes.value(c.place_seen);
+  bytes.value(c.deform);
 }
 
 template <class Bytes>
@@ -430,6 +432,7 @@ uint64_t Solver::Impl::mark_of_field(const std::shared_ptr<const DistanceField>&
   mark.add(field->size);
   mark.add(field->low);
   mark.add(field->spacing);
+  for (const Vec3& way : field->way) mark.add(way);
   mark.add(field->margin);
   mark.add(field->distance);
   return field_marks_.emplace_back(field, mark.get()).second;
@@ -496,7 +499,7 @@ void Solver::Impl::save(std::vector<std::byte>& out) {
   saved.has_colliders = collider_numbers_ != nullptr;
   for (size_t i = 0; i < colliders_to_.size(); ++i) {
     SavedCollider& c = saved.colliders.emplace_back();
-    c = {colliders_to_[i], 0, frames_from_[i], collider_ways_[i], places_seen_[i]};
+    c = {colliders_to_[i], 0, frames_from_[i], collider_ways_[i], places_seen_[i], deform_[i]};
     if (const auto* body = std::get_if<MeshSolid>(&c.collider.shape)) c.field = mark_of_field(body->field);
   }
   saved.cloths.resize(cloths_.size());
@@ -554,6 +557,8 @@ void Solver::Impl::check_colliders(Saved& saved) {
     check(c.collider, where, true);
     check_frame(c.from, where + ": from");
     require(finite(c.way) && finite(c.place_seen), where, ": its way is not finite");
+    const float most = longest_deformation(c.collider);
+    require(c.deform == 0 || c.deform == most, where, ": it deforms by another way than its field");
   }
 }
 
@@ -643,11 +648,13 @@ void Solver::Impl::take_scene(Saved& saved) {
   frames_from_.clear();
   collider_ways_.clear();
   places_seen_.clear();
+  deform_.clear();
   for (SavedCollider& c : saved.colliders) {
     colliders_to_.push_back(std::move(c.collider));
     frames_from_.push_back(c.from);
     collider_ways_.push_back(c.way);
     places_seen_.push_back(c.place_seen);
+    deform_.push_back(c.deform);
   }
   if (saved.has_colliders) {
     take_shapes(before);

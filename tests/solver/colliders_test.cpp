@@ -94,7 +94,7 @@ TEST_P(EveryShape, NoPointOnItGoesFartherThanItsWay) {
     std::vector<shader::ColliderShape> shapes{collider_shape_of(before, numbers)};
     std::vector<shader::ColliderPose> poses;
     const Transform from = collider_frame(before);
-    collider_poses({&from, 1}, {&after, 1}, 1, {}, poses);
+    collider_poses({&from, 1}, {&after, 1}, std::array{0.F}, 1, {}, poses);
     measure_ways(shapes, poses, 1, kThickness);
     float farthest = 0;
     for (int k = 0; k < 500; ++k) {

@@ -106,7 +106,7 @@ TEST_P(Example, KeepsOutOfCollidersInEveryFrame) {
   SolverSettings settings;
   settings.backend = Backend::cpu;
   settings.check_copies = true;
-  Simulation simulation(scene, settings, read_body);
+  Simulation simulation(scene, settings, {read_body, {}});
   ContactCheck contact(simulation);
   std::vector<ClothSnapshot> cloths(simulation.cloths().size());
   double grid_depth = -1e9, drawn_depth = -1e9;
@@ -150,7 +150,7 @@ class SmallExample : public VulkanTest, public testing::WithParamInterface<std::
   std::vector<std::vector<Vec3>> play(const Scene& scene, Backend backend) {
     SolverSettings settings;
     settings.backend = backend;
-    Simulation simulation(scene, settings, read_body);
+    Simulation simulation(scene, settings, {read_body, {}});
     if (backend == Backend::vulkan) watch(simulation.solver());
     for (uint32_t f = 0; f < static_cast<uint32_t>(scene.frame_rate); ++f) simulation.step();
     std::vector<std::vector<Vec3>> positions(scene.cloths.size());

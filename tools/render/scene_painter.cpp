@@ -161,10 +161,8 @@ class ScenePainter::Impl {
         frame_(context_, sizeof(shader::FrameParams), vk::BufferUsageFlagBits::eUniformBuffer, vulkan::Memory::upload),
         ground_(upload_solid(context_, ground_mesh())) {
     for (size_t i = 0; i < scene.cloths.size(); ++i) cloths_.push_back(make_cloth(i, scene.cloths[i], show));
-    for (const Collider& collider : scene.colliders) {
-      const SolidMesh mesh = solid_mesh(collider.shape);
-      solids_.push_back(mesh.triangle.empty() ? std::nullopt : std::optional(upload_solid(context_, mesh)));
-    }
+    for (const Collider& collider : scene.colliders) solids_.push_back(make_solid(collider));
+    colliders_ = scene.colliders;
     find_ground_height(scene);
     make_frame_set();
   }
@@ -189,6 +187,8 @@ class ScenePainter::Impl {
         cloths_[i]->set_origin(vulkan_origin(*lender_));
       }
     }
+    for (size_t i = 0; i < solids_.size(); ++i)
+      if (has_deformed(colliders_[i], colliders[i])) solids_[i] = make_solid(colliders[i]);
     colliders_.assign(colliders.begin(), colliders.end());
     extent_ = extent;
     write_frame_params();
@@ -293,6 +293,16 @@ class ScenePainter::Impl {
   void bind(const vk::raii::CommandBuffer& commands, const vk::raii::Pipeline& pipeline) const {
     commands.bindPipeline(vk::PipelineBindPoint::eGraphics, *pipeline);
     commands.bindDescriptorSets(vk::PipelineBindPoint::eGraphics, *layout_, 0, *frame_set_, {});
+  }
+
+  [[nodiscard]] std::optional<GpuSolid> make_solid(const Collider& collider) const {
+    const SolidMesh mesh = solid_mesh(collider.shape);
+    return mesh.triangle.empty() ? std::nullopt : std::optional(upload_solid(context_, mesh));
+  }
+
+  static bool has_deformed(const Collider& before, const Collider& now) {
+    const auto* body = std::get_if<MeshSolid>(&now.shape);
+    return body != nullptr && !(before.shape == now.shape);
   }
 
   void draw_solid(const vk::raii::CommandBuffer& commands, const GpuSolid& solid, const shader::SolidDraw& draw) const {

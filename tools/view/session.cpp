@@ -34,7 +34,7 @@ double seconds_since(Clock::time_point start) {
 Session::Session(Setup setup, const PictureSize& size)
     : scene_(std::move(setup.scene)),
       settings_(std::move(setup.settings)),
-      read_surface_(std::move(setup.read_surface)),
+      bodies_(std::move(setup.bodies)),
       make_solver_(std::move(setup.make_solver)),
       before_restart_(std::move(setup.before_restart)),
       size_(size),
@@ -47,14 +47,15 @@ Session::Session(Setup setup, const PictureSize& size)
       frames_(setup.frames) {
   // Bodies have become fields, which takes seconds; a restart need not do it again.
   scene_ = simulation_->scene();
-  for (SceneCollider& collider : scene_.colliders) collider.mesh.reset();
+  for (SceneCollider& collider : scene_.colliders)
+    if (collider.mesh && !collider.mesh->animation) collider.mesh.reset();
   if (stage_.follow) start_ = middle();
   view_.frame(subject(), size_);
   measure();
 }
 
 std::unique_ptr<Simulation> Session::make_simulation() const {
-  return std::make_unique<Simulation>(scene_, settings_, read_surface_, make_solver_);
+  return std::make_unique<Simulation>(scene_, settings_, bodies_, make_solver_);
 }
 
 void Session::restart() {

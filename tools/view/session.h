@@ -45,7 +45,7 @@ class Session {
   struct Setup {
     Scene scene;
     SolverSettings settings;
-    ReadSurface read_surface = read_asset_surface;
+    BodyReader bodies = {};
     MakeSolver make_solver = {};
     Display display = {};
     bool play = true;
@@ -126,7 +126,7 @@ class Session {
 
   Scene scene_;  ///< with what was changed since it was read
   SolverSettings settings_;
-  ReadSurface read_surface_;
+  BodyReader bodies_;
   MakeSolver make_solver_;
   std::function<void()> before_restart_;
   PictureSize size_;

@@ -68,13 +68,13 @@ WindowDevice open_device(const Window& window, const SolverSettings& settings) {
 
 class Viewer::Impl {
  public:
-  Impl(Scene scene, const ViewerOptions& options, const ReadSurface& read_surface)
+  Impl(Scene scene, const ViewerOptions& options, const BodyReader& bodies)
       : size_(options.size),
         window_(options.title, options.size),
         device_(open_device(window_, options.solver)),
         swapchain_(device_.context, window_),
         commands_(device_.context),
-        session_(make_setup(std::move(scene), options, read_surface), options.size),
+        session_(make_setup(std::move(scene), options, bodies), options.size),
         panel_(window_),
         target_(std::in_place, device_.context, vk::Extent2D{size_.width, size_.height}),
         painter_(device_.context, session_.stage(), options.show, target_->render_pass(), lender()),
@@ -138,7 +138,7 @@ class Viewer::Impl {
     std::vector<uint32_t> pins;
   };
 
-  Session::Setup make_setup(Scene scene, const ViewerOptions& options, const ReadSurface& read_surface) {
+  Session::Setup make_setup(Scene scene, const ViewerOptions& options, const BodyReader& bodies) {
     MakeSolver make_solver;
     if (device_.for_solver) {
       make_solver = [context = device_.context](std::span<const ClothDesc> cloths, const SolverSettings& settings) {
@@ -147,7 +147,7 @@ class Viewer::Impl {
     }
     return {.scene = std::move(scene),
             .settings = options.solver,
-            .read_surface = read_surface,
+            .bodies = bodies,
             .make_solver = std::move(make_solver),
             .display = {.show = options.show},
             .play = options.play,
@@ -242,9 +242,9 @@ class Viewer::Impl {
   bool shown_ = false, drawn_once_ = false;
 };
 
-Viewer::Viewer(Scene scene, const ViewerOptions& options, const ReadSurface& read_surface)
+Viewer::Viewer(Scene scene, const ViewerOptions& options, const BodyReader& bodies)
     : impl_(vulkan::guarded("set up a window",
-                            [&] { return std::make_unique<Impl>(std::move(scene), options, read_surface); })) {}
+                            [&] { return std::make_unique<Impl>(std::move(scene), options, bodies); })) {}
 Viewer::~Viewer() = default;
 
 bool Viewer::turn() {

@@ -32,7 +32,7 @@ class Viewer {
  public:
   /// The window stays hidden until the first turn.
   /// @throws Error(device) when there is no display or no device, and as Simulation
-  Viewer(Scene scene, const ViewerOptions& options, const ReadSurface& read_surface = read_asset_surface);
+  Viewer(Scene scene, const ViewerOptions& options, const BodyReader& bodies = {});
   Viewer(const Viewer&) = delete;
   Viewer& operator=(const Viewer&) = delete;
   ~Viewer();

@@ -14,6 +14,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include "colliders/closest.h"
 #include "colliders/surface_bounds.h"
 #include "geocloth/asset/error.h"
 #include "geocloth/asset/vec3d.h"
@@ -23,31 +24,12 @@ namespace geocloth {
 namespace {
 
 constexpr uint32_t kLeafTriangles = 4;
+constexpr uint32_t kNoTriangle = 0xFFFFFFFF;
 constexpr double kFarRatio = 2.5;   ///< a branch is a dipole from this many of its radii on
 constexpr uint32_t kRoomNodes = 3;  ///< around the body
 
-struct Corners {
-  Vec3d a, b, c;
-};
-
-/// Ericson 2005, "Real-Time Collision Detection", 5.1.5: the region of the triangle's plane that the point lies over.
-Vec3d closest_on_triangle(const Corners& t, const Vec3d& p) {
-  const Vec3d ab = t.b - t.a, ac = t.c - t.a, ap = p - t.a, bp = p - t.b, cp = p - t.c;
-  const double d1 = dot(ab, ap), d2 = dot(ac, ap), d3 = dot(ab, bp), d4 = dot(ac, bp), d5 = dot(ab, cp),
-               d6 = dot(ac, cp);
-  if (d1 <= 0 && d2 <= 0) return t.a;
-  if (d3 >= 0 && d4 <= d3) return t.b;
-  if (d6 >= 0 && d5 <= d6) return t.c;
-  const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) return t.a + (d1 / (d1 - d3)) * ab;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) return t.a + (d2 / (d2 - d6)) * ac;
-  if (va <= 0 && d4 >= d3 && d5 >= d6) return t.b + ((d4 - d3) / ((d4 - d3) + (d5 - d6))) * (t.c - t.b);
-  const double sum = va + vb + vc;
-  return t.a + (vb / sum) * ab + (vc / sum) * ac;
-}
-
 /// Solid angle of a triangle / 4 pi (Van Oosterom and Strackee 1983).
-double winding_of_triangle(const Corners& t, const Vec3d& p) {
+double winding_of_triangle(const TriangleCorners& t, const Vec3d& p) {
   const Vec3d a = t.a - p, b = t.b - p, c = t.c - p;
   const double la = length(a), lb = length(b), lc = length(c);
   const double above = dot(a, cross(b, c));
@@ -60,17 +42,19 @@ class TriangleTree {
  public:
   explicit TriangleTree(const TriangleSurface& surface) {
     triangles_.reserve(surface.triangle.size());
-    const auto at = [&](uint32_t i) {
-      const Vec3& p = surface.position[i];
-      return to_double(p);
-    };
-    for (const auto& t : surface.triangle) triangles_.push_back({at(t[0]), at(t[1]), at(t[2])});
+    for (const auto& t : surface.triangle)
+      triangles_.push_back({corners_of(t, surface.position), static_cast<uint32_t>(triangles_.size())});
     build(0, static_cast<uint32_t>(triangles_.size()));
   }
 
-  /// Distance to the nearest triangle if it is below `bound`, else `bound`.
-  [[nodiscard]] double distance(const Vec3d& p, double bound) const {
+  struct Nearest {
+    double distance;
+    uint32_t triangle;  ///< in the surface's order; kNoTriangle: none within the bound
+  };
+  /// The nearest triangle if it is below `bound`.
+  [[nodiscard]] Nearest nearest(const Vec3d& p, double bound) const {
     double best = bound * bound;
+    uint32_t found = kNoTriangle;
     std::array<uint32_t, 64> stack{};
     size_t top = 1;
     while (top > 0) {
@@ -78,8 +62,11 @@ class TriangleTree {
       if (outside(node, p) >= best) continue;
       if (node.count > 0) {
         for (uint32_t i = node.first; i < node.first + node.count; ++i) {
-          const Vec3d d = p - closest_on_triangle(triangles_[i], p);
-          best = std::min(best, dot(d, d));
+          const Vec3d d = p - closest_on_triangle(triangles_[i].corners, p);
+          const double away = dot(d, d);
+          if (away >= best) continue;
+          best = away;
+          found = triangles_[i].index;
         }
         continue;
       }
@@ -88,7 +75,7 @@ class TriangleTree {
       stack[top++] = left_nearer ? node.right : node.left;
       stack[top++] = left_nearer ? node.left : node.right;
     }
-    return std::sqrt(best);
+    return {std::sqrt(best), found};
   }
 
   [[nodiscard]] double winding(const Vec3d& p) const {
@@ -102,7 +89,7 @@ class TriangleTree {
       if (far > kFarRatio * node.radius) {
         sum += dot(node.area, d) / (4 * std::numbers::pi * far * far * far);
       } else if (node.count > 0) {
-        for (uint32_t i = node.first; i < node.first + node.count; ++i) sum += winding_of_triangle(triangles_[i], p);
+        for (uint32_t i = node.first; i < node.first + node.count; ++i) sum += winding_of_triangle(triangles_[i].corners, p);
       } else {
         stack[top++] = node.left;
         stack[top++] = node.right;
@@ -120,7 +107,7 @@ class TriangleTree {
     uint32_t left = 0, right = 0;
   };
 
-  static Vec3d middle(const Corners& t) { return (1.0 / 3) * (t.a + t.b + t.c); }
+  static Vec3d middle(const TriangleCorners& t) { return (1.0 / 3) * (t.a + t.b + t.c); }
 
   /// Squared distance to the node's box.
   static double outside(const Node& n, const Vec3d& p) {
@@ -138,13 +125,13 @@ class TriangleTree {
       return index;
     }
     const Vec3d side = nodes_[index].high - nodes_[index].low;
-    const auto along = [&](const Corners& t) {
-      const Vec3d m = middle(t);
+    const auto along = [&](const Indexed& t) {
+      const Vec3d m = middle(t.corners);
       return side.x >= side.y && side.x >= side.z ? m.x : side.y >= side.z ? m.y : m.z;
     };
     const uint32_t half = first + (last - first) / 2;
     std::nth_element(triangles_.begin() + first, triangles_.begin() + half, triangles_.begin() + last,
-                     [&](const Corners& a, const Corners& b) { return along(a) < along(b); });
+                     [&](const Indexed& a, const Indexed& b) { return along(a) < along(b); });
     const uint32_t left = build(first, half);
     const uint32_t right = build(half, last);
     nodes_[index].left = left;
@@ -159,7 +146,7 @@ class TriangleTree {
     n.high = {-kHuge, -kHuge, -kHuge};
     double weight = 0;
     for (uint32_t i = first; i < last; ++i) {
-      const Corners& t = triangles_[i];
+      const TriangleCorners& t = triangles_[i].corners;
       for (const Vec3d& p : {t.a, t.b, t.c}) {
         n.low = {std::min(n.low.x, p.x), std::min(n.low.y, p.y), std::min(n.low.z, p.z)};
         n.high = {std::max(n.high.x, p.x), std::max(n.high.y, p.y), std::max(n.high.z, p.z)};
@@ -171,13 +158,17 @@ class TriangleTree {
     }
     n.center = weight > 0 ? (1 / weight) * n.center : 0.5 * (n.low + n.high);
     for (uint32_t i = first; i < last; ++i) {
-      const Corners& t = triangles_[i];
+      const TriangleCorners& t = triangles_[i].corners;
       for (const Vec3d& p : {t.a, t.b, t.c}) n.radius = std::max(n.radius, length(p - n.center));
     }
     return n;
   }
 
-  std::vector<Corners> triangles_;
+  struct Indexed {
+    TriangleCorners corners;
+    uint32_t index;
+  };
+  std::vector<Indexed> triangles_;
   std::vector<Node> nodes_;  ///< the root first
 };
 
@@ -196,13 +187,9 @@ void check_surface(const TriangleSurface& surface) {
   }
 }
 
-/// An empty grid around the body.
-DistanceField grid_around(TriangleSurface surface, uint32_t nodes) {
-  const SurfaceBounds bounds = bounds_of(surface);
-  const Vec3 low = bounds.low, side = bounds.high - bounds.low;
+/// [m] Between the nodes of a grid of about so many; the room around the body takes nodes too.
+double spacing_for(const Vec3& side, uint32_t nodes) {
   const double largest = std::max({side.x, side.y, side.z});
-  if (!(largest > 0)) throw Error(ErrorCode::invalid_argument, "the mesh of a collider is a single point");
-  // The room around takes nodes too: with the wanted number known, halve the interval of spacings a few times.
   const auto count = [&](double spacing) {
     double product = 1;
     for (const float s : {side.x, side.y, side.z})
@@ -214,31 +201,111 @@ DistanceField grid_around(TriangleSurface surface, uint32_t nodes) {
     const double middle = std::sqrt(fine * coarse);
     (count(middle) > nodes ? fine : coarse) = middle;
   }
+  return coarse;
+}
+
+void refuse_point(const Vec3& side) {
+  if (!(std::max({side.x, side.y, side.z}) > 0))
+    throw Error(ErrorCode::invalid_argument, "the mesh of a collider is a single point");
+}
+
+/// An empty grid around the body.
+DistanceField grid_around(TriangleSurface surface, uint32_t nodes) {
+  const SurfaceBounds bounds = bounds_of(surface);
+  const Vec3 low = bounds.low, side = bounds.high - bounds.low;
+  refuse_point(side);
+  const double spacing = spacing_for(side, nodes);
   DistanceField field;
-  field.spacing = static_cast<float>(coarse);
+  field.spacing = static_cast<float>(spacing);
   field.margin = static_cast<float>(kRoomNodes) * field.spacing;
   const auto along = [&](float s) {
-    return static_cast<uint32_t>(std::ceil(static_cast<double>(s) / coarse)) + 1 + 2 * kRoomNodes;
+    return static_cast<uint32_t>(std::ceil(static_cast<double>(s) / spacing)) + 1 + 2 * kRoomNodes;
   };
   field.size = {along(side.x), along(side.y), along(side.z)};
   field.low = low - Vec3{field.margin, field.margin, field.margin};
-  field.distance.resize(size_t{field.size[0]} * field.size[1] * field.size[2]);
   field.surface = std::move(surface);
   return field;
 }
 
+/// An empty grid around the body whose nodes lie at whole multiples of the spacing, so that what rests has the same
+/// distances in every frame.
+DistanceField fixed_grid_around(TriangleSurface surface, float spacing) {
+  const SurfaceBounds bounds = bounds_of(surface);
+  refuse_point(bounds.high - bounds.low);
+  const auto first = [&](float low) { return std::floor(double{low} / spacing) - kRoomNodes; };
+  const auto nodes = [&](float low, float high) {
+    return std::ceil(double{high} / spacing) + kRoomNodes - first(low) + 1;
+  };
+  const std::array<double, 3> size{nodes(bounds.low.x, bounds.high.x), nodes(bounds.low.y, bounds.high.y),
+                                   nodes(bounds.low.z, bounds.high.z)};
+  if (!(size[0] * size[1] * size[2] <= static_cast<double>(kMostFieldNodes))) {
+    throw Error(ErrorCode::invalid_argument, "the body of a collider is too large for nodes " +
+                                                 std::to_string(spacing) + " m apart: it deforms by too much");
+  }
+  DistanceField field;
+  field.spacing = spacing;
+  field.margin = static_cast<float>(kRoomNodes) * spacing;
+  field.size = {static_cast<uint32_t>(size[0]), static_cast<uint32_t>(size[1]), static_cast<uint32_t>(size[2])};
+  const auto place = [&](float low) { return static_cast<float>(first(low) * spacing); };
+  field.low = {place(bounds.low.x), place(bounds.low.y), place(bounds.low.z)};
+  field.surface = std::move(surface);
+  return field;
+}
+
+/// How far the point of a triangle that is nearest to p went.
+Vec3 way_of_nearest(const TriangleSurface& surface, std::span<const Vec3> before, uint32_t triangle, const Vec3d& p) {
+  const std::array<uint32_t, 3>& corner = surface.triangle[triangle];
+  const TriangleCorners now = corners_of(corner, surface.position);
+  const Vec3d share = corner_shares(now, closest_on_triangle(now, p));
+  const auto way = [&](size_t k) { return to_double(surface.position[corner[k]]) - to_double(before[corner[k]]); };
+  const Vec3d r = share.x * way(0) + share.y * way(1) + share.z * way(2);
+  return {static_cast<float>(r.x), static_cast<float>(r.y), static_cast<float>(r.z)};
+}
+
 /// Row by row along x: a node is at most a spacing farther from the surface than the one before, and where it is
-/// farther than that its sign is the same.
-void fill_row(DistanceField& field, const TriangleTree& tree, uint32_t y, uint32_t z) {
+/// farther than that its sign is the same. A body that deforms is measured anew in every frame, near its surface only:
+/// farther outside a lower bound of the distance will do.
+/// @param before  see make_deforming_field(); empty: the body keeps its shape
+void fill_row(DistanceField& field, const TriangleTree& tree, std::span<const Vec3> before, uint32_t y, uint32_t z) {
+  constexpr double kBand = 4;  // spacings
   const double h = field.spacing;
   double bound = std::numeric_limits<double>::infinity();
   bool inside = false;
   for (uint32_t x = 0; x < field.size[0]; ++x) {
+    const size_t node = (size_t{z} * field.size[1] + y) * field.size[0] + x;
     const Vec3d p{field.low.x + h * x, field.low.y + h * y, field.low.z + h * z};
-    const double d = tree.distance(p, std::isfinite(bound) ? 1.0001 * bound : 1e18);
+    const TriangleTree::Nearest near = tree.nearest(p, std::isfinite(bound) ? 1.0001 * bound : 1e18);
+    const double d = near.distance;
     if (d < 2 * h) inside = std::abs(tree.winding(p)) > 0.5;
-    field.distance[(size_t{z} * field.size[1] + y) * field.size[0] + x] = static_cast<float>(inside ? -d : d);
+    field.distance[node] = static_cast<float>(inside ? -d : d);
     bound = d + h;
+    if (before.empty() || near.triangle == kNoTriangle) continue;
+    field.way[node] = way_of_nearest(field.surface, before, near.triangle, p);
+    if (inside) continue;
+    const auto far = static_cast<uint32_t>(std::clamp(d / h - kBand, 0.0, static_cast<double>(field.size[0] - 1 - x)));
+    for (uint32_t k = 1; k <= far; ++k) {
+      field.distance[node + k] = static_cast<float>(d - h * k);
+      field.way[node + k] = field.way[node];
+    }
+    x += far;
+    bound += h * far;
+  }
+}
+
+void fill(DistanceField& field, std::span<const Vec3> before) {
+  const size_t nodes = size_t{field.size[0]} * field.size[1] * field.size[2];
+  field.distance.resize(nodes);
+  if (!before.empty()) field.way.resize(nodes);
+  const TriangleTree tree(field.surface);
+  const uint32_t rows = field.size[1] * field.size[2];
+  tbb::parallel_for(tbb::blocked_range<uint32_t>(0, rows), [&](const tbb::blocked_range<uint32_t>& range) {
+    for (uint32_t r = range.begin(); r < range.end(); ++r)
+      fill_row(field, tree, before, r % field.size[1], r / field.size[1]);
+  });
+  if (std::none_of(field.distance.begin(), field.distance.end(), [](float d) { return d < 0; })) {
+    throw Error(ErrorCode::invalid_argument,
+                "the mesh of a collider encloses nothing; close its surface, or make it thicker than " +
+                    std::to_string(field.spacing) + " m");
   }
 }
 
@@ -259,16 +326,22 @@ SurfaceBounds bounds_of(const TriangleSurface& surface) {
 DistanceField make_distance_field(TriangleSurface surface, uint32_t nodes) {
   check_surface(surface);
   DistanceField field = grid_around(std::move(surface), nodes);
-  const TriangleTree tree(field.surface);
-  const uint32_t rows = field.size[1] * field.size[2];
-  tbb::parallel_for(tbb::blocked_range<uint32_t>(0, rows), [&](const tbb::blocked_range<uint32_t>& range) {
-    for (uint32_t r = range.begin(); r < range.end(); ++r) fill_row(field, tree, r % field.size[1], r / field.size[1]);
-  });
-  if (std::none_of(field.distance.begin(), field.distance.end(), [](float d) { return d < 0; })) {
-    throw Error(ErrorCode::invalid_argument,
-                "the mesh of a collider encloses nothing; close its surface, or make it thicker than " +
-                    std::to_string(field.spacing) + " m");
+  fill(field, {});
+  return field;
+}
+
+DistanceField make_deforming_field(TriangleSurface surface, std::span<const Vec3> before, float spacing) {
+  check_surface(surface);
+  if (before.size() != surface.position.size()) {
+    throw Error(ErrorCode::invalid_argument, "a collider's mesh had " + std::to_string(before.size()) +
+                                                 " vertices and has " + std::to_string(surface.position.size()));
   }
+  if (!std::ranges::all_of(before, [](const Vec3& p) { return is_finite(p); }))
+    throw Error(ErrorCode::invalid_argument, "a vertex of a collider's mesh was not finite");
+  if (!(spacing > 0 && std::isfinite(spacing)))
+    throw Error(ErrorCode::invalid_argument, "the spacing of a field must be above 0");
+  DistanceField field = fixed_grid_around(std::move(surface), spacing);
+  fill(field, before);
   return field;
 }
 

@@ -90,9 +90,11 @@ bool may_reach(std::span<const shader::ColliderShape> shapes, std::span<const sh
   const shader::ColliderShape& shape = shapes[collider];
   const LocalBox local = box_of_shape(shape);
   for (size_t k = collider; k < poses.size(); k += shapes.size()) {
+    // A body that deforms is as far from its grid, which holds it at the frame's end, as it still has to go.
+    const float wide = margin + shape.way + poses[k].deform.x * poses[k].deform.y;
     // The passes meet planes where they are at the end of a substep, and sweep all else.
     const bool reached = shape.kind == shader::kShapePlane ? plane_reaches(poses[k], box, margin)
-                                                           : box_reaches(local, poses[k], box, margin + shape.way);
+                                                           : box_reaches(local, poses[k], box, wide);
     if (reached) return true;
   }
   return false;

@@ -72,7 +72,8 @@ float way_between(const shader::ColliderPose& a, const shader::ColliderPose& b, 
       way2[i] += std::pow(x * at.x + y * at.y + z * at.z + w, 2);
     }
   }
-  const double farthest = std::sqrt(*std::max_element(way2.begin(), way2.end()));
+  const double deformed = std::abs(double{b.deform.x} - a.deform.x) * b.deform.y;
+  const double farthest = std::sqrt(*std::max_element(way2.begin(), way2.end())) + deformed;
   if (turn2 == 0) return static_cast<float>(farthest);
   const double way = farthest + std::sqrt(turn2) * outline.radius;
   return turn2 < 0.25 && way < static_cast<double>(kAnyWay) ? static_cast<float>(way) : kAnyWay;
@@ -86,7 +87,7 @@ shader::ColliderPose taken_along(const shader::ColliderPose& pose, const shader:
   const shader::vec3 z = turned({pose.row0.z, pose.row1.z, pose.row2.z});
   const shader::vec3 from{pose.row0.w, pose.row1.w, pose.row2.w};
   const shader::vec3 to = from + shader::field_at(motion, step, from);
-  return {{x.x, y.x, z.x, to.x}, {x.y, y.y, z.y, to.y}, {x.z, y.z, z.z, to.z}};
+  return {{x.x, y.x, z.x, to.x}, {x.y, y.y, z.y, to.y}, {x.z, y.z, z.z, to.z}, pose.deform};
 }
 
 }  // namespace

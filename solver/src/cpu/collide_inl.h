@@ -40,13 +40,32 @@ struct Contacts {
   Vec<D> depth;
 };
 
+/// A collider in one of its poses.
+struct Posed {
+  const float* numbers;
+  const shader::ColliderShape& shape;
+  const shader::ColliderPose& pose;
+};
+
 /// lib/collide.h: between the world and a collider's frame.
 template <class D>
-HWY_INLINE Points<D> to_local(D d, const shader::ColliderPose& pose, const Points<D>& p) {
+HWY_NOINLINE Points<D> deformed(D d, const Posed& at, const Points<D>& q) {
+  const auto left = hn::Set(d, at.pose.deform.x);
+  Points<D> x = q;
+  for (uint32_t i = 0; i < shader::kDeformSteps; ++i) {
+    x = shifted(d, q, deforming_way(d, at.numbers, at.shape, x), left);
+  }
+  return x;
+}
+template <class D>
+HWY_INLINE Points<D> to_local(D d, const Posed& at, const Points<D>& p) {
+  const shader::ColliderPose& pose = at.pose;
   const Points<D> from = sub(p, set(d, pose.row0.w, pose.row1.w, pose.row2.w));
-  return add(add(scale(d, set(d, pose.row0.x, pose.row0.y, pose.row0.z), from.x),
-                 scale(d, set(d, pose.row1.x, pose.row1.y, pose.row1.z), from.y)),
-             scale(d, set(d, pose.row2.x, pose.row2.y, pose.row2.z), from.z));
+  const Points<D> local = add(add(scale(d, set(d, pose.row0.x, pose.row0.y, pose.row0.z), from.x),
+                                  scale(d, set(d, pose.row1.x, pose.row1.y, pose.row1.z), from.y)),
+                              scale(d, set(d, pose.row2.x, pose.row2.y, pose.row2.z), from.z));
+  if (pose.deform.x > 0) return deformed(d, at, local);
+  return local;
 }
 template <class D>
 HWY_INLINE Points<D> rotate_to_world(D d, const shader::ColliderPose& pose, const Points<D>& v) {
@@ -55,8 +74,12 @@ HWY_INLINE Points<D> rotate_to_world(D d, const shader::ColliderPose& pose, cons
           dot(d, set(d, pose.row2.x, pose.row2.y, pose.row2.z), v)};
 }
 template <class D>
-HWY_INLINE Points<D> to_world(D d, const shader::ColliderPose& pose, const Points<D>& p) {
-  return add(rotate_to_world(d, pose, p), set(d, pose.row0.w, pose.row1.w, pose.row2.w));
+HWY_INLINE Points<D> to_world(D d, const Posed& at, const Points<D>& p) {
+  const shader::ColliderPose& pose = at.pose;
+  const Points<D> place = set(d, pose.row0.w, pose.row1.w, pose.row2.w);
+  if (!(pose.deform.x > 0)) return add(rotate_to_world(d, pose, p), place);
+  const Points<D> q = shifted(d, p, deforming_way(d, at.numbers, at.shape, p), hn::Set(d, -pose.deform.x));
+  return add(rotate_to_world(d, pose, q), place);
 }
 
 /// way_out() of lib/collide.h.
@@ -72,9 +95,9 @@ HWY_INLINE Points<D> way_out(D d, const Points<D>& normal, Vec<D> depth, Vec<D> 
 
 /// respond() of lib/collide.h, for the lanes that touch.
 template <class D>
-HWY_INLINE void respond(D d, PointStates<D>& point, const shader::ColliderPose& before,
-                        const shader::ColliderPose& after, const Points<D>& local, const Contacts<D>& contact,
-                        const Points<D>& n, const Points<D>& out_of_it, Vec<D> friction, Vec<D> grip) {
+HWY_INLINE void respond(D d, PointStates<D>& point, const Posed& before, const Posed& after, const Points<D>& local,
+                        const Contacts<D>& contact, const Points<D>& n, const Points<D>& out_of_it, Vec<D> friction,
+                        Vec<D> grip) {
   const auto one = hn::Set(d, 1.F), zero = hn::Zero(d);
   const Points<D> on_surface = add(local, scale(d, contact.normal, contact.depth));
   const Points<D> carried = sub(to_world(d, after, on_surface), to_world(d, before, on_surface));
@@ -187,6 +210,12 @@ struct Meeting {
         poses(frame.poses.data() + substep * frame.shapes.size()),
         numbers(frame.collider_numbers ? frame.collider_numbers->data() : nullptr),
         guards(sweep, substep) {}
+
+  /// A collider as it is when the substep begins, and when it has ended.
+  [[nodiscard]] Posed begun(size_t collider) const { return {numbers, frame.shapes[collider], poses[collider]}; }
+  [[nodiscard]] Posed ended(size_t collider) const {
+    return {numbers, frame.shapes[collider], poses[frame.shapes.size() + collider]};
+  }
 };
 
 /// out_of_reach() of lib/collide.h.
@@ -252,19 +281,20 @@ HWY_INLINE void push_out(D d, const Meeting& meeting, Mask<D> lanes, PointStates
       const auto near_guard = Guards::near(d, meeting.guards.guards[i], points.position, hn::Add(way, way));
       if (hn::AllFalse(d, hn::And(again, near_guard))) continue;
       const shader::ColliderShape& shape = meeting.frame.shapes[i];
-      const shader::ColliderPose &before = meeting.poses[i], &after = meeting.poses[count + i];
+      const Posed before = meeting.begun(i), after = meeting.ended(i);
       const Points<D> local = to_local(d, after, points.position);
       const Nearest<D> near = nearest_of_shape(d, meeting.numbers, shape, local);
       const auto gap = hn::Sub(near.distance, thickness);
       const auto in_reach = hn::AndNot(out_of_reach(d, shape, gap, way), again);
       if (hn::AllFalse(d, in_reach)) continue;
+      const bool swept = round == 0 && before.pose.deform.x == 0;
       Contacts<D> contact = find_contacts(d, meeting, shape, in_reach, to_local(d, before, start), local, near, gap,
-                                          thickness, round == 0);
+                                          thickness, swept);
       if (round > 0)
         contact.touches = hn::And(contact.touches, hn::Gt(contact.depth, hn::Set(d, shader::kContactSlack)));
       if (hn::AllFalse(d, contact.touches)) continue;
       const float friction = round == 0 ? std::sqrt(meeting.params.friction * shape.friction) : 0.F;
-      const Points<D> n = rotate_to_world(d, after, contact.normal);
+      const Points<D> n = rotate_to_world(d, after.pose, contact.normal);
       const Points<D> out_of_it = way_out(d, n, contact.depth, thickness, shader::slides_out(round) ? last : none);
       respond(d, points, before, after, local, contact, n, out_of_it, hn::Set(d, friction),
               hn::Set(d, shader::largest_grip(meeting.params, shape)));
@@ -483,7 +513,7 @@ HWY_NOINLINE float depth_of(D d, const SweepFrame& frame, uint32_t substep, uint
   for (size_t c = 0; c < count; ++c) {
     const auto near = hn::And(free, Guards::near(d, meeting.guards.guards[c], position, hn::Zero(d)));
     if (hn::AllFalse(d, near)) continue;
-    const Points<D> local = to_local(d, meeting.poses[count + c], position);
+    const Points<D> local = to_local(d, meeting.ended(c), position);
     const auto own = hn::Neg(nearest_of_shape(d, meeting.numbers, meeting.frame.shapes[c], local).distance);
     depth = max_of(d, depth, hn::IfThenElseZero(free, own));
   }

@@ -31,7 +31,6 @@ HWY_NOINLINE void hold_way(D d, ClothState& state, std::span<const Run> runs) {
 template <class D>
 HWY_INLINE void keep_out(D d, const Meeting& meeting, Mask<D> lanes, const Points<D>& start, Points<D>& moved) {
   const size_t count = meeting.frame.shapes.size();
-  const shader::ColliderPose* const poses = meeting.poses + count;
   const auto thickness = hn::Set(d, meeting.params.thickness), slack = hn::Set(d, shader::kContactSlack);
   const Points<D> none = set(d, 0, 0, 0);
   Points<D> position = moved, last = none;
@@ -43,14 +42,15 @@ HWY_INLINE void keep_out(D d, const Meeting& meeting, Mask<D> lanes, const Point
       const auto near_guard = Guards::near(d, meeting.guards.guards[i], position, hn::Add(way, way));
       if (hn::AllFalse(d, hn::And(again, near_guard))) continue;
       const shader::ColliderShape& shape = meeting.frame.shapes[i];
-      const Points<D> local = to_local(d, poses[i], position);
+      const Posed pose = meeting.ended(i);
+      const Points<D> local = to_local(d, pose, position);
       const Nearest<D> near = nearest_of_shape(d, meeting.numbers, shape, local);
       const auto gap = hn::Sub(near.distance, thickness);
-      const Contacts<D> contact = find_contacts(d, meeting, shape, again, to_local(d, poses[i], start), local, near,
-                                                gap, thickness, round == 0);
+      const Contacts<D> contact = find_contacts(d, meeting, shape, again, to_local(d, pose, start), local, near, gap,
+                                                thickness, round == 0);
       const auto touches = hn::And(contact.touches, hn::Gt(contact.depth, slack));
       if (hn::AllFalse(d, touches)) continue;
-      const Points<D> n = rotate_to_world(d, poses[i], contact.normal);
+      const Points<D> n = rotate_to_world(d, pose.pose, contact.normal);
       position = choose<D>(
           touches, add(position, way_out(d, n, contact.depth, thickness, shader::slides_out(round) ? last : none)),
           position);
@@ -66,7 +66,6 @@ HWY_INLINE void keep_out(D d, const Meeting& meeting, Mask<D> lanes, const Point
 template <class D>
 HWY_INLINE Mask<D> left_near(D d, const Meeting& meeting, const Points<D>& start, const Points<D>& moved) {
   const size_t count = meeting.frame.shapes.size();
-  const shader::ColliderPose* const poses = meeting.poses + count;
   const auto leave = hn::Set(d, meeting.params.leave_near);
   const auto reach = hn::Set(d, meeting.params.thickness + meeting.params.leave_near);
   Mask<D> left = hn::Gt(hn::Zero(d), hn::Zero(d));
@@ -75,7 +74,7 @@ HWY_INLINE Mask<D> left_near(D d, const Meeting& meeting, const Points<D>& start
     if (!shader::is_thin(meeting.params, shape)) continue;
     for (const Points<D>* point : {&start, &moved}) {
       if (hn::AllFalse(d, Guards::near(d, meeting.guards.guards[i], *point, leave))) continue;
-      const Points<D> local = to_local(d, poses[i], *point);
+      const Points<D> local = to_local(d, meeting.ended(i), *point);
       left = hn::Or(left, hn::Lt(nearest_of_shape(d, meeting.numbers, shape, local).distance, reach));
     }
   }
@@ -86,7 +85,6 @@ HWY_INLINE Mask<D> left_near(D d, const Meeting& meeting, const Points<D>& start
 template <class D>
 HWY_INLINE Vec<D> held_by_friction(D d, const Meeting& meeting, const Points<D>& start, const Points<D>& way) {
   const size_t count = meeting.frame.shapes.size();
-  const shader::ColliderPose* const poses = meeting.poses + count;
   const auto zero = hn::Zero(d), one = hn::Set(d, 1.F);
   const auto reach = hn::Set(d, meeting.params.thickness + shader::kGripped * meeting.params.spacing);
   const auto per_gap = hn::Set(d, 1.F / (shader::kGripped * meeting.params.spacing));
@@ -97,11 +95,12 @@ HWY_INLINE Vec<D> held_by_friction(D d, const Meeting& meeting, const Points<D>&
     const auto own = hn::Set(d, std::sqrt(meeting.params.friction * shape.friction));
     const auto more = hn::Gt(own, friction);
     if (hn::AllFalse(d, hn::And(more, Guards::near(d, meeting.guards.guards[i], start, zero)))) continue;
-    const Points<D> local = to_local(d, poses[i], start);
+    const Posed after = meeting.ended(i);
+    const Points<D> local = to_local(d, after, start);
     const auto lies = hn::Mul(per_gap, hn::Sub(reach, nearest_of_shape(d, meeting.numbers, shape, local).distance));
     const auto touches = hn::And(more, hn::Gt(lies, zero));
     if (hn::AllFalse(d, touches)) continue;
-    const Points<D> carried = sub(to_world(d, poses[i], local), to_world(d, meeting.poses[i], local));
+    const Points<D> carried = sub(to_world(d, after, local), to_world(d, meeting.begun(i), local));
     const auto rests = hn::Sub(one, hn::Mul(per_slide, length(d, sub(way, carried))));
     const auto holds = hn::Mul(own, hn::Mul(max_of(d, rests, zero), hn::Min(lies, one)));
     friction = hn::IfThenElse(touches, max_of(d, friction, holds), friction);

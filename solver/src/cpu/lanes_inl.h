@@ -88,6 +88,10 @@ HWY_INLINE Points<D> scale(D, const Points<D>& a, Vec<D> s) {
   return {hn::Mul(a.x, s), hn::Mul(a.y, s), hn::Mul(a.z, s)};
 }
 template <class D>
+HWY_INLINE Points<D> shifted(D d, const Points<D>& p, const Points<D>& step, Vec<D> s) {
+  return add(p, scale(d, step, s));
+}
+template <class D>
 HWY_INLINE Vec<D> dot(D, const Points<D>& a, const Points<D>& b) {
   return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
 }

@@ -158,35 +158,62 @@ HWY_INLINE Vec<D> mix(D, Vec<D> a, Vec<D> b, Vec<D> t) {
   return hn::Add(a, hn::Mul(hn::Sub(b, a), t));
 }
 
+/// in_grid() of lib/shapes.h.
 template <class D>
-HWY_NOINLINE Nearest<D> nearest_mesh(D d, const float* numbers, const shader::ColliderShape& shape,
-                                     const Points<D>& p) {
+HWY_INLINE Points<D> in_grid(D d, const shader::ColliderShape& shape, const Points<D>& p) {
+  return scale(d, sub(p, set(d, shape.a.x, shape.a.y, shape.a.z)), hn::Set(d, shape.b.x));
+}
+template <class D>
+HWY_INLINE Points<D> grid_sides(D d, const shader::ColliderShape& shape) {
+  return set(d, static_cast<float>(shape.data.y - 1), static_cast<float>(shape.data.z - 1),
+             static_cast<float>(shape.data.w - 1));
+}
+template <class D>
+HWY_INLINE Points<D> clamped_to(D d, const Points<D>& g, const Points<D>& side) {
+  const auto clamped = [&](Vec<D> v, Vec<D> most) GEOCLOTH_LANES { return min_of(d, max_of(d, v, hn::Zero(d)), most); };
+  return {clamped(g.x, side.x), clamped(g.y, side.y), clamped(g.z, side.z)};
+}
+template <class D>
+struct GridPlaces {
+  hn::VFromD<hn::RebindToSigned<D>> node;
+  Points<D> t;
+};
+/// place_in_grid() of lib/shapes.h.
+template <class D>
+HWY_INLINE GridPlaces<D> place_in_grid(D d, const shader::ColliderShape& shape, const Points<D>& q,
+                                       const Points<D>& side) {
   const hn::RebindToSigned<D> di;
-  const auto zero = hn::Zero(d), one = hn::Set(d, 1.F);
+  const auto one = hn::Set(d, 1.F);
   const auto row = static_cast<int32_t>(shape.data.y), layer = row * static_cast<int32_t>(shape.data.z);
-  const Points<D> g = scale(d, sub(p, set(d, shape.a.x, shape.a.y, shape.a.z)), hn::Set(d, shape.b.x));
-  const Points<D> side = set(d, static_cast<float>(shape.data.y - 1), static_cast<float>(shape.data.z - 1),
-                             static_cast<float>(shape.data.w - 1));
-  const auto clamped = [&](Vec<D> v, Vec<D> most) GEOCLOTH_LANES { return min_of(d, max_of(d, v, zero), most); };
-  const Points<D> q{clamped(g.x, side.x), clamped(g.y, side.y), clamped(g.z, side.z)};
-  const UnitAndLength<D> out_of = unit_and_length(d, scale(d, sub(g, q), hn::Set(d, shape.a.w)));
-  const auto outside = hn::Gt(out_of.length, zero);
-  const auto bound = hn::Add(out_of.length, hn::Set(d, shape.b.y));
-  if (hn::AllTrue(d, outside)) return {bound, out_of.unit};
-
   const auto cell_of = [&](Vec<D> v, Vec<D> most)
                            GEOCLOTH_LANES { return min_of(d, hn::Floor(v), hn::Sub(most, one)); };
-  const Points<D> cell{cell_of(q.x, side.x), cell_of(q.y, side.y), cell_of(q.z, side.z)}, t = sub(q, cell);
+  const Points<D> cell{cell_of(q.x, side.x), cell_of(q.y, side.y), cell_of(q.z, side.z)};
   // What is no number converts to anything: it must not lead out of the field.
   const auto index_of = [&](Vec<D> v, uint32_t count) GEOCLOTH_LANES {
     const auto most = hn::Set(di, static_cast<int32_t>(count - 2));
     return hn::Min(hn::Max(hn::ConvertTo(di, v), hn::Zero(di)), most);
   };
-  const auto k =
+  const auto node =
       hn::Add(hn::Add(index_of(cell.x, shape.data.y), hn::Mul(index_of(cell.y, shape.data.z), hn::Set(di, row))),
               hn::Mul(index_of(cell.z, shape.data.w), hn::Set(di, layer)));
+  return {node, sub(q, cell)};
+}
+
+template <class D>
+HWY_NOINLINE Nearest<D> nearest_mesh(D d, const float* numbers, const shader::ColliderShape& shape,
+                                     const Points<D>& p) {
+  const auto zero = hn::Zero(d);
+  const auto row = static_cast<int32_t>(shape.data.y), layer = row * static_cast<int32_t>(shape.data.z);
+  const Points<D> g = in_grid(d, shape, p), side = grid_sides(d, shape), q = clamped_to(d, g, side);
+  const UnitAndLength<D> out_of = unit_and_length(d, scale(d, sub(g, q), hn::Set(d, shape.a.w)));
+  const auto outside = hn::Gt(out_of.length, zero);
+  const auto bound = hn::Add(out_of.length, hn::Set(d, shape.b.y));
+  if (hn::AllTrue(d, outside)) return {bound, out_of.unit};
+
+  const GridPlaces<D> place = place_in_grid(d, shape, q, side);
+  const Points<D>& t = place.t;
   const float* const field = numbers + shape.data.x;
-  const auto at = [&](int32_t by) GEOCLOTH_LANES { return hn::GatherIndex(d, field + by, k); };
+  const auto at = [&](int32_t by) GEOCLOTH_LANES { return hn::GatherIndex(d, field + by, place.node); };
   const auto d000 = at(0), d100 = at(1), d010 = at(row), d110 = at(row + 1);
   const auto d001 = at(layer), d101 = at(layer + 1), d011 = at(layer + row), d111 = at(layer + row + 1);
   const auto d00 = mix(d, d000, d100, t.x), d10 = mix(d, d010, d110, t.x);
@@ -198,6 +225,25 @@ HWY_NOINLINE Nearest<D> nearest_mesh(D d, const float* numbers, const shader::Co
   const UnitAndLength<D> gradient = unit_and_length(d, Points<D>{along_x, along_y, hn::Sub(d1, d0)});
   const Nearest<D> near = nearest_along(d, gradient, mix(d, d0, d1, t.z));
   return {hn::IfThenElse(outside, bound, near.distance), choose<D>(outside, out_of.unit, near.normal)};
+}
+
+/// deforming_way() of lib/shapes.h.
+template <class D>
+HWY_INLINE Points<D> deforming_way(D d, const float* numbers, const shader::ColliderShape& shape, const Points<D>& p) {
+  const hn::RebindToSigned<D> di;
+  const Points<D> side = grid_sides(d, shape);
+  const GridPlaces<D> place = place_in_grid(d, shape, clamped_to(d, in_grid(d, shape, p), side), side);
+  const auto row = 3 * static_cast<int32_t>(shape.data.y), layer = row * static_cast<int32_t>(shape.data.z);
+  const float* const ways = numbers + shape.data.x + size_t{shape.data.y} * shape.data.z * shape.data.w;
+  const auto k = hn::Mul(place.node, hn::Set(di, 3));
+  const auto along = [&](int32_t axis) GEOCLOTH_LANES {
+    const auto at = [&](int32_t by) GEOCLOTH_LANES { return hn::GatherIndex(d, ways + (axis + by), k); };
+    const auto w00 = mix(d, at(0), at(3), place.t.x), w10 = mix(d, at(row), at(row + 3), place.t.x);
+    const auto w01 = mix(d, at(layer), at(layer + 3), place.t.x);
+    const auto w11 = mix(d, at(layer + row), at(layer + row + 3), place.t.x);
+    return mix(d, mix(d, w00, w10, place.t.y), mix(d, w01, w11, place.t.y), place.t.z);
+  };
+  return {along(0), along(1), along(2)};
 }
 
 template <class D>

@@ -30,10 +30,6 @@ struct MovedTriangles {
 };
 
 template <class D>
-HWY_INLINE Points<D> shifted(D d, const Points<D>& p, const Points<D>& step, Vec<D> s) {
-  return add(p, scale(d, step, s));
-}
-template <class D>
 HWY_INLINE Points<D> at_weights(D d, const Corners<D>& t, const Points<D>& weights) {
   return add(add(scale(d, t.a, weights.x), scale(d, t.b, weights.y)), scale(d, t.c, weights.z));
 }
@@ -43,8 +39,8 @@ HWY_INLINE Points<D> thirds(D d) {
   return set(d, third, third, third);
 }
 template <class D>
-HWY_INLINE Corners<D> corners_to_local(D d, const shader::ColliderPose& pose, const Corners<D>& t) {
-  return {to_local(d, pose, t.a), to_local(d, pose, t.b), to_local(d, pose, t.c)};
+HWY_INLINE Corners<D> corners_to_local(D d, const Posed& at, const Corners<D>& t) {
+  return {to_local(d, at, t.a), to_local(d, at, t.b), to_local(d, at, t.c)};
 }
 template <class D>
 HWY_INLINE Vec<D> longest_side(D d, const Corners<D>& t) {
@@ -103,9 +99,8 @@ HWY_NOINLINE Points<D> deepest_weights(D d, const float* numbers, const shader::
 }
 
 template <class D>
-HWY_INLINE void push_corner(D d, const shader::ColliderPose& before, const shader::ColliderPose& after, Mask<D> lanes,
-                            Points<D>& now, Points<D>& start, const Points<D>& n, const Points<D>& local_n,
-                            Vec<D> push) {
+HWY_INLINE void push_corner(D d, const Posed& before, const Posed& after, Mask<D> lanes, Points<D>& now,
+                            Points<D>& start, const Points<D>& n, const Points<D>& local_n, Vec<D> push) {
   const auto zero = hn::Zero(d);
   const auto along = dot(d, sub(to_local(d, after, now), to_local(d, before, start)), local_n);
   const auto kept = max_of(d, hn::Add(push, min_of(d, along, zero)), zero);
@@ -115,7 +110,7 @@ HWY_INLINE void push_corner(D d, const shader::ColliderPose& before, const shade
 
 /// The poses of a collider at both ends of a substep.
 struct ColliderWay {
-  const shader::ColliderPose &before, &after;
+  Posed before, after;
 };
 
 /// @param start    the corners when the substep began, in the collider's frame of then
@@ -128,7 +123,8 @@ HWY_NOINLINE Mask<D> push_points(D d, const Meeting& meeting, const shader::Coll
   const Points<D> p0 = at_weights(d, start, weights);
   const Points<D> p1 = to_local(d, poses.after, at_weights(d, t.now, weights));
   const Nearest<D> near = nearest_of_shape(d, meeting.numbers, shape, p1);
-  const Contacts<D> contact = find_contacts(d, meeting, shape, lanes, p0, p1, near, near.distance, zero, true);
+  const bool swept = poses.before.pose.deform.x == 0;
+  const Contacts<D> contact = find_contacts(d, meeting, shape, lanes, p0, p1, near, near.distance, zero, swept);
   const Points<D> share = mul(d, t.mass, weights);
   const auto sum = dot(d, share, weights);
   const auto moved = hn::AndNot(hn::Le(sum, zero), contact.touches);
@@ -138,7 +134,7 @@ HWY_NOINLINE Mask<D> push_points(D d, const Meeting& meeting, const shader::Coll
   const auto least = hn::Mul(max_of(d, share), hn::Set(d, 1.F / shader::kLargestLever));
   const auto lifted = min_of(d, hn::Mul(sum, hn::Div(one, least)), one);
   const auto push = hn::Mul(hn::Mul(min_of(d, contact.depth, approach), lifted), hn::Div(one, max_of(d, sum, least)));
-  const Points<D> n = rotate_to_world(d, poses.after, contact.normal);
+  const Points<D> n = rotate_to_world(d, poses.after.pose, contact.normal);
   const auto push_one = [&](Points<D>& now, Points<D>& began, Vec<D> of_it) GEOCLOTH_LANES {
     push_corner(d, poses.before, poses.after, moved, now, began, n, contact.normal, hn::Mul(push, of_it));
   };
@@ -184,9 +180,10 @@ HWY_NOINLINE Mask<D> collide_triangles(D d, const Meeting& meeting, Mask<D> lane
     const auto open = hn::Set(d, shader::open_side(meeting.params, shape));
     Mask<D> met = hn::AndNot(hn::Lt(side, open), lanes);
     if (hn::AllFalse(d, met)) continue;
-    const ColliderWay poses{meeting.poses[i], meeting.poses[count + i]};
+    const ColliderWay poses{meeting.begun(i), meeting.ended(i)};
     const auto way = way_of_corners(d, t.start, t.now);
-    const Points<D> middle = set(d, poses.after.row0.w, poses.after.row1.w, poses.after.row2.w);
+    const shader::ColliderPose& pose = poses.after.pose;
+    const Points<D> middle = set(d, pose.row0.w, pose.row1.w, pose.row2.w);
     const auto far = hn::Sub(hn::Sub(length(d, sub(t.now.a, middle)), hn::Set(d, shape.b.w)), side);
     met = hn::AndNot(out_of_reach(d, shape, far, way), met);
     if (hn::AllFalse(d, met)) continue;

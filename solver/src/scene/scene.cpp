@@ -298,8 +298,26 @@ const std::vector<ShapeReader>& shape_readers() {
                                                 {"box", {"center", "half_extents", "rotate_deg"}, read_box},
                                                 {"ellipsoid", {"center", "radii", "rotate_deg"}, read_ellipsoid},
                                                 {"convex", {"points", "planes"}, read_convex},
-                                                {"mesh", {"file", "transform"}, read_mesh}};
+                                                {"mesh", {"file", "transform", "animation"}, read_mesh}};
   return readers;
+}
+
+BodyAnimation read_animation(const JsonReader& json) {
+  constexpr double kLongest = 1e6, kFastest = 1e3, kSlowest = 1e-3;
+  BodyAnimation animation;
+  const auto read_clip = [&](const JsonReader& clip) {
+    animation.clip = clip.is_string() ? clip.text() : std::to_string(clip.count(0, 1'000'000));
+  };
+  if (!json.is_object()) {
+    read_clip(json);
+    return animation;
+  }
+  json.expect_object({"clip", "start", "speed", "loop"});
+  if (json.has("clip")) read_clip(json.at("clip"));
+  if (json.has("start")) animation.start = in_range(json.at("start"), 0, kLongest);
+  if (json.has("speed")) animation.speed = in_range(json.at("speed"), kSlowest, kFastest);
+  if (json.has("loop")) animation.loop = json.at("loop").boolean();
+  return animation;
 }
 
 SceneCollider read_collider(const JsonReader& json, const std::filesystem::path& folder) {
@@ -320,7 +338,8 @@ SceneCollider read_collider(const JsonReader& json, const std::filesystem::path&
     collider.motion = read_motion_of(json);
     if (std::holds_alternative<MeshSolid>(collider.collider.shape)) {
       collider.mesh = {folder / std::filesystem::path(json.at("file").text()),
-                       json.has("transform") ? read_transform(json.at("transform")) : Transform{}};
+                       json.has("transform") ? read_transform(json.at("transform")) : Transform{}, std::nullopt};
+      if (json.has("animation")) collider.mesh->animation = read_animation(json.at("animation"));
     } else {
       checked([&] { check(collider.collider, json.where()); });
     }
@@ -489,7 +508,7 @@ Collider collider_at(const SceneCollider& collider, double time) {
   Collider result = collider.collider;
   if (collider.motion.empty()) return result;
   const Transform motion = pose_at(collider.motion, time);
-  const Vec3 center = std::visit(ShapeCenter{}, collider.collider.shape);
+  const Vec3 center = collider.center ? *collider.center : std::visit(ShapeCenter{}, collider.collider.shape);
   const Transform about_center{motion.translate + (center - rotate(motion.rotate, center)), motion.rotate, 1};
   result.pose = compose(about_center, collider.collider.pose);
   return result;

@@ -10,6 +10,7 @@
 #include "geocloth/asset/asset_file.h"
 #include "geocloth/asset/error.h"
 #include "geocloth/solver/scene.h"
+#include "scene/moving_collider.h"
 
 namespace geocloth {
 namespace {
@@ -53,23 +54,6 @@ Vec3 middle(const std::vector<Vec3>& points) {
   return (1.F / static_cast<float>(points.size())) * sum;
 }
 
-/// The bodies of colliders of shape "mesh", once for each file and place.
-void read_bodies(Scene& scene, const ReadSurface& read_surface) {
-  for (size_t i = 0; i < scene.colliders.size(); ++i) {
-    SceneCollider& collider = scene.colliders[i];
-    if (!collider.mesh) continue;
-    try {
-      TriangleSurface surface = read_surface(collider.mesh->file);
-      for (Vec3& p : surface.position) p = apply(collider.mesh->transform, p);
-      collider.collider.shape =
-          MeshSolid{std::make_shared<const DistanceField>(make_distance_field(std::move(surface)))};
-    } catch (const Error& error) {
-      throw Error(error.code() == ErrorCode::invalid_argument ? ErrorCode::invalid_data : error.code(),
-                  scene.path.string() + ": colliders[" + std::to_string(i) + "].file: " + error.what());
-    }
-  }
-}
-
 /// Makes the solver; what it says of cloth 2 is of cloths[2] of the scene.
 Solver solver_of(const Scene& scene, std::span<const ClothDesc> cloths, const SolverSettings& settings,
                  const MakeSolver& make_solver) {
@@ -94,10 +78,9 @@ TriangleSurface read_asset_surface(const std::filesystem::path& path) {
   return {asset.source.position, {asset.source.triangle.begin(), asset.source.triangle.end()}};
 }
 
-Simulation::Simulation(Scene scene, SolverSettings settings, const ReadSurface& read_surface,
-                       const MakeSolver& make_solver)
+Simulation::Simulation(Scene scene, SolverSettings settings, const BodyReader& bodies, const MakeSolver& make_solver)
     : scene_(std::move(scene)) {
-  read_bodies(scene_, read_surface);
+  read_bodies(bodies);
   settings.frame_time = 1 / scene_.frame_rate;
   settings.substeps = scene_.substeps;
   settings.relaxation_steps = scene_.relaxation_steps;
@@ -118,6 +101,7 @@ Simulation::Simulation(Scene scene, SolverSettings settings, const ReadSurface& 
       const ScenePin& pin = cloth.pins[k];
       PinSet set{c, pin, selected_pixels(scene_, c, k, *asset, start), {}, {}, false};
       for (const uint32_t p : set.pixels) set.rest.push_back(apply(start, asset->rest_position[p]));
+      attach(set);
       pins_.push_back(std::move(set));
     }
   }
@@ -129,6 +113,72 @@ Simulation::Simulation(Scene scene, SolverSettings settings, const ReadSurface& 
     const SceneCloth& cloth = scene_.cloths[c];
     if (!cloth.motion.empty()) solver_->set_parent(c, pose_at(cloth.motion, 0), cloth.inertia_scale);
   }
+}
+
+/// The bodies of colliders of shape "mesh".
+void Simulation::read_bodies(const BodyReader& bodies) {
+  moving_.resize(scene_.colliders.size());
+  for (size_t i = 0; i < scene_.colliders.size(); ++i) {
+    SceneCollider& collider = scene_.colliders[i];
+    if (!collider.mesh) continue;
+    const SceneMesh& mesh = *collider.mesh;
+    const std::string where = scene_.path.string() + ": colliders[" + std::to_string(i) + "].";
+    if (mesh.animation && !bodies.moving)
+      throw Error(ErrorCode::unsupported, where + "animation: this program reads no animations");
+    try {
+      if (mesh.animation) {
+        moving_[i] = std::make_shared<MovingCollider>(bodies.moving(mesh.file, *mesh.animation), mesh.transform);
+        collider.collider.shape = MeshSolid{moving_[i]->field()};
+        collider.center = moving_[i]->middle();
+        continue;
+      }
+      TriangleSurface surface = bodies.surface(mesh.file);
+      for (Vec3& p : surface.position) p = apply(mesh.transform, p);
+      collider.collider.shape =
+          MeshSolid{std::make_shared<const DistanceField>(make_distance_field(std::move(surface)))};
+    } catch (const Error& error) {
+      throw Error(error.code() == ErrorCode::invalid_argument ? ErrorCode::invalid_data : error.code(),
+                  where + "file: " + error.what());
+    }
+  }
+}
+
+/// To how they are at the end of the frame.
+void Simulation::advance_bodies() {
+  for (size_t i = 0; i < moving_.size(); ++i) {
+    if (!moving_[i]) continue;
+    try {
+      moving_[i]->advance(time());
+    } catch (const Error& error) {
+      throw Error(ErrorCode::invalid_data, scene_.path.string() + ": colliders[" + std::to_string(i) +
+                                               "].animation: at " + std::to_string(time()) + " s: " + error.what());
+    }
+    scene_.colliders[i].collider.shape = MeshSolid{moving_[i]->field()};
+  }
+}
+
+std::optional<size_t> Simulation::moving_carrier(const std::string& follow) const {
+  for (size_t i = 0; i < moving_.size(); ++i)
+    if (moving_[i] && scene_.colliders[i].collider.name == follow) return i;
+  return std::nullopt;
+}
+
+/// To the body that the pin follows, if it deforms, as it was when the frame began.
+void Simulation::attach(PinSet& set) const {
+  const std::optional<size_t> carrier = moving_carrier(set.pin.follow);
+  if (!carrier) return;
+  const Transform back = inverse_rigid(collider_at(scene_.colliders[*carrier], 0).pose);
+  set.place.clear();
+  for (const Vec3& p : set.rest) set.place.push_back(moving_[*carrier]->place_of(apply(back, p)));
+}
+
+/// Where the body that it follows has taken a pin's point by deforming, before all that moves the body as a whole.
+Vec3 Simulation::deformed(const PinSet& set, size_t k, bool at_start) const {
+  const std::optional<size_t> carrier = moving_carrier(set.pin.follow);
+  if (!carrier) return set.rest[k];
+  const MovingCollider& body = *moving_[*carrier];
+  const Vec3 p = at_start ? body.at_start(set.place[k]) : body.at_end(set.place[k]);
+  return apply(collider_at(scene_.colliders[*carrier], 0).pose, p);
 }
 
 double Simulation::time() const {
@@ -148,6 +198,7 @@ void Simulation::take_hold(PinSet& set, double start) {
   const Transform back = inverse_rigid(carrier(scene_, scene_.cloths[set.cloth], set.pin.follow, start));
   for (size_t k = 0; k < set.pixels.size(); ++k) set.rest[k] = apply(back, position[set.pixels[k]]);
   set.own_start = pose_at(set.pin.motion, start);
+  attach(set);
 }
 
 /// At the beginning of the frame, but for what jumps in it: that has jumped.
@@ -173,8 +224,8 @@ std::vector<Pin> Simulation::pins_of(uint32_t cloth, double start, bool only_jum
     const Vec3 center = middle(set.rest);
     for (size_t k = 0; k < set.pixels.size(); ++k) {
       // Without a motion of its own the point must not even be rounded.
-      const Vec3 moved =
-          set.pin.motion.empty() ? set.rest[k] : center + rotate(own.rotate, set.rest[k] - center) + own.translate;
+      const Vec3 rest = deformed(set, k, only_jumps);
+      const Vec3 moved = set.pin.motion.empty() ? rest : center + rotate(own.rotate, rest - center) + own.translate;
       pins.push_back({set.pixels[k], apply(carried, moved), set.pin.frequency});
     }
   }
@@ -283,6 +334,7 @@ void Simulation::step() {
   ++frame_;
   const double start = (frame_ - 1) / scene_.frame_rate;
   cut(start);
+  advance_bodies();
   std::vector<Collider> solids = colliders();
   for (size_t i = 0; i < solids.size(); ++i) solids[i].teleport = teleports(scene_.colliders[i].motion, start, time());
   solver_->set_colliders(solids);

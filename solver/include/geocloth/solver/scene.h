@@ -72,20 +72,40 @@ struct SceneCloth {
   std::vector<SceneCut> cuts;
 };
 
+/// Which animation of its file deforms a body, and when.
+struct BodyAnimation {
+  std::string clip;   ///< its name or its number, from 0; empty: the first one
+  double start = 0;   ///< [s] >= 0; until then the body goes from how it stands in the file to the animation's first pose
+  double speed = 1;   ///< > 0
+  bool loop = false;  ///< else it keeps its last pose
+};
 /// The body of a collider of shape "mesh", read when the scene is played.
 struct SceneMesh {
-  std::filesystem::path file;  ///< resolved against the scene file's folder
-  Transform transform;         ///< from the file's coordinates to the scene's
+  std::filesystem::path file;              ///< resolved against the scene file's folder
+  Transform transform;                     ///< from the file's coordinates to the scene's
+  std::optional<BodyAnimation> animation;  ///< not set: the body keeps the shape that it has in the file
 };
 /// Reads the triangles of a mesh file [m].
 using ReadSurface = std::function<TriangleSurface(const std::filesystem::path&)>;
 /// The garment in an asset, as it was in its file. @throws as read_asset
 [[nodiscard]] TriangleSurface read_asset_surface(const std::filesystem::path& path);
+/// A body that deforms.
+struct MovingBody {
+  std::vector<std::array<uint32_t, 3>> triangle;  ///< of all vertices; they stay
+  std::function<std::vector<Vec3>(double time)> positions_at;  ///< [m] of all vertices at a time of the scene [s] >= 0
+};
+using ReadMovingBody = std::function<MovingBody(const std::filesystem::path&, const BodyAnimation&)>;
+/// How the bodies of colliders of shape "mesh" are read.
+struct BodyReader {
+  ReadSurface surface = read_asset_surface;
+  ReadMovingBody moving = {};  ///< not set: scenes with animated bodies are refused
+};
 /// Makes the solver of a simulation, on a device of the application say (make_vulkan_solver).
 using MakeSolver = std::function<Solver(std::span<const ClothDesc>, const SolverSettings&)>;
 
 struct SceneCollider {
   Collider collider;              ///< of a mesh without its field; Simulation::colliders() have it
+  std::optional<Vec3> center;     ///< [m] about which it turns, in place of the shape's own: of a body that deforms
   Motion motion;                  ///< turns about the shape's own centre (a plane's point, the middle of a capsule)
   std::optional<SceneMesh> mesh;  ///< of shape "mesh"
 };
@@ -138,6 +158,14 @@ struct Scene {
 /// For every pixel the first one of the connected part that it is of, over springs and copies; itself where not valid.
 [[nodiscard]] std::vector<uint32_t> connected_parts(const ClothAsset& asset);
 
+/// A place beside a body's surface, which it keeps while the body deforms.
+struct SurfacePlace {
+  uint32_t triangle = 0;
+  Vec3 corner_share;  ///< of the point of the triangle that it is nearest to
+  Vec3 off;           ///< [m] from there, along the triangle's first side, across it, and along its normal
+};
+class MovingCollider;
+
 /// A scene being played: assets loaded, pins chosen, keyframes evaluated frame by frame. A cloth all of whose pins jump
 /// alike, by their own keys or by those of colliders that they follow, jumps with them (what hangs on the pins does).
 class Simulation {
@@ -145,8 +173,7 @@ class Simulation {
   /// Reads the assets and meshes that the scene names. Settings' substeps, relaxation_steps, keep_momentum,
   /// imperfection, frame_time and gravity come from the scene.
   /// @param make_solver  not set: the solver's own constructor
-  Simulation(Scene scene, SolverSettings settings, const ReadSurface& read_surface = read_asset_surface,
-             const MakeSolver& make_solver = {});
+  Simulation(Scene scene, SolverSettings settings, const BodyReader& bodies = {}, const MakeSolver& make_solver = {});
 
   /// Advances one frame.
   void step();
@@ -189,8 +216,15 @@ class Simulation {
     std::vector<Vec3> rest;  ///< positions in the scene at time 0, or where they were taken hold of, carried back to it
     Transform own_start;     ///< of the pin's motion, when they were taken hold of
     bool acts = false;
+    std::vector<SurfacePlace> place = {};  ///< beside the body that they follow, if it deforms
   };
   void take_hold(PinSet& set, double start);
+  void read_bodies(const BodyReader& bodies);
+  void advance_bodies();
+  /// The collider that pins follow by this name, if it deforms.
+  [[nodiscard]] std::optional<size_t> moving_carrier(const std::string& follow) const;
+  [[nodiscard]] Vec3 deformed(const PinSet& set, size_t k, bool at_start) const;
+  void attach(PinSet& set) const;
   /// [s] Of what moves a pin's points.
   struct PinTimes {
     double carrier, own;  ///< of what the pin follows, and of its own motion
@@ -204,6 +238,7 @@ class Simulation {
   [[nodiscard]] std::optional<Transform> way_of_jump(uint32_t cloth, double start) const;
 
   std::vector<PinSet> pins_;
+  std::vector<std::shared_ptr<MovingCollider>> moving_;  ///< of the colliders; null: it keeps its shape
   std::vector<CutMade> cuts_made_;
   std::vector<std::vector<Pin>> hands_;  ///< per cloth
   std::unique_ptr<Solver> solver_;

@@ -43,13 +43,17 @@ inline constexpr size_t kMostJoinedPlanes = 64;
 [[nodiscard]] Convex convex_of_planes(std::span<const Plane> planes);
 
 /// Signed distance to the surface of a body, negative inside, at the nodes of a regular grid that holds it with room
-/// around; linear in between. Not to be changed once a solver has it.
+/// around; linear in between. Not to be changed once a solver has it. A body that deforms is another field in every
+/// frame, as it is at the frame's end.
 struct DistanceField {
   std::array<uint32_t, 3> size{};  ///< nodes along x, y, z; >= 2
   Vec3 low;                        ///< [m] of the first node; no node is farther out than 1e6 along an axis
   float spacing = 0;               ///< [m] >= 1e-9
   float margin = 0;                ///< [m] >= 0; no surface is nearer to the grid's sides
   std::vector<float> distance;     ///< [m] one for each node, within +-4e6; x fastest, then y
+  /// [m] One for each node, or none where the body keeps its shape: how far the point of the surface that is nearest to
+  /// the node went in the frame.
+  std::vector<Vec3> way = {};
   TriangleSurface surface;         ///< that was sampled; the solver does not look at it
 };
 /// Inside is where the surface winds around (generalised winding number), so holes, overlaps and several parts are
@@ -57,5 +61,14 @@ struct DistanceField {
 /// @param nodes  about how many; the spacing follows
 /// @throws Error(invalid_argument) when an index is out of range or the surface encloses nothing
 [[nodiscard]] DistanceField make_distance_field(TriangleSurface surface, uint32_t nodes = 500'000);
+
+/// The field of a body that deforms.
+/// @param surface  at the end of a frame
+/// @param before   where its points were at the beginning; as many
+/// @param spacing  [m] between nodes, the same in all frames
+/// @throws Error(invalid_argument) as make_distance_field, where `before` does not fit, or where the grid would have
+///   more than kMostFieldNodes nodes
+[[nodiscard]] DistanceField make_deforming_field(TriangleSurface surface, std::span<const Vec3> before, float spacing);
+inline constexpr size_t kMostFieldNodes = 64'000'000;
 
 }  // namespace geocloth
