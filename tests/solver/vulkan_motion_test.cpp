@@ -97,6 +97,26 @@ TEST_F(VulkanMotionTest, AHullAndABodyAgreeAndNothingSinksIn) {
   }
 }
 
+/// Which swells, goes along and turns, as a pose of its own takes it further.
+TEST_F(VulkanMotionTest, ABodyThatDeformsAgrees) {
+  Play scene = falls_on(Sphere{}, 0);
+  scene.before_frame = [rest = ball_surface(0.2F)](Solver& solver, uint32_t frame) {
+    const auto at = [&](float t) {
+      TriangleSurface surface = rest;
+      const Transform pose{{0.004F * t, 0, 0.002F * t}, quat_from_euler_deg({0, t, 0.5F * t}), 1};
+      for (Vec3& p : surface.position) p = apply(pose, (1 + 0.01F * t) * p);
+      return surface;
+    };
+    const auto t = static_cast<float>(frame);
+    const MeshSolid body{
+        std::make_shared<const DistanceField>(make_deforming_field(at(t), at(t - 1).position, 0.03F))};
+    const Transform pose{{0, 0.004F * t, 0}, quat_from_euler_deg({0.5F * t, 0, 0}), 1};
+    solver.set_colliders(std::vector<Collider>{{"it", body, 0.4F, pose}});
+  };
+  const Outcome outcome = expect_same_as_cpu(scene);
+  EXPECT_LE(outcome.statistics.penetration, double{Material{}.thickness});
+}
+
 TEST_F(VulkanMotionTest, ARodThinnerThanAPixelIsHeldByTheTrianglesAlike) {
   const Outcome outcome = expect_same_as_cpu(falls_on(Capsule{{-1, 0, 0.03F}, {1, 0, 0.03F}, 0.01F, 0.01F}, 3));
   EXPECT_EQ(outcome.statistics.copy_gap, 0.0);

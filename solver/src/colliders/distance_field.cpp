@@ -64,7 +64,7 @@ class TriangleTree {
         for (uint32_t i = node.first; i < node.first + node.count; ++i) {
           const Vec3d d = p - closest_on_triangle(triangles_[i].corners, p);
           const double away = dot(d, d);
-          if (away >= best) continue;
+          if (!(away < best)) continue;  // nor where a triangle is too flat for a number
           best = away;
           found = triangles_[i].index;
         }
