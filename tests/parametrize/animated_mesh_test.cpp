@@ -305,6 +305,48 @@ TEST_F(AnimatedMeshTest, MirroredNodesStripsAndFansAreOutsideOut) {
   }
 }
 
+// The same rock thrown twice has to be there twice, and what the file does not show must not push.
+TEST_F(AnimatedMeshTest, AMeshOfTwoNodesIsThereTwiceAndHiddenOnesAreNot) {
+  Gltf g = triangle_file();
+  g.json["nodes"] = {{{"mesh", 0}}, {{"children", {2}}}, {{"mesh", 0}}, {{"mesh", 0}, {"translation", {0, 0, 99}}}};
+  g.json["scenes"] = {{{"nodes", {3}}}, {{"nodes", {0, 1}}}};
+  g.json["scene"] = 1;
+  add_track(g, {.node = 1, .path = "translation", .time = {0, 1}, .value = {0, 0, 0, 0, 0, 6}});
+  const AnimatedMesh mesh = open(g);
+  const std::vector<Vec3> position = mesh.positions_at(0.5);
+  ASSERT_EQ(position.size(), 6U);
+  ASSERT_EQ(mesh.triangle().size(), 2U);
+  EXPECT_EQ(mesh.triangle()[1], (Triangle{3, 4, 5}));
+  expect_at(position[1], 1, 0, 0);
+  expect_at(position[4], 1, 0, 3);
+  g.json["scenes"] = json::array();  // then all are shown
+  g.json.erase("scene");
+  EXPECT_EQ(open(g).positions_at(0).size(), 9U);
+  g.json["scenes"] = {{{"nodes", {1}}}};
+  g.json["nodes"][2].erase("mesh");
+  EXPECT_THAT(refused("empty.glb", g.glb()).what(), HasSubstr("no faces"));
+}
+
+// A few bytes of file must not keep the machine busy for hours.
+TEST_F(AnimatedMeshTest, AbsurdNumbersOfMorphTargetsAreRefused) {
+  Gltf g = triangle_file();
+  add_track(g, {.path = "translation", .time = {0}, .value = {0, 0, 0}});
+  g.json["accessors"].push_back(
+      {{"componentType", 5126},
+       {"count", 3'000'000},
+       {"type", "VEC3"},
+       {"sparse",
+        {{"count", 0}, {"indices", {{"bufferView", 0}, {"componentType", 5125}}}, {"values", {{"bufferView", 0}}}}}});
+  const std::size_t many = g.json["accessors"].size() - 1;
+  json& primitive = g.json["meshes"][0]["primitives"][0];
+  primitive["attributes"]["POSITION"] = many;
+  primitive["targets"] = json::array();
+  for (int i = 0; i < 100; ++i) primitive["targets"].push_back({{"POSITION", many}});
+  const Error error = refused("many.glb", g.glb());
+  EXPECT_EQ(error.code(), ErrorCode::limit);
+  EXPECT_THAT(error.what(), HasSubstr("morph targets are too many"));
+}
+
 // --- what is refused -----------------------------------------------------------------------------------------------
 
 TEST_F(AnimatedMeshTest, FilesWithoutAnAnimationAreRefused) {

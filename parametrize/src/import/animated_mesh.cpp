@@ -11,6 +11,7 @@
 #include <optional>
 #include <span>
 #include <sstream>
+#include <tuple>
 #include <utility>
 
 #include "import/gltf_animation.h"
@@ -200,16 +201,13 @@ class AnimatedScene {
     placed_.push_back(placed);
   }
 
-  struct SurfaceKey {
-    std::size_t mesh, primitive;
-    bool skinned;
-    auto operator<=>(const SurfaceKey&) const = default;
-  };
+  using SurfaceKey = std::tuple<std::size_t, std::size_t, bool>;  ///< mesh, primitive, and whether it has a skin
 
   Surface& surface_of(const GltfFile& gltf, const GltfData& data, const SurfaceKey& key) {
     if (const auto it = surface_.find(key); it != surface_.end()) return it->second;
-    const Json& primitive = gltf.json["meshes"][key.mesh]["primitives"][key.primitive];
-    return surface_.emplace(key, read_surface(gltf, data, primitive, key.skinned)).first->second;
+    const auto [mesh, number, skinned] = key;
+    const Json& primitive = gltf.json["meshes"][mesh]["primitives"][number];
+    return surface_.emplace(key, read_surface(gltf, data, primitive, skinned)).first->second;
   }
 
   void read_skin(const GltfFile& gltf, const GltfData& data, std::size_t skin) {
@@ -356,6 +354,7 @@ void check_options(const AnimationOptions& options) {
 }  // namespace import_detail
 
 struct AnimatedMesh::Impl {
+  explicit Impl(import_detail::AnimatedScene&& from) : scene(std::move(from)) {}
   import_detail::AnimatedScene scene;
 };
 
