@@ -119,4 +119,30 @@ struct Gltf {
   }
 };
 
+/// A strip of two squares along +y from 0 to 2, its lower end bound to joint 0 and its upper to joint 1, the middle row
+/// to both by halves. Nodes: 0 the mesh; 1 the hip at the origin and, a child of it, 2 the knee at (0, 1, 0).
+inline Gltf skinned_strip() {
+  Gltf g;
+  g.json = nlohmann::json::parse(R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}],
+    "bufferViews": [], "accessors": [],
+    "nodes": [{"mesh": 0, "skin": 0, "name": "strip"}, {"name": "hip", "children": [2]},
+              {"name": "knee", "translation": [0, 1, 0]}]})");
+  const auto position = g.add_accessor<float>({0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 2, 0, 1, 2, 0}, 5126, "VEC3", 3);
+  const auto normal = g.add_accessor<float>({0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1}, 5126, "VEC3", 3);
+  const auto joint = g.add_accessor<uint8_t>({0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0},
+                                             5121, "VEC4", 4);
+  const auto weight = g.add_accessor<float>(
+      {1, 0, 0, 0, 1, 0, 0, 0, .5F, .5F, 0, 0, .5F, .5F, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, 5126, "VEC4", 4);
+  const auto indices = g.add_accessor<uint16_t>({0, 1, 3, 0, 3, 2, 2, 3, 5, 2, 5, 4}, 5123, "SCALAR", 1);
+  g.json["meshes"] = {
+      {{"primitives",
+        {{{"attributes", {{"POSITION", position}, {"NORMAL", normal}, {"JOINTS_0", joint}, {"WEIGHTS_0", weight}}},
+          {"indices", indices}}}}}};
+  const auto bind = g.add_accessor<float>({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0,  0, 1,   //
+                                           1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -1, 0, 1},  //
+                                          5126, "MAT4", 16);
+  g.json["skins"] = {{{"joints", {1, 2}}, {"inverseBindMatrices", bind}}};
+  return g;
+}
+
 }  // namespace geocloth::test

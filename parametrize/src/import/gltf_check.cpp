@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "import/gltf_compression.h"
+#include "import/gltf_nodes.h"
 #include "import/import_detail.h"
 
 namespace geocloth::import_detail {
@@ -302,24 +303,7 @@ void check_scene(const GltfFile& gltf, const GltfData& data) {
 
 std::vector<std::string> find_left_out(const GltfFile& gltf) {
   const Json& nodes = gltf.array("nodes");
-  const Json& scenes = gltf.array("scenes");
-  std::vector<bool> shown(nodes.size(), scenes.empty());
-  if (!scenes.empty()) {
-    const Json& scene = scenes[gltf.reference(gltf.json, "scene", "scenes", "glTF").value_or(0)];
-    std::vector<std::size_t> open;
-    const auto add = [&](const Json& of, const char* list) {
-      if (!of.contains(list)) return;
-      for (const Json& node : of[list]) open.push_back(node.get<std::size_t>());
-    };
-    add(scene, "nodes");
-    while (!open.empty()) {
-      const std::size_t node = open.back();
-      open.pop_back();
-      if (shown[node]) continue;
-      shown[node] = true;
-      add(nodes[node], "children");
-    }
-  }
+  const std::vector<bool> shown = shown_nodes(gltf);
   std::size_t hidden = 0, repeated = 0;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     if (!nodes[i].contains("mesh")) continue;

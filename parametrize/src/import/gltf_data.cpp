@@ -251,6 +251,16 @@ std::vector<float> GltfData::floats(std::size_t i) const {
   return out;
 }
 
+std::vector<uint32_t> GltfData::indices(std::size_t i) const {
+  const GltfAccessor& a = accessors_[i];
+  std::vector<uint32_t> out(a.count, 0);
+  for (std::size_t k = 0; !a.bytes.empty() && k < a.count; ++k) out[k] = index_at(a, k);
+  for (std::size_t k = 0; !a.sparse.empty() && k < a.sparse[0].count; ++k) {
+    out[index_at(a.sparse[0], k)] = index_at(a.sparse[1], k);
+  }
+  return out;
+}
+
 void GltfData::check_indices(const GltfAccessor& a, std::size_t limit, const std::string& where) const {
   if (a.component_type != 5121 && a.component_type != 5123 && a.component_type != 5125) {
     gltf_.bad(where + " has indices that are not unsigned integers");

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,8 @@ class GltfData {
 
   /// All components of accessor `i`, sparse ones resolved, normalized integers as the numbers they stand for (3.11).
   [[nodiscard]] std::vector<float> floats(std::size_t i) const;
+  /// Accessor `i` of checked indices, sparse ones resolved.
+  [[nodiscard]] std::vector<uint32_t> indices(std::size_t i) const;
 
   /// Refuses values that are not below `limit`.
   void check_indices(const GltfAccessor& a, std::size_t limit, const std::string& where) const;

@@ -6,38 +6,20 @@
 #include "import/gltf_pose.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include <Eigen/Geometry>
 
+#include "import/gltf_nodes.h"
 #include "import/import_detail.h"
 
 namespace geocloth::import_detail {
 namespace {
 
 using Json = GltfFile::Json;
-
-std::vector<double> numbers(const Json& object, const char* key) {
-  std::vector<double> out;
-  const auto it = object.find(key);
-  if (it == object.end() || !it->is_array()) return out;
-  for (const Json& value : *it) out.push_back(value.is_number() ? value.get<double>() : 0);
-  return out;
-}
-
-Eigen::Matrix4d local_matrix(const Json& node) {
-  const std::vector<double> matrix = numbers(node, "matrix"), t = numbers(node, "translation"),
-                            r = numbers(node, "rotation"), s = numbers(node, "scale");
-  if (!matrix.empty()) return Eigen::Map<const Eigen::Matrix4d>(matrix.data());
-  Eigen::Affine3d out = Eigen::Affine3d::Identity();
-  if (!t.empty()) out.translate(Eigen::Vector3d(t[0], t[1], t[2]));
-  if (!r.empty()) out.rotate(Eigen::Quaterniond(r[3], r[0], r[1], r[2]).normalized());
-  if (!s.empty()) out.scale(Eigen::Vector3d(s[0], s[1], s[2]));
-  return out.matrix();
-}
 
 /// Of a list of triples.
 Eigen::Vector3d triple(const std::vector<float>& values, std::size_t i) {
@@ -54,51 +36,6 @@ std::size_t add_triples(GltfData& data, const std::vector<float>& values) {
   return data.add_accessor(5126, "VEC3", values.size() / 3, std::move(bytes));
 }
 
-/// The joints of one primitive and their weights, several sets of four to a vertex.
-class Skin {
- public:
-  Skin(const GltfFile& gltf, const GltfData& data, const Json& attributes, const std::vector<Eigen::Matrix4d>& joints)
-      : joints_(joints) {
-    for (std::size_t set = 0; attributes.contains("JOINTS_" + std::to_string(set)); ++set) {
-      sets_.push_back({data.floats(attributes["JOINTS_" + std::to_string(set)].get<std::size_t>()),
-                       data.floats(attributes["WEIGHTS_" + std::to_string(set)].get<std::size_t>())});
-      for (const float joint : sets_.back().joint) {
-        if (!(static_cast<std::size_t>(joint) < joints.size())) gltf.bad("a mesh names a joint that its skin lacks");
-      }
-    }
-  }
-
-  /// The matrix that takes vertex `i` to the world.
-  [[nodiscard]] Eigen::Matrix4d matrix(std::size_t i) const {
-    Eigen::Matrix4d blended = Eigen::Matrix4d::Zero();
-    double sum = 0;
-    for (const Set& set : sets_) {
-      for (std::size_t k = 4 * i; k < 4 * i + 4; ++k) {
-        if (set.weight[k] == 0) continue;
-        blended += double{set.weight[k]} * joint(set, k);
-        sum += double{set.weight[k]};
-      }
-    }
-    return sum > 0 ? Eigen::Matrix4d(blended / sum) : joint(sets_[0], 4 * i);
-  }
-
- private:
-  struct Set {
-    std::vector<float> joint, weight;
-  };
-
-  [[nodiscard]] const Eigen::Matrix4d& joint(const Set& set, std::size_t k) const {
-    return joints_[static_cast<std::size_t>(set.joint[k])];
-  }
-
-  const std::vector<Eigen::Matrix4d>& joints_;
-  std::vector<Set> sets_;
-};
-
-Eigen::Vector3d placed(const Eigen::Matrix4d& m, const Eigen::Vector3d& p) {
-  return m.topLeftCorner<3, 3>() * p + m.topRightCorner<3, 1>();
-}
-
 /// Normals go by the inverse transpose; a flat matrix has none, and then its own turn has to do.
 Eigen::Vector3d placed_normal(const Eigen::Matrix4d& m, const Eigen::Vector3d& n) {
   const Eigen::Matrix3d a = m.topLeftCorner<3, 3>();
@@ -111,12 +48,10 @@ Eigen::Vector3d placed_normal(const Eigen::Matrix4d& m, const Eigen::Vector3d& n
 
 class Poser {
  public:
-  Poser(GltfFile& gltf, GltfData& data) : gltf_(gltf), data_(data), parent_(nodes().size(), nodes().size()) {
+  Poser(GltfFile& gltf, GltfData& data) : gltf_(gltf), data_(data), parent_(node_parents(gltf)) {
     uses_.resize(gltf.array("meshes").size());
-    for (std::size_t i = 0; i < nodes().size(); ++i) {
-      if (nodes()[i].contains("mesh")) ++uses_[nodes()[i]["mesh"].get<std::size_t>()];
-      if (!nodes()[i].contains("children")) continue;
-      for (const Json& child : nodes()[i]["children"]) parent_[child.get<std::size_t>()] = i;
+    for (const Json& node : nodes()) {
+      if (node.contains("mesh")) ++uses_[node["mesh"].get<std::size_t>()];
     }
   }
 
@@ -142,9 +77,8 @@ class Poser {
   }
 
   void pose_node(std::size_t node) {
-    const auto mesh = nodes()[node]["mesh"].get<std::size_t>();
-    const std::vector<double> weights = morph_weights(node, mesh);
-    if (!weights.empty()) bake_morph(node, weights);
+    const std::vector<double> weights = morph_weights(gltf_, node);
+    if (std::any_of(weights.begin(), weights.end(), [](double w) { return w != 0; })) bake_morph(node, weights);
     if (!nodes()[node].contains("skin")) return;
     const std::vector<Eigen::Matrix4d> joints = joint_matrices(nodes()[node]["skin"].get<std::size_t>());
     const auto posed = nodes()[node]["mesh"].get<std::size_t>();
@@ -157,27 +91,21 @@ class Poser {
     move_to_root(node, Eigen::Matrix4d::Identity());
   }
 
-  /// Empty where they change nothing.
-  [[nodiscard]] std::vector<double> morph_weights(std::size_t node, std::size_t mesh) const {
-    std::vector<double> weights = numbers(nodes()[node], "weights");
-    if (weights.empty()) weights = numbers(gltf_.json["meshes"][mesh], "weights");
-    const bool any = std::any_of(weights.begin(), weights.end(), [](double w) { return w != 0; });
-    return any ? weights : std::vector<double>{};
-  }
-
   [[nodiscard]] std::vector<Eigen::Matrix4d> joint_matrices(std::size_t skin) const {
-    const Json& json = gltf_.json["skins"][skin];
-    std::vector<float> inverse;
-    if (json.contains("inverseBindMatrices")) inverse = data_.floats(json["inverseBindMatrices"].get<std::size_t>());
+    const std::vector<Eigen::Matrix4d> inverse = inverse_bind_matrices(gltf_, data_, skin);
     std::vector<Eigen::Matrix4d> out;
-    for (const Json& joint : json["joints"]) {
+    for (const Json& joint : gltf_.json["skins"][skin]["joints"]) {
       Eigen::Matrix4d matrix = world_matrix(joint.get<std::size_t>());
-      if (!inverse.empty()) {
-        matrix *= Eigen::Map<const Eigen::Matrix4f>(inverse.data() + 16 * out.size()).cast<double>();
-      }
+      if (!inverse.empty()) matrix *= inverse[out.size()];
       out.push_back(matrix);
     }
     return out;
+  }
+
+  [[nodiscard]] SkinWeights skin_weights(const Json& attributes, std::size_t joints) const {
+    SkinWeights weights(data_, attributes);
+    weights.check(gltf_, joints);
+    return weights;
   }
 
   [[nodiscard]] bool has_joints(std::size_t mesh) const {
@@ -194,10 +122,10 @@ class Poser {
     for (const Json& primitive : primitives(mesh)) {
       const Json& attributes = primitive["attributes"];
       if (!attributes.contains("JOINTS_0")) return std::nullopt;
-      const Skin skin(gltf_, data_, attributes, joints);
+      const SkinWeights skin = skin_weights(attributes, joints.size());
       const std::vector<float> position = data_.floats(attributes["POSITION"].get<std::size_t>());
       for (std::size_t i = 0; 3 * i < position.size(); ++i) {
-        const Eigen::Matrix4d matrix = skin.matrix(i);
+        const Eigen::Matrix4d matrix = skin.blend(i, std::span(joints));
         if (!first) first = matrix;
         const Eigen::Vector3d at = placed(*first, triple(position, i));
         box.extend(at);
@@ -235,10 +163,7 @@ class Poser {
     const Json& targets = primitive["targets"];
     for (std::size_t t = 0; t < std::min(weights.size(), targets.size()); ++t) {
       if (weights[t] == 0 || !targets[t].contains(name)) continue;
-      const std::vector<float> way = data_.floats(targets[t][name].get<std::size_t>());
-      for (std::size_t i = 0; i < values.size(); ++i) {
-        values[i] = static_cast<float>(double{values[i]} + weights[t] * double{way[i]});
-      }
+      add_target(values, data_.floats(targets[t][name].get<std::size_t>()), weights[t]);
     }
     primitive["attributes"][name] = add_triples(data_, values);
   }
@@ -247,13 +172,14 @@ class Poser {
     const Eigen::Matrix4d world = world_matrix(node);
     for (Json& primitive : primitives(own_mesh(node))) {
       Json& attributes = primitive["attributes"];
-      std::optional<Skin> skin;
-      if (attributes.contains("JOINTS_0")) skin.emplace(gltf_, data_, attributes, joints);
-      for (const auto& [name, take] : {std::pair{"POSITION", &placed}, std::pair{"NORMAL", &placed_normal}}) {
+      std::optional<SkinWeights> skin;
+      if (attributes.contains("JOINTS_0")) skin = skin_weights(attributes, joints.size());
+      for (const auto& [name, take] :
+           {std::pair{"POSITION", &placed<Eigen::Matrix4d>}, std::pair{"NORMAL", &placed_normal}}) {
         if (!attributes.contains(name)) continue;
         std::vector<float> values = data_.floats(attributes[name].get<std::size_t>());
         for (std::size_t i = 0; 3 * i < values.size(); ++i) {
-          put_triple(values, i, take(skin ? skin->matrix(i) : world, triple(values, i)));
+          put_triple(values, i, take(skin ? skin->blend(i, std::span(joints)) : world, triple(values, i)));
         }
         attributes[name] = add_triples(data_, values);
       }

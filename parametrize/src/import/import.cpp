@@ -519,23 +519,40 @@ bool looks_like_utf16(std::string_view text) {
          (text[0] == 0 && is_ascii(text[1]) && text[2] == 0 && is_ascii(text[3]));
 }
 
+void refuse_utf16(const std::filesystem::path& file, std::string_view text) {
+  if (!looks_like_utf16(text)) return;
+  fail(file, ErrorCode::unsupported, "its text is UTF-16, as some editors and shells write it; save it as UTF-8");
+}
+
+std::string_view without_mark(std::span<const std::byte> bytes) {
+  std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  return text;
+}
+
+std::vector<std::byte> read_not_empty(const std::filesystem::path& file) {
+  std::vector<std::byte> bytes = read_file(file, kMaxFileBytes);
+  if (bytes.empty()) fail(file, ErrorCode::invalid_data, "the file is empty");
+  return bytes;
+}
+
+/// Whether a glTF file is GLB, which shows in its first byte, whatever the ending says.
+bool is_container(Format format, std::string_view text) {
+  return format == Format::glb ? !text.starts_with('{') : text.starts_with("glTF");
+}
+
 /// What assimp gets to see of a file: the file first, then what goes with it. The name's ending decides the reader.
 /// @param obj           filled when the file is an OBJ
 /// @param applied_unit  metres per unit of the file that assimp applies by itself
 /// @param left_out      filled with what of the file is not in them
 std::vector<MemoryFile> prepare(const std::filesystem::path& file, Format format, std::span<const std::byte> bytes,
                                 ObjText& obj, double& applied_unit, std::vector<std::string>& left_out) {
-  std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  if (text.starts_with(kByteOrderMark)) text.erase(0, kByteOrderMark.size());
-  if (format != Format::stl && looks_like_utf16(text)) {  // a binary STL opens with whatever its program likes
-    fail(file, ErrorCode::unsupported, "its text is UTF-16, as some editors and shells write it; save it as UTF-8");
-  }
+  std::string text(without_mark(bytes));
+  if (format != Format::stl) refuse_utf16(file, text);  // a binary STL opens with whatever its program likes
   switch (format) {
     case Format::gltf:
     case Format::glb:
-      // What it is shows in its first byte, whatever the ending says.
-      return read_gltf(file, bytes, format == Format::glb ? !text.starts_with('{') : text.starts_with("glTF"),
-                       left_out);
+      return read_gltf(file, bytes, is_container(format, text), left_out);
     case Format::obj:
       obj = read_obj(file, text);
       return {{"mesh.obj", std::move(obj.coded)}};
@@ -558,8 +575,7 @@ std::vector<MemoryFile> prepare(const std::filesystem::path& file, Format format
 
 TriangleMesh read(const std::filesystem::path& file, const ImportOptions& options) {
   const Format format = format_of(file);
-  const std::vector<std::byte> bytes = read_file(file, kMaxFileBytes);
-  if (bytes.empty()) fail(file, ErrorCode::invalid_data, "the file is empty");
+  const std::vector<std::byte> bytes = read_not_empty(file);
   ObjText obj;
   double applied_unit = 1;
   std::vector<std::string> left_out;
@@ -582,15 +598,26 @@ TriangleMesh read(const std::filesystem::path& file, const ImportOptions& option
 }
 
 }  // namespace
+
+bool is_gltf(const std::filesystem::path& file) {
+  const Format format = format_of(file);
+  return format == Format::gltf || format == Format::glb;
+}
+
+GltfBytes read_gltf_bytes(const std::filesystem::path& file) {
+  GltfBytes out{read_not_empty(file)};
+  const std::string_view text = without_mark(out.bytes);
+  refuse_utf16(file, text);
+  out.binary = is_container(format_of(file), text);
+  return out;
+}
+
 }  // namespace import_detail
 
 size_t count_animations(const std::filesystem::path& path) {
-  using import_detail::Format;
-  const Format format = import_detail::format_of(path);
-  if (format != Format::gltf && format != Format::glb) return 0;
-  const std::vector<std::byte> bytes = read_file(path, import_detail::kMaxFileBytes);
-  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  return import_detail::GltfFile(path, bytes, text.starts_with("glTF")).array("animations").size();
+  if (!import_detail::is_gltf(path)) return 0;
+  const import_detail::GltfBytes file = import_detail::read_gltf_bytes(path);
+  return import_detail::GltfFile(path, file.bytes, file.binary).array("animations").size();
 }
 
 TriangleMesh import_mesh(const std::filesystem::path& path, const ImportOptions& options) {

@@ -57,6 +57,18 @@ struct MemoryFile {
   std::string name, bytes;
 };
 
+/// Whether a file is glTF by its ending.
+/// @throws Error(unsupported) for an ending that is not known
+[[nodiscard]] bool is_gltf(const std::filesystem::path& file);
+
+struct GltfBytes {
+  std::vector<std::byte> bytes;
+  bool binary = false;  ///< a GLB container, whatever the ending says
+};
+/// The bytes of a file that is glTF by its ending.
+/// @throws Error(io) when it cannot be read, Error(invalid_data) when it is empty, Error(unsupported) for UTF-16
+[[nodiscard]] GltfBytes read_gltf_bytes(const std::filesystem::path& file);
+
 /// Checks the container, the JSON and every index, offset and size of a glTF file that assimp relies on.
 /// @returns the same scene for assimp, without what geocloth does not use: the JSON, and its buffers as files of their
 ///   own; quantised attributes are floats there

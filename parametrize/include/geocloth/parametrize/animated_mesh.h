@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "geocloth/asset/topology.h"
+#include "geocloth/asset/vec.h"
+
+namespace geocloth {
+
+/// When the animation of a file plays.
+struct AnimationOptions {
+  std::string clip = {};  ///< name of the animation, or its number in the file from 0; empty: the first one
+  /// [s] >= 0. Before, the nodes go evenly from where they are when the file opens to where the animation begins.
+  double start = 0;
+  double speed = 1;   ///< > 0: seconds of the animation in a second
+  bool loop = false;  ///< begins anew at its end, else it holds its last pose
+};
+
+/// The triangles of a glTF file as one of its animations moves nodes, skins and morph targets. They are those of the
+/// scene with which the file opens, the same surface as import_mesh() gives, but not in its order of vertices.
+class AnimatedMesh {
+ public:
+  /// Reads everything that playing needs; the file is not needed afterwards.
+  /// @throws Error as import_mesh(); Error(unsupported) for a file that is no glTF; Error(invalid_data) when it has no
+  ///   animation or none of that name or number (lists those it has), or when the animation is broken;
+  ///   Error(invalid_argument) for options out of range
+  explicit AnimatedMesh(const std::filesystem::path& path, const AnimationOptions& options = {});
+  ~AnimatedMesh();
+  AnimatedMesh(AnimatedMesh&&) noexcept;
+  AnimatedMesh& operator=(AnimatedMesh&&) noexcept;
+
+  /// The same at all times; counter-clockwise seen from outside when the file opens. May be degenerate or duplicated.
+  [[nodiscard]] const std::vector<Triangle>& triangle() const;
+  [[nodiscard]] double duration() const;  ///< [s] >= 0, of the animation at its own speed, from its time 0 on
+
+  /// Of all vertices [m], y up. May be called from several threads at once.
+  /// @param time  [s] >= 0. Before `start` a blend; from there on the animation at (time - start) * speed
+  /// @throws Error(invalid_argument) for a time out of range, Error(invalid_data) when a vertex comes to a place that
+  ///   is not finite or beyond 1e18 m
+  [[nodiscard]] std::vector<Vec3> positions_at(double time) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace geocloth
