@@ -7,6 +7,7 @@
 
 #include "geocloth/parametrize/animated_mesh.h"
 #include "geocloth/parametrize/import.h"
+#include "geocloth/parametrize/parts.h"
 #include "options.h"
 
 namespace geocloth {
@@ -42,8 +43,9 @@ Scene read_scene_or_asset(const std::filesystem::path& input) {
   return is_asset ? default_scene(input) : read_scene(input);
 }
 
-TriangleSurface read_body(const std::filesystem::path& path) {
-  const TriangleMesh mesh = import_mesh(path);
+TriangleSurface read_body(const SceneMesh& body) {
+  TriangleMesh mesh = import_mesh(body.file);
+  if (!body.parts.empty()) mesh = select_parts(with_choosable_parts(std::move(mesh)), body.parts);
   TriangleSurface surface;
   surface.position.reserve(mesh.position.size());
   for (const auto& p : mesh.position)
@@ -53,9 +55,10 @@ TriangleSurface read_body(const std::filesystem::path& path) {
 }
 
 BodyReader body_reader() {
-  const auto read_moving = [](const std::filesystem::path& path, const BodyAnimation& animation) {
-    const auto mesh = std::make_shared<const AnimatedMesh>(
-        path, AnimationOptions{animation.clip, animation.start, animation.speed, animation.loop});
+  const auto read_moving = [](const SceneMesh& body) {
+    const BodyAnimation& plays = body.animation.value();
+    const AnimationOptions options{plays.clip, plays.start, plays.speed, plays.loop, body.parts};
+    const auto mesh = std::make_shared<const AnimatedMesh>(body.file, options);
     return MovingBody{mesh->triangle(), [mesh](double time) { return mesh->positions_at(time); }};
   };
   return {read_body, read_moving};

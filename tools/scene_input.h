@@ -22,8 +22,9 @@ void add_solver_options(CLI::App& app, SolverSettings& settings);
 
 /// A scene file, or an asset (.glb), hung as default_scene says. @throws as read_scene
 [[nodiscard]] Scene read_scene_or_asset(const std::filesystem::path& input);
-/// The triangles of a collider's mesh, which may be of any kind that a garment may be. @throws as import_mesh
-[[nodiscard]] TriangleSurface read_body(const std::filesystem::path& path);
+/// The triangles of a collider's mesh, which may be of any kind that a garment may be.
+/// @throws as import_mesh and select_parts
+[[nodiscard]] TriangleSurface read_body(const SceneMesh& body);
 /// Of these, and of those that an animation of their file deforms. @throws as AnimatedMesh
 [[nodiscard]] BodyReader body_reader();
 /// Every file that playing a scene reads.

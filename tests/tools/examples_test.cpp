@@ -51,8 +51,8 @@ Scene lay_out(const std::string& name, const TemporaryFolder& folder, const std:
   return scene;
 }
 
-TriangleSurface read_body(const std::filesystem::path& path) {
-  const TriangleMesh mesh = import_mesh(path);
+TriangleSurface read_body(const SceneMesh& body) {
+  const TriangleMesh mesh = import_mesh(body.file);
   TriangleSurface surface;
   for (const auto& p : mesh.position)
     surface.position.push_back({static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])});

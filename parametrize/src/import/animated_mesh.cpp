@@ -14,6 +14,8 @@
 #include <tuple>
 #include <utility>
 
+#include "geocloth/parametrize/import.h"
+#include "geocloth/parametrize/parts.h"
 #include "import/gltf_animation.h"
 #include "import/gltf_check.h"
 #include "import/gltf_compression.h"
@@ -97,6 +99,53 @@ Surface read_surface(const GltfFile& gltf, const GltfData& data, const Json& pri
   return out;
 }
 
+constexpr std::size_t kMaxParts = 20'000;  ///< that are told apart, each by all others
+
+/// [m] How far the triangles of two parts are from each other, one by one; once it is `enough` it may be less.
+double apart(const TriangleMesh& a, const SourcePart& part_a, const TriangleMesh& b, const SourcePart& part_b,
+             double enough) {
+  double sum = 0;
+  for (uint32_t i = 0; i < part_a.triangle_count && sum < enough; ++i) {
+    Eigen::Vector3d between = Eigen::Vector3d::Zero();
+    for (std::size_t k = 0; k < 3; ++k) {
+      between += Eigen::Map<const Eigen::Vector3d>(a.position[a.triangle[part_a.first_triangle + i][k]].data()) -
+                 Eigen::Map<const Eigen::Vector3d>(b.position[b.triangle[part_b.first_triangle + i][k]].data());
+    }
+    sum += between.norm() / 3;
+  }
+  return sum;
+}
+
+/// A mesh with its parts in the order and with the names of the same mesh as it was imported, which come from assimp;
+/// equal parts are those that lie at the same place.
+TriangleMesh with_parts_of(const TriangleMesh& imported, TriangleMesh mesh, const std::filesystem::path& path) {
+  if (mesh.part.size() > kMaxParts) fail(path, ErrorCode::limit, "has too many parts to choose from; leave out parts");
+  std::vector<Triangle> triangle;
+  std::vector<bool> taken(mesh.part.size(), false);
+  for (const SourcePart& part : imported.part) {
+    std::size_t best = mesh.part.size();
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < mesh.part.size(); ++k) {
+      if (taken[k] || mesh.part[k].triangle_count != part.triangle_count) continue;
+      const double distance = apart(imported, part, mesh, mesh.part[k], least);
+      if (distance < least) {
+        best = k;
+        least = distance;
+      }
+    }
+    if (best == mesh.part.size()) {
+      fail(path, ErrorCode::unsupported, "part " + part.name + " is another one when it is animated; leave out parts");
+    }
+    taken[best] = true;
+    const auto from = mesh.triangle.begin() + mesh.part[best].first_triangle;
+    triangle.insert(triangle.end(), from, from + part.triangle_count);
+  }
+  mesh.triangle = std::move(triangle);
+  mesh.part = imported.part;
+  mesh.material = imported.material;
+  return mesh;
+}
+
 class AnimatedScene {
  public:
   AnimatedScene(const std::filesystem::path& path, const GltfFile& gltf, const GltfData& data,
@@ -106,8 +155,9 @@ class AnimatedScene {
     read_meshes(gltf, data);
     begin_ = opening_;
     animation_.apply(0, begin_);
-    add_triangles();
-    if (triangle_.empty()) gltf.bad("has no faces; a body needs triangles");
+    TriangleMesh all = opening_mesh();
+    if (all.triangle.empty()) gltf.bad("has no faces; a body needs triangles");
+    triangle_ = options.parts.empty() ? std::move(all.triangle) : selected(std::move(all));
   }
 
   [[nodiscard]] const std::vector<Triangle>& triangle() const { return triangle_; }
@@ -118,10 +168,7 @@ class AnimatedScene {
       throw Error(ErrorCode::invalid_argument, "the time of an animation must be a number of seconds from 0 on");
     }
     const Poses pose = pose_at(time);
-    const Matrices matrices = matrices_of(pose);
-    std::vector<Vec3> out(vertices_);
-    std::vector<float> morphed;
-    for (const Placed& placed : placed_) place(placed, matrices, pose[placed.node].weight, morphed, out);
+    std::vector<Vec3> out = positions(pose, matrices_of(pose));
     check(out, time);
     return out;
   }
@@ -223,17 +270,32 @@ class AnimatedScene {
     if (work_ > kMaxWork) fail(path_, ErrorCode::limit, "its instances and morph targets are too many to be animated");
   }
 
-  /// What a node or its joints mirror when the file opens would be inside out.
-  void add_triangles() {
+  /// As the file opens; every placed primitive is a part.
+  [[nodiscard]] TriangleMesh opening_mesh() const {
     const Matrices matrices = matrices_of(opening_);
+    TriangleMesh mesh;
+    for (const Vec3& p : positions(opening_, matrices)) {
+      mesh.position.push_back({double{p.x}, double{p.y}, double{p.z}});
+    }
     for (const Placed& placed : placed_) {
       const auto first = static_cast<uint32_t>(placed.first);
+      SourcePart part;
+      part.first_triangle = static_cast<uint32_t>(mesh.triangle.size());
       for (Triangle t : placed.surface->triangle) {
-        const Affine m = matrix_of(placed, matrices, t[0]);
-        if (m.leftCols<3>().determinant() < 0) std::swap(t[1], t[2]);
-        triangle_.push_back({first + t[0], first + t[1], first + t[2]});
+        // What a node or its joints mirror when the file opens would be inside out.
+        if (matrix_of(placed, matrices, t[0]).leftCols<3>().determinant() < 0) std::swap(t[1], t[2]);
+        mesh.triangle.push_back({first + t[0], first + t[1], first + t[2]});
       }
+      part.triangle_count = static_cast<uint32_t>(mesh.triangle.size()) - part.first_triangle;
+      if (part.triangle_count > 0) mesh.part.push_back(part);
     }
+    return mesh;
+  }
+
+  /// The triangles of the parts that were asked for.
+  [[nodiscard]] std::vector<Triangle> selected(TriangleMesh all) const {
+    return select_parts(with_choosable_parts(with_parts_of(import_mesh(path_), std::move(all), path_)), options_.parts)
+        .triangle;
   }
 
   // --- playing -----------------------------------------------------------------------------------------------------
@@ -247,6 +309,13 @@ class AnimatedScene {
     Poses pose = opening_;
     animation_.apply(clip_time(time), pose);
     return pose;
+  }
+
+  [[nodiscard]] std::vector<Vec3> positions(const Poses& pose, const Matrices& matrices) const {
+    std::vector<Vec3> out(vertices_);
+    std::vector<float> morphed;
+    for (const Placed& placed : placed_) place(placed, matrices, pose[placed.node].weight, morphed, out);
+    return out;
   }
 
   [[nodiscard]] double clip_time(double time) const {

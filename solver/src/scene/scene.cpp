@@ -298,22 +298,24 @@ const std::vector<ShapeReader>& shape_readers() {
                                                 {"box", {"center", "half_extents", "rotate_deg"}, read_box},
                                                 {"ellipsoid", {"center", "radii", "rotate_deg"}, read_ellipsoid},
                                                 {"convex", {"points", "planes"}, read_convex},
-                                                {"mesh", {"file", "transform", "animation"}, read_mesh}};
+                                                {"mesh", {"file", "parts", "transform", "animation"}, read_mesh}};
   return readers;
+}
+
+/// Of something in a mesh file.
+std::string name_or_number(const JsonReader& json) {
+  return json.is_string() ? json.text() : std::to_string(json.count(0, 1'000'000));
 }
 
 BodyAnimation read_animation(const JsonReader& json) {
   constexpr double kLongest = 1e6, kFastest = 1e3, kSlowest = 1e-3;
   BodyAnimation animation;
-  const auto read_clip = [&](const JsonReader& clip) {
-    animation.clip = clip.is_string() ? clip.text() : std::to_string(clip.count(0, 1'000'000));
-  };
   if (!json.is_object()) {
-    read_clip(json);
+    animation.clip = name_or_number(json);
     return animation;
   }
   json.expect_object({"clip", "start", "speed", "loop"});
-  if (json.has("clip")) read_clip(json.at("clip"));
+  if (json.has("clip")) animation.clip = name_or_number(json.at("clip"));
   if (json.has("start")) animation.start = in_range(json.at("start"), 0, kLongest);
   if (json.has("speed")) animation.speed = in_range(json.at("speed"), kSlowest, kFastest);
   if (json.has("loop")) animation.loop = json.at("loop").boolean();
@@ -337,8 +339,9 @@ SceneCollider read_collider(const JsonReader& json, const std::filesystem::path&
     collider.collider.shape = reader.read(json);
     collider.motion = read_motion_of(json);
     if (std::holds_alternative<MeshSolid>(collider.collider.shape)) {
-      collider.mesh = {folder / std::filesystem::path(json.at("file").text()),
-                       json.has("transform") ? read_transform(json.at("transform")) : Transform{}, std::nullopt};
+      collider.mesh = SceneMesh{.file = folder / std::filesystem::path(json.at("file").text())};
+      if (json.has("parts")) collider.mesh->parts = name_or_number(json.at("parts"));
+      if (json.has("transform")) collider.mesh->transform = read_transform(json.at("transform"));
       if (json.has("animation")) collider.mesh->animation = read_animation(json.at("animation"));
     } else {
       checked([&] { check(collider.collider, json.where()); });

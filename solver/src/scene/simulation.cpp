@@ -73,8 +73,11 @@ Solver solver_of(const Scene& scene, std::span<const ClothDesc> cloths, const So
 
 }  // namespace
 
-TriangleSurface read_asset_surface(const std::filesystem::path& path) {
-  const ClothAsset asset = read_asset(path);
+TriangleSurface read_asset_surface(const SceneMesh& mesh) {
+  const ClothAsset asset = read_asset(mesh.file);
+  if (!mesh.parts.empty()) {
+    throw Error(ErrorCode::unsupported, mesh.file.string() + ": a garment of an asset is taken whole; leave out parts");
+  }
   return {asset.source.position, {asset.source.triangle.begin(), asset.source.triangle.end()}};
 }
 
@@ -122,23 +125,23 @@ void Simulation::read_bodies(const BodyReader& bodies) {
     SceneCollider& collider = scene_.colliders[i];
     if (!collider.mesh) continue;
     const SceneMesh& mesh = *collider.mesh;
-    const std::string where = scene_.path.string() + ": colliders[" + std::to_string(i) + "].";
+    const std::string where = scene_.path.string() + ": colliders[" + std::to_string(i) + "]";
     if (mesh.animation && !bodies.moving)
-      throw Error(ErrorCode::unsupported, where + "animation: this program reads no animations");
+      throw Error(ErrorCode::unsupported, where + ".animation: this program reads no animations");
     try {
       if (mesh.animation) {
-        moving_[i] = std::make_shared<MovingCollider>(bodies.moving(mesh.file, *mesh.animation), mesh.transform);
+        moving_[i] = std::make_shared<MovingCollider>(bodies.moving(mesh), mesh.transform);
         collider.collider.shape = MeshSolid{moving_[i]->field()};
         collider.center = moving_[i]->middle();
         continue;
       }
-      TriangleSurface surface = bodies.surface(mesh.file);
+      TriangleSurface surface = bodies.surface(mesh);
       for (Vec3& p : surface.position) p = apply(mesh.transform, p);
       collider.collider.shape =
           MeshSolid{std::make_shared<const DistanceField>(make_distance_field(std::move(surface)))};
     } catch (const Error& error) {
       throw Error(error.code() == ErrorCode::invalid_argument ? ErrorCode::invalid_data : error.code(),
-                  where + "file: " + error.what());
+                  where + ": " + error.what());
     }
   }
 }

@@ -11,13 +11,14 @@
 
 namespace geocloth {
 
-/// When the animation of a file plays.
+/// When the animation of a file plays, and what it shows.
 struct AnimationOptions {
   std::string clip = {};  ///< name of the animation, or its number in the file from 0; empty: the first one
   /// [s] >= 0. Before, the nodes go evenly from where they are when the file opens to where the animation begins.
   double start = 0;
-  double speed = 1;   ///< > 0: seconds of the animation in a second
-  bool loop = false;  ///< begins anew at its end, else it holds its last pose
+  double speed = 1;        ///< > 0: seconds of the animation in a second
+  bool loop = false;       ///< begins anew at its end, else it holds its last pose
+  std::string parts = {};  ///< which parts of the file, as of select_parts(); empty: all
 };
 
 /// The triangles of a glTF file as one of its animations moves nodes, skins and morph targets. They are those of the
@@ -27,7 +28,8 @@ class AnimatedMesh {
   /// Reads everything that playing needs; the file is not needed afterwards.
   /// @throws Error as import_mesh(); Error(unsupported) for a file that is no glTF; Error(invalid_data) when it has no
   ///   animation or none of that name or number (lists those it has), or when the animation is broken;
-  ///   Error(invalid_argument) for options out of range
+  ///   Error(invalid_argument) for options out of range, or when the file
+  ///   has no such parts
   explicit AnimatedMesh(const std::filesystem::path& path, const AnimationOptions& options = {});
   ~AnimatedMesh();
   AnimatedMesh(AnimatedMesh&&) noexcept;

@@ -74,27 +74,30 @@ struct SceneCloth {
 
 /// Which animation of its file deforms a body, and when.
 struct BodyAnimation {
-  std::string clip;   ///< its name or its number, from 0; empty: the first one
-  double start = 0;   ///< [s] >= 0; until then the body goes from how it stands in the file to the animation's first pose
+  std::string clip = {};  ///< its name or its number, from 0; empty: the first one
+  double start =
+      0;  ///< [s] >= 0; until then the body goes from how it stands in the file to the animation's first pose
   double speed = 1;   ///< > 0
   bool loop = false;  ///< else it keeps its last pose
 };
 /// The body of a collider of shape "mesh", read when the scene is played.
 struct SceneMesh {
-  std::filesystem::path file;              ///< resolved against the scene file's folder
-  Transform transform;                     ///< from the file's coordinates to the scene's
-  std::optional<BodyAnimation> animation;  ///< not set: the body keeps the shape that it has in the file
+  std::filesystem::path file = {};  ///< resolved against the scene file's folder
+  std::string parts = {};           ///< which parts of the file, as `convert --parts` takes them; empty: all
+  Transform transform = {};         ///< from the file's coordinates to the scene's
+  std::optional<BodyAnimation> animation = {};  ///< not set: the body keeps the shape that it has in the file
 };
-/// Reads the triangles of a mesh file [m].
-using ReadSurface = std::function<TriangleSurface(const std::filesystem::path&)>;
-/// The garment in an asset, as it was in its file. @throws as read_asset
-[[nodiscard]] TriangleSurface read_asset_surface(const std::filesystem::path& path);
+/// Reads the triangles of a body, in the file's coordinates [m].
+using ReadSurface = std::function<TriangleSurface(const SceneMesh&)>;
+/// The garment in an asset, as it was in its file. @throws as read_asset; Error(unsupported) for only some of its parts
+[[nodiscard]] TriangleSurface read_asset_surface(const SceneMesh& mesh);
 /// A body that deforms.
 struct MovingBody {
-  std::vector<std::array<uint32_t, 3>> triangle;  ///< of all vertices; they stay
+  std::vector<std::array<uint32_t, 3>> triangle;               ///< of all vertices; they stay
   std::function<std::vector<Vec3>(double time)> positions_at;  ///< [m] of all vertices at a time of the scene [s] >= 0
 };
-using ReadMovingBody = std::function<MovingBody(const std::filesystem::path&, const BodyAnimation&)>;
+/// Of a mesh with an animation.
+using ReadMovingBody = std::function<MovingBody(const SceneMesh&)>;
 /// How the bodies of colliders of shape "mesh" are read.
 struct BodyReader {
   ReadSurface surface = read_asset_surface;
