@@ -28,46 +28,69 @@ constexpr uint32_t kNoTriangle = 0xFFFFFFFF;
 constexpr double kFarRatio = 2.5;   ///< a branch is a dipole from this many of its radii on
 constexpr uint32_t kRoomNodes = 3;  ///< around the body
 
-/// Solid angle of a triangle / 4 pi (Van Oosterom and Strackee 1983).
-double winding_of_triangle(const TriangleCorners& t, const Vec3d& p) {
-  const Vec3d a = t.a - p, b = t.b - p, c = t.c - p;
-  const double la = length(a), lb = length(b), lc = length(c);
-  const double above = dot(a, cross(b, c));
-  const double below = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
-  return std::atan2(above, below) / (2 * std::numbers::pi);
-}
+/// Solid angles of triangles, seen from a point (Van Oosterom and Strackee 1983), added as the arguments of complex
+/// numbers are by their product, so that only one arctangent is needed.
+class SolidAngle {
+ public:
+  void add(const TriangleCorners& t, const Vec3d& p) {
+    const Vec3d a = t.a - p, b = t.b - p, c = t.c - p;
+    const double la = length(a), lb = length(b), lc = length(c);
+    const double y = dot(a, cross(b, c));
+    const double x = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
+    const double scale = std::abs(x) + std::abs(y);
+    if (!(scale > 0)) return;  // from a corner of it
+    const double re = (x_ * x - y_ * y) / scale, im = (x_ * y + y_ * x) / scale;
+    // Two halves of a turn are one.
+    if (y_ >= 0 && y >= 0 && im < 0) ++turns_;
+    if (y_ < 0 && y < 0 && im >= 0) --turns_;
+    x_ = re;
+    y_ = im;
+  }
+  /// The sum / 4 pi.
+  [[nodiscard]] double winding() const { return turns_ + std::atan2(y_, x_) / (2 * std::numbers::pi); }
+
+ private:
+  double x_ = 1, y_ = 0;  ///< its argument is half the sum, less whole turns
+  int turns_ = 0;
+};
 
 /// Triangles in a tree of boxes, halved at the median along the longest side.
 class TriangleTree {
  public:
-  explicit TriangleTree(const TriangleSurface& surface) {
+  /// @param left_out  by triangle, not all of them; empty: none
+  TriangleTree(const TriangleSurface& surface, const std::vector<char>& left_out) {
     triangles_.reserve(surface.triangle.size());
-    for (const auto& t : surface.triangle)
-      triangles_.push_back({corners_of(t, surface.position), static_cast<uint32_t>(triangles_.size())});
+    for (uint32_t i = 0; i < surface.triangle.size(); ++i) {
+      if (left_out.empty() || left_out[i] == 0)
+        triangles_.push_back({corners_of(surface.triangle[i], surface.position), i});
+    }
     build(0, static_cast<uint32_t>(triangles_.size()));
   }
 
   struct Nearest {
     double distance;
-    uint32_t triangle;  ///< in the surface's order; kNoTriangle: none within the bound
+    uint32_t place;  ///< of the triangle in the tree; kNoTriangle: none within the bound
   };
   /// The nearest triangle if it is below `bound`.
-  [[nodiscard]] Nearest nearest(const Vec3d& p, double bound) const {
+  /// @param guess  a triangle that may well be it, by its place in the tree; or kNoTriangle
+  [[nodiscard]] Nearest nearest(const Vec3d& p, double bound, uint32_t guess) const {
     double best = bound * bound;
     uint32_t found = kNoTriangle;
+    const auto look = [&](uint32_t i) {
+      const Vec3d d = p - closest_on_triangle(triangles_[i].corners, p);
+      const double away = dot(d, d);
+      if (!(away < best)) return;  // nor where a triangle is too flat for a number
+      best = away;
+      found = i;
+    };
+    if (guess != kNoTriangle) look(guess);
     std::array<uint32_t, 64> stack{};
     size_t top = 1;
     while (top > 0) {
       const Node& node = nodes_[stack[--top]];
       if (outside(node, p) >= best) continue;
       if (node.count > 0) {
-        for (uint32_t i = node.first; i < node.first + node.count; ++i) {
-          const Vec3d d = p - closest_on_triangle(triangles_[i].corners, p);
-          const double away = dot(d, d);
-          if (!(away < best)) continue;  // nor where a triangle is too flat for a number
-          best = away;
-          found = triangles_[i].index;
-        }
+        for (uint32_t i = node.first; i < node.first + node.count; ++i) look(i);
         continue;
       }
       // The nearer child last, so that it is looked at first.
@@ -77,9 +100,16 @@ class TriangleTree {
     }
     return {std::sqrt(best), found};
   }
+  /// In the surface's order.
+  [[nodiscard]] uint32_t triangle_at(uint32_t place) const { return triangles_[place].index; }
 
+  /// Whether the surface winds around a point.
+  [[nodiscard]] bool encloses(const Vec3d& p) const { return std::abs(winding(p)) > 0.5; }
+
+ private:
   [[nodiscard]] double winding(const Vec3d& p) const {
     double sum = 0;
+    SolidAngle near;
     std::array<uint32_t, 64> stack{};
     size_t top = 1;
     while (top > 0) {
@@ -89,16 +119,15 @@ class TriangleTree {
       if (far > kFarRatio * node.radius) {
         sum += dot(node.area, d) / (4 * std::numbers::pi * far * far * far);
       } else if (node.count > 0) {
-        for (uint32_t i = node.first; i < node.first + node.count; ++i) sum += winding_of_triangle(triangles_[i].corners, p);
+        for (uint32_t i = node.first; i < node.first + node.count; ++i) near.add(triangles_[i].corners, p);
       } else {
         stack[top++] = node.left;
         stack[top++] = node.right;
       }
     }
-    return sum;
+    return sum + near.winding();
   }
 
- private:
   struct Node {
     Vec3d low, high;
     Vec3d center, area;             ///< of the dipole: weighted by area; sum of the area vectors
@@ -262,52 +291,140 @@ Vec3 way_of_nearest(const TriangleSurface& surface, std::span<const Vec3> before
   return {static_cast<float>(r.x), static_cast<float>(r.y), static_cast<float>(r.z)};
 }
 
-/// Row by row along x: a node is at most a spacing farther from the surface than the one before, and where it is
-/// farther than that its sign is the same. A body that deforms is measured anew in every frame, near its surface only:
-/// farther outside a lower bound of the distance will do.
-/// @param before  see make_deforming_field(); empty: the body keeps its shape
-void fill_row(DistanceField& field, const TriangleTree& tree, std::span<const Vec3> before, uint32_t y, uint32_t z) {
-  constexpr double kBand = 4;  // spacings
-  const double h = field.spacing;
-  double bound = std::numeric_limits<double>::infinity();
-  bool inside = false;
-  for (uint32_t x = 0; x < field.size[0]; ++x) {
-    const size_t node = (size_t{z} * field.size[1] + y) * field.size[0] + x;
-    const Vec3d p{field.low.x + h * x, field.low.y + h * y, field.low.z + h * z};
-    const TriangleTree::Nearest near = tree.nearest(p, std::isfinite(bound) ? 1.0001 * bound : 1e18);
-    const double d = near.distance;
-    if (d < 2 * h) inside = std::abs(tree.winding(p)) > 0.5;
-    field.distance[node] = static_cast<float>(inside ? -d : d);
-    bound = d + h;
-    if (before.empty() || near.triangle == kNoTriangle) continue;
-    field.way[node] = way_of_nearest(field.surface, before, near.triangle, p);
-    if (inside) continue;
-    const auto far = static_cast<uint32_t>(std::clamp(d / h - kBand, 0.0, static_cast<double>(field.size[0] - 1 - x)));
-    for (uint32_t k = 1; k <= far; ++k) {
-      field.distance[node + k] = static_cast<float>(d - h * k);
-      field.way[node + k] = field.way[node];
-    }
-    x += far;
-    bound += h * far;
-  }
-}
+/// Measures the nodes of a field.
+class Filler {
+ public:
+  /// @param before  see make_deforming_field(); empty: the body keeps its shape
+  Filler(DistanceField& field, std::span<const Vec3> before)
+      : field_(field), before_(before), tree_(field.surface, {}) {}
 
-void fill(DistanceField& field, std::span<const Vec3> before) {
-  const size_t nodes = size_t{field.size[0]} * field.size[1] * field.size[2];
-  field.distance.resize(nodes);
-  if (!before.empty()) field.way.resize(nodes);
-  const TriangleTree tree(field.surface);
-  const uint32_t rows = field.size[1] * field.size[2];
-  tbb::parallel_for(tbb::blocked_range<uint32_t>(0, rows), [&](const tbb::blocked_range<uint32_t>& range) {
-    for (uint32_t r = range.begin(); r < range.end(); ++r)
-      fill_row(field, tree, before, r % field.size[1], r / field.size[1]);
-  });
-  if (std::none_of(field.distance.begin(), field.distance.end(), [](float d) { return d < 0; })) {
-    throw Error(ErrorCode::invalid_argument,
-                "the mesh of a collider encloses nothing; close its surface, or make it thicker than " +
-                    std::to_string(field.spacing) + " m");
+  void fill() {
+    const size_t nodes = size_t{field_.size[0]} * field_.size[1] * field_.size[2];
+    field_.distance.resize(nodes);
+    if (!before_.empty()) field_.way.resize(nodes);
+    nearest_.resize(nodes, kNoTriangle);
+    for_rows([&](uint32_t y, uint32_t z) { measure_row(y, z); });
+    if (std::ranges::none_of(field_.distance, [](float d) { return d < 0; })) {
+      throw Error(ErrorCode::invalid_argument,
+                  "the mesh of a collider encloses nothing; close its surface, or make it thicker than " +
+                      std::to_string(field_.spacing) + " m");
+    }
+    find_hidden();
+    const auto hidden = std::ranges::count(hidden_, 1);
+    if (hidden == 0 || static_cast<size_t>(hidden) == hidden_.size()) return;
+    const TriangleTree shown(field_.surface, hidden_);
+    for_rows([&](uint32_t y, uint32_t z) { deepen_row(shown, y, z); });
   }
-}
+
+ private:
+  template <typename Row>
+  void for_rows(const Row& row) const {
+    const uint32_t rows = field_.size[1] * field_.size[2];
+    tbb::parallel_for(tbb::blocked_range<uint32_t>(0, rows), [&](const tbb::blocked_range<uint32_t>& range) {
+      for (uint32_t r = range.begin(); r < range.end(); ++r) row(r % field_.size[1], r / field_.size[1]);
+    });
+  }
+
+  [[nodiscard]] size_t node_at(uint32_t x, uint32_t y, uint32_t z) const {
+    return (size_t{z} * field_.size[1] + y) * field_.size[0] + x;
+  }
+  [[nodiscard]] Vec3d place_of(uint32_t x, uint32_t y, uint32_t z) const {
+    const double h = field_.spacing;
+    return {field_.low.x + h * x, field_.low.y + h * y, field_.low.z + h * z};
+  }
+
+  /// Along x: a node is at most a spacing farther from the surface than the one before, and where it is farther than
+  /// that its sign is the same. A body that deforms is measured anew in every frame, near its surface only: farther
+  /// outside a lower bound of the distance will do.
+  void measure_row(uint32_t y, uint32_t z) {
+    constexpr double kBand = 4;  // spacings
+    const double h = field_.spacing;
+    double bound = 1e18;
+    bool inside = false;
+    uint32_t guess = kNoTriangle;
+    for (uint32_t x = 0; x < field_.size[0]; ++x) {
+      const size_t node = node_at(x, y, z);
+      const Vec3d p = place_of(x, y, z);
+      const TriangleTree::Nearest near = tree_.nearest(p, bound, guess);
+      const double d = near.distance;
+      if (d < 2 * h) inside = tree_.encloses(p);
+      guess = near.place;
+      bound = 1.0001 * (d + h);
+      field_.distance[node] = static_cast<float>(inside ? -d : d);
+      if (near.place == kNoTriangle) continue;
+      nearest_[node] = tree_.triangle_at(near.place);
+      if (before_.empty()) continue;
+      field_.way[node] = way_of_nearest(field_.surface, before_, nearest_[node], p);
+      if (inside) continue;
+      const auto room = static_cast<double>(field_.size[0] - 1 - x);
+      const auto far = static_cast<uint32_t>(std::clamp(d / h - kBand, 0.0, room));
+      for (uint32_t k = 1; k <= far; ++k) {
+        field_.distance[node + k] = static_cast<float>(d - h * k);
+        field_.way[node + k] = field_.way[node];
+      }
+      x += far;
+      bound += h * far;
+    }
+  }
+
+  /// Bodies are made of pieces that go into one another, as an arm that ends inside the trunk. What lies in there is no
+  /// surface to push cloth to.
+  void find_hidden() {
+    hidden_.resize(field_.surface.triangle.size());
+    tbb::parallel_for(size_t{0}, hidden_.size(), [&](size_t i) {
+      const TriangleCorners t = corners_of(field_.surface.triangle[i], field_.surface.position);
+      hidden_[i] = all_inside_around((1.0 / 3) * (t.a + t.b + t.c)) && is_hidden(t) ? 1 : 0;
+    });
+  }
+
+  /// Whether all nodes of the cell around a point are inside.
+  [[nodiscard]] bool all_inside_around(const Vec3d& p) const {
+    const auto cell = [&](double at, float low, uint32_t size) {
+      return static_cast<uint32_t>(std::clamp((at - low) / field_.spacing, 0.0, static_cast<double>(size - 2)));
+    };
+    const uint32_t x = cell(p.x, field_.low.x, field_.size[0]), y = cell(p.y, field_.low.y, field_.size[1]),
+                   z = cell(p.z, field_.low.z, field_.size[2]);
+    for (uint32_t k = 0; k < 8; ++k) {
+      if (field_.distance[node_at(x + (k & 1), y + (k >> 1 & 1), z + (k >> 2))] >= 0) return false;
+    }
+    return true;
+  }
+
+  /// Whether a triangle has the body on both sides, in its middle and at its corners.
+  [[nodiscard]] bool is_hidden(const TriangleCorners& t) const {
+    constexpr double kOff = 0.01;  // spacings: on either side
+    constexpr double kNear = 0.8;  // share of the corner
+    const Vec3d normal = cross(t.b - t.a, t.c - t.a);
+    const double size = length(normal);
+    if (!(size > 0)) return false;
+    const Vec3d off = (kOff * field_.spacing / size) * normal, middle = (1.0 / 3) * (t.a + t.b + t.c);
+    const auto covered = [&](const Vec3d& p) { return tree_.encloses(p + off) && tree_.encloses(p - off); };
+    const auto near = [&](const Vec3d& corner) { return covered(kNear * corner + (1 - kNear) * middle); };
+    return covered(middle) && near(t.a) && near(t.b) && near(t.c);
+  }
+
+  /// Measures the nodes from what is not hidden whose nearest triangle is.
+  void deepen_row(const TriangleTree& shown, uint32_t y, uint32_t z) {
+    uint32_t guess = kNoTriangle;
+    for (uint32_t x = 0; x < field_.size[0]; ++x) {
+      const size_t node = node_at(x, y, z);
+      if (!(field_.distance[node] < 0) || nearest_[node] == kNoTriangle || hidden_[nearest_[node]] == 0) continue;
+      const Vec3d p = place_of(x, y, z);
+      const TriangleTree::Nearest near = shown.nearest(p, 1e18, guess);
+      guess = near.place;
+      if (near.place == kNoTriangle) continue;
+      field_.distance[node] = static_cast<float>(-near.distance);
+      if (before_.empty()) continue;
+      field_.way[node] = way_of_nearest(field_.surface, before_, shown.triangle_at(near.place), p);
+    }
+  }
+
+  DistanceField& field_;
+  std::span<const Vec3> before_;
+  TriangleTree tree_;
+  std::vector<uint32_t> nearest_;  ///< triangle of each node that was measured
+  std::vector<char> hidden_;       ///< by triangle
+};
 
 }  // namespace
 
@@ -326,7 +443,7 @@ SurfaceBounds bounds_of(const TriangleSurface& surface) {
 DistanceField make_distance_field(TriangleSurface surface, uint32_t nodes) {
   check_surface(surface);
   DistanceField field = grid_around(std::move(surface), nodes);
-  fill(field, {});
+  Filler(field, {}).fill();
   return field;
 }
 
@@ -341,7 +458,7 @@ DistanceField make_deforming_field(TriangleSurface surface, std::span<const Vec3
   if (!(spacing > 0 && std::isfinite(spacing)))
     throw Error(ErrorCode::invalid_argument, "the spacing of a field must be above 0");
   DistanceField field = fixed_grid_around(std::move(surface), spacing);
-  fill(field, before);
+  Filler(field, before).fill();
   return field;
 }
 
