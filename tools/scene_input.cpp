@@ -66,7 +66,10 @@ BodyReader body_reader() {
 
 std::vector<NamedFile> files_read(const std::filesystem::path& input, const Scene& scene) {
   std::vector<NamedFile> files{{"the scene", input}};
-  for (const SceneCloth& cloth : scene.cloths) files.push_back({"an asset of the scene", cloth.asset});
+  for (const SceneCloth& cloth : scene.cloths) {
+    files.push_back({"an asset of the scene", cloth.asset});
+    if (cloth.skin) files.push_back({"a skin of the scene", cloth.skin->file});
+  }
   for (const SceneCollider& collider : scene.colliders) {
     if (collider.mesh) files.push_back({"a collider of the scene", collider.mesh->file});
   }

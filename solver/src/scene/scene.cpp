@@ -196,10 +196,47 @@ std::optional<Collision> read_cloth_collision(const JsonReader& json) {
   return collision;
 }
 
+/// Of something in a mesh file.
+std::string name_or_number(const JsonReader& json) {
+  return json.is_string() ? json.text() : std::to_string(json.count(0, 1'000'000));
+}
+
+BodyAnimation read_animation(const JsonReader& json) {
+  constexpr double kLongest = 1e6, kFastest = 1e3, kSlowest = 1e-3;
+  BodyAnimation animation;
+  if (!json.is_object()) {
+    animation.clip = name_or_number(json);
+    return animation;
+  }
+  json.expect_object({"clip", "start", "speed", "loop"});
+  if (json.has("clip")) animation.clip = name_or_number(json.at("clip"));
+  if (json.has("start")) animation.start = in_range(json.at("start"), 0, kLongest);
+  if (json.has("speed")) animation.speed = in_range(json.at("speed"), kSlowest, kFastest);
+  if (json.has("loop")) animation.loop = json.at("loop").boolean();
+  return animation;
+}
+
+/// A body in a mesh file.
+SceneMesh read_body(const JsonReader& json, const std::filesystem::path& folder) {
+  if (json.at("file").text().empty()) json.at("file").fail("must name a mesh file");
+  SceneMesh mesh{.file = folder / std::filesystem::path(json.at("file").text())};
+  if (json.has("parts")) mesh.parts = name_or_number(json.at("parts"));
+  if (json.has("transform")) mesh.transform = read_transform(json.at("transform"));
+  if (json.has("animation")) mesh.animation = read_animation(json.at("animation"));
+  return mesh;
+}
+
+SceneMesh read_skin(const JsonReader& json, const std::filesystem::path& folder) {
+  json.expect_object({"file", "parts", "transform", "animation"});
+  SceneMesh skin = read_body(json, folder);
+  if (!skin.animation) skin.animation = read_animation(json.at("animation"));  // says that it is missing
+  return skin;
+}
+
 SceneCloth read_cloth(const JsonReader& json, const std::filesystem::path& folder) {
   expect_no_placing(json);
-  json.expect_object({"asset", "material", "transform", "inertia_scale", "motion", "pins", "cuts", "self_collision",
-                      "inter_collision"});
+  json.expect_object({"asset", "material", "transform", "inertia_scale", "motion", "pins", "skin", "cuts",
+                      "self_collision", "inter_collision"});
   SceneCloth cloth;
   const std::string asset = json.at("asset").text();
   if (asset.empty()) json.at("asset").fail("must name an asset file");
@@ -217,6 +254,7 @@ SceneCloth read_cloth(const JsonReader& json, const std::filesystem::path& folde
   if (json.has("pins")) {
     for (const JsonReader& pin : json.at("pins").elements()) cloth.pins.push_back(read_pin(pin));
   }
+  if (json.has("skin")) cloth.skin = read_skin(json.at("skin"), folder);
   if (json.has("cuts")) {
     for (const JsonReader& cut : json.at("cuts").elements()) cloth.cuts.push_back(read_cut(cut));
   }
@@ -281,8 +319,7 @@ ColliderShape read_convex(const JsonReader& json) {
   return built_at(json.at("planes"), [&] { return convex_of_planes(planes); });
 }
 /// Its file is read when the scene is played.
-ColliderShape read_mesh(const JsonReader& json) {
-  if (json.at("file").text().empty()) json.at("file").fail("must name a mesh file");
+ColliderShape read_mesh(const JsonReader&) {
   return MeshSolid{};
 }
 
@@ -302,26 +339,6 @@ const std::vector<ShapeReader>& shape_readers() {
   return readers;
 }
 
-/// Of something in a mesh file.
-std::string name_or_number(const JsonReader& json) {
-  return json.is_string() ? json.text() : std::to_string(json.count(0, 1'000'000));
-}
-
-BodyAnimation read_animation(const JsonReader& json) {
-  constexpr double kLongest = 1e6, kFastest = 1e3, kSlowest = 1e-3;
-  BodyAnimation animation;
-  if (!json.is_object()) {
-    animation.clip = name_or_number(json);
-    return animation;
-  }
-  json.expect_object({"clip", "start", "speed", "loop"});
-  if (json.has("clip")) animation.clip = name_or_number(json.at("clip"));
-  if (json.has("start")) animation.start = in_range(json.at("start"), 0, kLongest);
-  if (json.has("speed")) animation.speed = in_range(json.at("speed"), kSlowest, kFastest);
-  if (json.has("loop")) animation.loop = json.at("loop").boolean();
-  return animation;
-}
-
 SceneCollider read_collider(const JsonReader& json, const std::filesystem::path& folder) {
   if (!json.is_object()) json.expect_object({});
   const std::string shape = json.at("shape").text();
@@ -339,10 +356,7 @@ SceneCollider read_collider(const JsonReader& json, const std::filesystem::path&
     collider.collider.shape = reader.read(json);
     collider.motion = read_motion_of(json);
     if (std::holds_alternative<MeshSolid>(collider.collider.shape)) {
-      collider.mesh = SceneMesh{.file = folder / std::filesystem::path(json.at("file").text())};
-      if (json.has("parts")) collider.mesh->parts = name_or_number(json.at("parts"));
-      if (json.has("transform")) collider.mesh->transform = read_transform(json.at("transform"));
-      if (json.has("animation")) collider.mesh->animation = read_animation(json.at("animation"));
+      collider.mesh = read_body(json, folder);
     } else {
       checked([&] { check(collider.collider, json.where()); });
     }
@@ -378,13 +392,14 @@ std::vector<WindKey> read_wind_motion(const JsonReader& json, const Wind& wind) 
   return motion;
 }
 
-/// Collider names are what pins refer to: each once, and not one of the two words with a meaning of their own.
+/// Collider names are what pins refer to: each once, and not one of the words with a meaning of their own.
 void check_names(const Scene& scene, const JsonReader& json) {
+  const bool skins = std::ranges::any_of(scene.cloths, [](const SceneCloth& cloth) { return cloth.skin.has_value(); });
   std::vector<std::string_view> known{"cloth", "world"};
   for (size_t i = 0; i < scene.colliders.size(); ++i) {
     const std::string& name = scene.colliders[i].collider.name;
     if (name.empty()) continue;
-    if (std::find(known.begin(), known.end(), name) != known.end()) {
+    if (std::find(known.begin(), known.end(), name) != known.end() || (skins && name == "skin")) {
       json.at("colliders").elements()[i].at("name").fail("the name \"" + name + "\" is taken");
     }
     known.push_back(name);
@@ -393,8 +408,10 @@ void check_names(const Scene& scene, const JsonReader& json) {
     for (size_t p = 0; p < scene.cloths[c].pins.size(); ++p) {
       const std::string& follow = scene.cloths[c].pins[p].follow;
       if (std::find(known.begin(), known.end(), follow) != known.end()) continue;
+      if (follow == "skin" && scene.cloths[c].skin) continue;
       json.at("cloths").elements()[c].at("pins").elements()[p].at("follow").fail(
-          "there is no collider " + in_quotes(follow) + nearest_and_all(follow, known));
+          follow == "skin" ? "its cloth has no \"skin\""
+                           : "there is no collider " + in_quotes(follow) + nearest_and_all(follow, known));
     }
   }
 }

@@ -4,13 +4,14 @@
 #include <algorithm>
 #include <map>
 #include <span>
+#include <sstream>
 #include <string>
 #include <utility>
 
 #include "geocloth/asset/asset_file.h"
 #include "geocloth/asset/error.h"
 #include "geocloth/solver/scene.h"
-#include "scene/moving_collider.h"
+#include "scene/moving_surface.h"
 
 namespace geocloth {
 namespace {
@@ -29,7 +30,8 @@ std::vector<Collider> colliders_at(const Scene& scene, double time) {
 /// What a pin follows, as a rigid motion from where it was at time 0.
 Transform carrier(const Scene& scene, const SceneCloth& cloth, const std::string& follow, double time) {
   if (follow == "world") return {};
-  if (follow == "cloth") return compose(pose_at(cloth.motion, time), inverse_rigid(pose_at(cloth.motion, 0)));
+  if (follow == "cloth" || (follow == "skin" && cloth.skin))
+    return compose(pose_at(cloth.motion, time), inverse_rigid(pose_at(cloth.motion, 0)));
   for (const SceneCollider& c : scene.colliders) {
     if (c.collider.name == follow) return compose(collider_at(c, time).pose, inverse_rigid(collider_at(c, 0).pose));
   }
@@ -118,70 +120,100 @@ Simulation::Simulation(Scene scene, SolverSettings settings, const BodyReader& b
   }
 }
 
-/// The bodies of colliders of shape "mesh".
+namespace {
+
+/// Where in the scene, for messages.
+std::string element(const Scene& scene, const char* list, size_t i) {
+  return scene.path.string() + ": " + list + "[" + std::to_string(i) + "]";
+}
+
+/// Does something with a body, whose errors say where in the scene it is.
+template <typename Work>
+void for_body(const std::string& where, const Work& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    throw Error(error.code() == ErrorCode::invalid_argument ? ErrorCode::invalid_data : error.code(),
+                where + ": " + error.what());
+  }
+}
+
+}  // namespace
+
+/// The bodies of colliders of shape "mesh", and the skins of cloths.
 void Simulation::read_bodies(const BodyReader& bodies) {
+  const auto read_moving = [&](const SceneMesh& mesh) {
+    if (!bodies.moving) throw Error(ErrorCode::unsupported, "this program reads no animations");
+    return bodies.moving(mesh);
+  };
   moving_.resize(scene_.colliders.size());
   for (size_t i = 0; i < scene_.colliders.size(); ++i) {
     SceneCollider& collider = scene_.colliders[i];
     if (!collider.mesh) continue;
-    const SceneMesh& mesh = *collider.mesh;
-    const std::string where = scene_.path.string() + ": colliders[" + std::to_string(i) + "]";
-    if (mesh.animation && !bodies.moving)
-      throw Error(ErrorCode::unsupported, where + ".animation: this program reads no animations");
-    try {
+    for_body(element(scene_, "colliders", i), [&, &mesh = *collider.mesh] {
       if (mesh.animation) {
-        moving_[i] = std::make_shared<MovingCollider>(bodies.moving(mesh), mesh.transform);
+        moving_[i] = std::make_shared<MovingCollider>(read_moving(mesh), mesh.transform);
         collider.collider.shape = MeshSolid{moving_[i]->field()};
         collider.center = moving_[i]->middle();
-        continue;
+        return;
       }
       TriangleSurface surface = bodies.surface(mesh);
       for (Vec3& p : surface.position) p = apply(mesh.transform, p);
       collider.collider.shape =
           MeshSolid{std::make_shared<const DistanceField>(make_distance_field(std::move(surface)))};
-    } catch (const Error& error) {
-      throw Error(error.code() == ErrorCode::invalid_argument ? ErrorCode::invalid_data : error.code(),
-                  where + ": " + error.what());
-    }
+    });
+  }
+  skins_.resize(scene_.cloths.size());
+  for (size_t c = 0; c < scene_.cloths.size(); ++c) {
+    const SceneCloth& cloth = scene_.cloths[c];
+    if (!cloth.skin) continue;
+    for_body(element(scene_, "cloths", c) + ".skin", [&] {
+      const Transform start = compose(pose_at(cloth.motion, 0), cloth.transform);
+      skins_[c] = std::make_shared<MovingSurface>(read_moving(*cloth.skin), compose(start, cloth.skin->transform));
+    });
   }
 }
 
 /// To how they are at the end of the frame.
 void Simulation::advance_bodies() {
+  std::ostringstream at;
+  at << ": at " << time() << " s";
   for (size_t i = 0; i < moving_.size(); ++i) {
     if (!moving_[i]) continue;
-    try {
-      moving_[i]->advance(time());
-    } catch (const Error& error) {
-      throw Error(ErrorCode::invalid_data, scene_.path.string() + ": colliders[" + std::to_string(i) +
-                                               "].animation: at " + std::to_string(time()) + " s: " + error.what());
-    }
+    for_body(element(scene_, "colliders", i) + at.str(), [&] { moving_[i]->advance(time()); });
     scene_.colliders[i].collider.shape = MeshSolid{moving_[i]->field()};
+  }
+  for (size_t c = 0; c < skins_.size(); ++c) {
+    if (!skins_[c]) continue;
+    for_body(element(scene_, "cloths", c) + ".skin" + at.str(), [&] { skins_[c]->advance(time()); });
   }
 }
 
-std::optional<size_t> Simulation::moving_carrier(const std::string& follow) const {
-  for (size_t i = 0; i < moving_.size(); ++i)
-    if (moving_[i] && scene_.colliders[i].collider.name == follow) return i;
-  return std::nullopt;
+Simulation::Carrier Simulation::moving_carrier(const PinSet& set) const {
+  const std::string& follow = set.pin.follow;
+  if (follow == "skin" && skins_[set.cloth]) return {skins_[set.cloth].get(), {}};
+  for (size_t i = 0; i < moving_.size(); ++i) {
+    const SceneCollider& collider = scene_.colliders[i];
+    if (moving_[i] && collider.collider.name == follow) return {&moving_[i]->surface(), collider_at(collider, 0).pose};
+  }
+  return {};
 }
 
-/// To the body that the pin follows, if it deforms, as it was when the frame began.
+/// To the surface that the pin follows, if it deforms, as it was when the frame began.
 void Simulation::attach(PinSet& set) const {
-  const std::optional<size_t> carrier = moving_carrier(set.pin.follow);
-  if (!carrier) return;
-  const Transform back = inverse_rigid(collider_at(scene_.colliders[*carrier], 0).pose);
+  const Carrier carrier = moving_carrier(set);
+  if (carrier.surface == nullptr) return;
+  const Transform back = inverse_rigid(carrier.pose);
   set.place.clear();
-  for (const Vec3& p : set.rest) set.place.push_back(moving_[*carrier]->place_of(apply(back, p)));
+  for (const Vec3& p : set.rest) set.place.push_back(carrier.surface->place_of(apply(back, p)));
 }
 
-/// Where the body that it follows has taken a pin's point by deforming, before all that moves the body as a whole.
+/// Where the surface that it follows has taken a pin's point by deforming, before all that moves it as a whole.
 Vec3 Simulation::deformed(const PinSet& set, size_t k, bool at_start) const {
-  const std::optional<size_t> carrier = moving_carrier(set.pin.follow);
-  if (!carrier) return set.rest[k];
-  const MovingCollider& body = *moving_[*carrier];
-  const Vec3 p = at_start ? body.at_start(set.place[k]) : body.at_end(set.place[k]);
-  return apply(collider_at(scene_.colliders[*carrier], 0).pose, p);
+  const Carrier carrier = moving_carrier(set);
+  if (carrier.surface == nullptr) return set.rest[k];
+  const SurfacePlace& place = set.place[k];
+  return apply(carrier.pose, at_start ? carrier.surface->at_start(place) : carrier.surface->at_end(place));
 }
 
 double Simulation::time() const {

@@ -44,9 +44,10 @@ using Where =
 
 struct ScenePin {
   Where where;
-  std::string follow = "cloth";  ///< "cloth" (the cloth's motion), "world" (stays), or a collider's name
-  Motion motion;                 ///< on top of what it follows; turns about the middle of the pin's points
-  double from = 0;               ///< [s] above 0: the points are taken hold of then, where they are
+  /// "cloth" (the cloth's motion), "skin" (the cloth's, too), "world" (stays), or a collider's name.
+  std::string follow = "cloth";
+  Motion motion;    ///< on top of what it follows; turns about the middle of the pin's points
+  double from = 0;  ///< [s] above 0: the points are taken hold of then, where they are
   double until = std::numeric_limits<double>::infinity();  ///< [s] they are let go
   float frequency = 0;                                     ///< [1/s] 0: held; above: soft, see Pin
 
@@ -60,18 +61,6 @@ struct SceneCut {
   std::array<Vec3, 3> triangle;
 };
 
-struct SceneCloth {
-  std::filesystem::path asset;  ///< resolved against the scene file's folder
-  Material material;
-  Transform transform;
-  Motion motion;  ///< of the parent: the cloth starts at motion(0) * transform; pins with follow "cloth" take part
-  Vec3 inertia_scale{1, 1, 1};  ///< see Solver::set_parent
-  std::vector<ScenePin> pins;
-  std::optional<SelfCollision> self_collision = {};    ///< see ClothDesc
-  std::optional<InterCollision> inter_collision = {};  ///< see ClothDesc
-  std::vector<SceneCut> cuts;
-};
-
 /// Which animation of its file deforms a body, and when.
 struct BodyAnimation {
   std::string clip = {};  ///< its name or its number, from 0; empty: the first one
@@ -80,13 +69,29 @@ struct BodyAnimation {
   double speed = 1;   ///< > 0
   bool loop = false;  ///< else it keeps its last pose
 };
-/// The body of a collider of shape "mesh", read when the scene is played.
+/// A body: of a collider of shape "mesh", say. It is read when the scene is played.
 struct SceneMesh {
   std::filesystem::path file = {};  ///< resolved against the scene file's folder
   std::string parts = {};           ///< which parts of the file, as `convert --parts` takes them; empty: all
   Transform transform = {};         ///< from the file's coordinates to the scene's
   std::optional<BodyAnimation> animation = {};  ///< not set: the body keeps the shape that it has in the file
 };
+
+struct SceneCloth {
+  std::filesystem::path asset;  ///< resolved against the scene file's folder
+  Material material;
+  Transform transform;
+  Motion motion;  ///< of the parent: the cloth starts at motion(0) * transform; pins with follow "cloth" take part
+  Vec3 inertia_scale{1, 1, 1};  ///< see Solver::set_parent
+  std::vector<ScenePin> pins;
+  /// The garment as an animation moves it, in the asset's coordinates after the mesh's transform: what pins with follow
+  /// "skin" ride on. It need not be closed, and nothing collides with it.
+  std::optional<SceneMesh> skin = {};
+  std::optional<SelfCollision> self_collision = {};    ///< see ClothDesc
+  std::optional<InterCollision> inter_collision = {};  ///< see ClothDesc
+  std::vector<SceneCut> cuts;
+};
+
 /// Reads the triangles of a body, in the file's coordinates [m].
 using ReadSurface = std::function<TriangleSurface(const SceneMesh&)>;
 /// The garment in an asset, as it was in its file. @throws as read_asset; Error(unsupported) for only some of its parts
@@ -168,6 +173,7 @@ struct SurfacePlace {
   Vec3 off;           ///< [m] from there, along the triangle's first side, across it, and along its normal
 };
 class MovingCollider;
+class MovingSurface;
 
 /// A scene being played: assets loaded, pins chosen, keyframes evaluated frame by frame. A cloth all of whose pins jump
 /// alike, by their own keys or by those of colliders that they follow, jumps with them (what hangs on the pins does).
@@ -224,8 +230,12 @@ class Simulation {
   void take_hold(PinSet& set, double start);
   void read_bodies(const BodyReader& bodies);
   void advance_bodies();
-  /// The collider that pins follow by this name, if it deforms.
-  [[nodiscard]] std::optional<size_t> moving_carrier(const std::string& follow) const;
+  /// The surface that pins follow, if it deforms.
+  struct Carrier {
+    const MovingSurface* surface = nullptr;
+    Transform pose;  ///< from its coordinates to the scene's, but for what moves it as a whole
+  };
+  [[nodiscard]] Carrier moving_carrier(const PinSet& set) const;
   [[nodiscard]] Vec3 deformed(const PinSet& set, size_t k, bool at_start) const;
   void attach(PinSet& set) const;
   /// [s] Of what moves a pin's points.
@@ -242,6 +252,7 @@ class Simulation {
 
   std::vector<PinSet> pins_;
   std::vector<std::shared_ptr<MovingCollider>> moving_;  ///< of the colliders; null: it keeps its shape
+  std::vector<std::shared_ptr<MovingSurface>> skins_;    ///< of the cloths; null: it has none
   std::vector<CutMade> cuts_made_;
   std::vector<std::vector<Pin>> hands_;  ///< per cloth
   std::unique_ptr<Solver> solver_;

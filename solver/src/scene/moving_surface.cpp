@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+// What pins hold beside a surface that deforms goes along with the triangle that was nearest when they took hold.
+
+#include "scene/moving_surface.h"
+
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "colliders/closest.h"
+#include "colliders/surface_bounds.h"
+#include "geocloth/asset/error.h"
+#include "geocloth/asset/vec3d.h"
+
+namespace geocloth {
+namespace {
+
+constexpr uint32_t kNodes = 300'000;  ///< of the first field, about: one is made for every frame
+
+/// Orthonormal axes of a triangle.
+struct Axes {
+  Vec3d along, across, normal;
+};
+Vec3d unit(const Vec3d& v) {
+  const double l = length(v);
+  return l > 0 ? v * (1 / l) : Vec3d{};
+}
+Axes axes_of(const TriangleCorners& t) {
+  const Vec3d along = unit(t.b - t.a), normal = unit(cross(t.b - t.a, t.c - t.a));
+  return {along, cross(normal, along), normal};
+}
+
+}  // namespace
+
+MovingSurface::MovingSurface(MovingBody body, const Transform& place)
+    : body_(std::move(body)), place_(place), now_{positions_at(0), body_.triangle}, before_(now_.position) {
+  if (now_.triangle.empty()) throw Error(ErrorCode::invalid_data, "has no triangles");
+  for (const auto& t : now_.triangle) {
+    for (const uint32_t i : t) {
+      if (i >= before_.size())
+        throw Error(ErrorCode::invalid_data, "a triangle refers to a vertex that does not exist");
+    }
+  }
+}
+
+std::vector<Vec3> MovingSurface::positions_at(double time) const {
+  std::vector<Vec3> position = body_.positions_at(time);
+  for (Vec3& p : position) p = apply(place_, p);
+  for (size_t i = 0; i < position.size(); ++i) {
+    if (!is_finite(position[i]))
+      throw Error(ErrorCode::invalid_data, "vertex " + std::to_string(i) + " is at no finite place");
+  }
+  return position;
+}
+
+void MovingSurface::advance(double time) {
+  std::vector<Vec3> position = positions_at(time);
+  if (position.size() != before_.size()) throw Error(ErrorCode::invalid_data, "the number of its vertices changes");
+  before_ = std::exchange(now_.position, std::move(position));
+}
+
+SurfacePlace MovingSurface::place_of(const Vec3& point) const {
+  const Vec3d p = to_double(point);
+  SurfacePlace best;
+  double least = std::numeric_limits<double>::infinity();
+  for (uint32_t i = 0; i < now_.triangle.size(); ++i) {
+    const TriangleCorners t = corners_of(now_.triangle[i], before_);
+    const Vec3d normal = cross(t.b - t.a, t.c - t.a);
+    if (!(dot(normal, normal) > 0)) continue;
+    const Vec3d nearest = closest_on_triangle(t, p), away = p - nearest;
+    if (!(dot(away, away) < least)) continue;
+    least = dot(away, away);
+    const Axes axes = axes_of(t);
+    const auto real = [](double v) { return static_cast<float>(v); };
+    const Vec3d share = corner_shares(t, nearest);
+    best = {i,
+            {real(share.x), real(share.y), real(share.z)},
+            {real(dot(away, axes.along)), real(dot(away, axes.across)), real(dot(away, axes.normal))}};
+  }
+  return best;
+}
+
+Vec3 MovingSurface::point_of(const SurfacePlace& place, const std::vector<Vec3>& position) const {
+  const TriangleCorners t = corners_of(now_.triangle[place.triangle], position);
+  const Axes axes = axes_of(t);
+  const Vec3d p = double{place.corner_share.x} * t.a + double{place.corner_share.y} * t.b +
+                  double{place.corner_share.z} * t.c + double{place.off.x} * axes.along +
+                  double{place.off.y} * axes.across + double{place.off.z} * axes.normal;
+  return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
+}
+
+MovingCollider::MovingCollider(MovingBody body, const Transform& place)
+    : surface_(std::move(body), place),
+      field_(std::make_shared<const DistanceField>(make_distance_field(surface_.at_end(), kNodes))) {
+  const SurfaceBounds bounds = bounds_of(field_->surface);
+  middle_ = 0.5F * (bounds.low + bounds.high);
+}
+
+void MovingCollider::advance(double time) {
+  surface_.advance(time);
+  field_ = std::make_shared<const DistanceField>(
+      make_deforming_field(surface_.at_end(), surface_.before(), field_->spacing));
+}
+
+}  // namespace geocloth

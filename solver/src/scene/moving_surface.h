@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "geocloth/solver/scene.h"
+
+namespace geocloth {
+
+/// A surface that an animation deforms, and what rides on it.
+class MovingSurface {
+ public:
+  /// @param place  from the body's coordinates to those in which all that follows is
+  /// @throws Error(invalid_data) when it has a vertex at no finite place, or a triangle of vertices that it has not
+  MovingSurface(MovingBody body, const Transform& place);
+
+  /// On to where the next frame ends [s]. @throws as the constructor
+  void advance(double time);
+
+  [[nodiscard]] const TriangleSurface& at_end() const { return now_; }       ///< of the frame
+  [[nodiscard]] const std::vector<Vec3>& before() const { return before_; }  ///< [m] of all vertices, at its start
+  /// By its place when the frame began.
+  [[nodiscard]] SurfacePlace place_of(const Vec3& point) const;
+  [[nodiscard]] Vec3 at_start(const SurfacePlace& place) const { return point_of(place, before_); }
+  [[nodiscard]] Vec3 at_end(const SurfacePlace& place) const { return point_of(place, now_.position); }
+
+ private:
+  [[nodiscard]] std::vector<Vec3> positions_at(double time) const;
+  [[nodiscard]] Vec3 point_of(const SurfacePlace& place, const std::vector<Vec3>& position) const;
+
+  MovingBody body_;
+  Transform place_;
+  TriangleSurface now_;
+  std::vector<Vec3> before_;
+};
+
+/// The body of a collider that an animation deforms: in every frame another field, of the same spacing.
+class MovingCollider {
+ public:
+  /// @throws Error(invalid_argument) as make_distance_field
+  MovingCollider(MovingBody body, const Transform& place);
+
+  /// On to where the next frame ends [s].
+  void advance(double time);
+
+  /// At the end of the frame, in the collider's coordinates.
+  [[nodiscard]] const std::shared_ptr<const DistanceField>& field() const { return field_; }
+  [[nodiscard]] const MovingSurface& surface() const { return surface_; }
+  /// Of its bounding box at the beginning of all [m].
+  [[nodiscard]] const Vec3& middle() const { return middle_; }
+
+ private:
+  MovingSurface surface_;
+  std::shared_ptr<const DistanceField> field_;
+  Vec3 middle_;
+};
+
+}  // namespace geocloth
