@@ -9,6 +9,7 @@
 #include <limits>
 #include <numbers>
 
+#include "geocloth/parametrize/parts.h"
 #include "import_fixture.h"
 
 namespace geocloth::test {
@@ -552,6 +553,28 @@ TEST_P(AnimatedBody, BeginsAsTheMeshThatIsImportedAndPlaysAllItsClips) {
       EXPECT_TRUE(now > 0.3 * size && now < 3 * size) << now << " of " << size << " m in clip " << clip;
     }
   }
+}
+
+// What `convert --parts list` calls the cape has to be the cape when the body moves.
+TEST_P(AnimatedBody, HasThePartsOfTheMeshThatIsImported) {
+  const fs::path path = kBodies / (GetParam() + ".glb");
+  if (count_animations(path) == 0) GTEST_SKIP() << "has no animations";
+  const TriangleMesh still = with_choosable_parts(import_mesh(path));
+  for (size_t part = 0; part < still.part.size(); ++part) {
+    const std::string number = std::to_string(part);
+    const TriangleMesh chosen = select_parts(still, number);
+    const AnimatedMesh mesh(path, {.start = 1, .parts = number});
+    const std::vector<Vec3> opening = mesh.positions_at(0);
+    const std::vector<Face> expected = faces_of(chosen.triangle, [&](uint32_t i) { return still.position[i]; });
+    const std::vector<Face> faces = faces_of(mesh.triangle(), [&](uint32_t i) {
+      return Point3{double{opening[i].x}, double{opening[i].y}, double{opening[i].z}};
+    });
+    ASSERT_EQ(faces.size(), expected.size()) << part;
+    EXPECT_EQ(count_missing(expected, faces, size_of(opening)), 0U) << part;
+    if (still.part.size() == 1) continue;
+    EXPECT_EQ(AnimatedMesh(path, {.parts = "-" + number}).triangle().size() + faces.size(), still.triangle.size());
+  }
+  EXPECT_THROW(AnimatedMesh(path, {.parts = "no such part"}), Error);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, AnimatedBody, ::testing::ValuesIn(body_names()),

@@ -550,6 +550,22 @@ TEST(DistanceField, HolesAndOverlapsDoNotTurnItInsideOut) {
   EXPECT_GT(signed_distance(body, {0, 0.4F, 0}), 0.05);
 }
 
+/// Pushed to the end of an arm that is inside the trunk, cloth stayed in there for good.
+TEST(DistanceField, IsMeasuredToTheOutsideOfPiecesThatGoIntoOneAnother) {
+  TriangleSurface body = ball_surface({0, 0, 0}, 2);
+  for (const TriangleSurface& piece : {ball_surface({2, 0, 0}, 0.5F), ball_surface({0, 1, 0}, 0.3F)}) {
+    const auto first = static_cast<uint32_t>(body.position.size());
+    body.position.insert(body.position.end(), piece.position.begin(), piece.position.end());
+    for (const auto& t : piece.triangle) body.triangle.push_back({t[0] + first, t[1] + first, t[2] + first});
+  }
+  const MeshSolid solid{std::make_shared<const DistanceField>(make_distance_field(body, 60'000))};
+  const auto distance = [&](const Vec3& p) { return signed_distance({"", solid, 0, {}}, p); };
+  EXPECT_NEAR(distance({0.3F, 1, 0}), std::hypot(0.3, 1) - 2, 0.02);  // on the ball that is all inside
+  EXPECT_NEAR(distance({0, 0.7F, 0}), -1.3, 0.02);
+  EXPECT_LT(distance({1.5F, 0, 0}), -0.4);          // on the half of the other that is
+  EXPECT_NEAR(distance({2.4F, 0, 0}), -0.1, 0.02);  // below the half that is not
+}
+
 // One made by hand was taken as it was: without distances the program ended, with others cloth was not a number.
 TEST(DistanceField, OneMadeByHandIsChecked) {
   Solver solver(std::vector{test::describe(make_sheet({.nx = 5, .ny = 5}))}, test::cpu_settings());

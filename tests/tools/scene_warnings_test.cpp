@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "geocloth/asset/asset_file.h"
+#include "sliding_tetrahedron.h"
 #include "support/make_sheet.h"
 #include "support/run_program.h"
 #include "support/temporary_folder.h"
@@ -150,26 +151,11 @@ TEST_F(SceneWarnings, TellThatNothingHoldsACloth) {
   EXPECT_THAT(warnings(sheet, R"(,"gravity":[0,0,0])"), IsEmpty());
 }
 
-/// A tetrahedron that an animation moves.
-constexpr const char* kAnimated =
-    R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
-    "meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":3}]}],"accessors":[
-      {"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","min":[0,0,0],"max":[1,1,1]},
-      {"bufferView":1,"componentType":5126,"count":2,"type":"SCALAR","min":[0],"max":[1]},
-      {"bufferView":2,"componentType":5126,"count":2,"type":"VEC3"},
-      {"bufferView":3,"componentType":5121,"count":12,"type":"SCALAR"}],
-    "bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":8},
-      {"buffer":0,"byteOffset":56,"byteLength":24},{"buffer":0,"byteOffset":80,"byteLength":12}],
-    "animations":[{"samplers":[{"input":1,"output":2}],
-      "channels":[{"sampler":0,"target":{"node":0,"path":"translation"}}]}],
-    "buffers":[{"byteLength":92,"uri":"data:application/octet-stream;base64,)"
-    "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAAAAAAAgD8AAAAAAAAAAAAA"
-    R"(AAAAAAAAAAAAAACAPwAAAAAAAgEAAQMAAwIBAgM="}]})";
-
 /// A knight with 8 animations stood still, and nothing said so.
 TEST_F(SceneWarnings, TellThatABodyIsAnimated) {
-  folder_.write("moves.gltf", kAnimated);
-  folder_.write("still.gltf", std::regex_replace(kAnimated, std::regex(R"("animations":\[\{[^!]*\}\]\}\],)"), ""));
+  folder_.write("moves.gltf", kSlidingTetrahedron);
+  folder_.write("still.gltf",
+                std::regex_replace(kSlidingTetrahedron, std::regex(R"("animations":\[\{[^!]*\}\]\}\],)"), ""));
   const auto on = [](const std::string& file) {
     return R"(,"colliders":[{"shape":"mesh","file":")" + file + R"(","transform":{"translate":[0,-5,0]}}])";
   };
@@ -177,6 +163,8 @@ TEST_F(SceneWarnings, TellThatABodyIsAnimated) {
   EXPECT_THAT(warnings(sheet, on("moves.gltf")),
               ElementsAre(HasSubstr("colliders[0] (moves.gltf): the file has 1 animation, which is not played")));
   EXPECT_THAT(warnings(sheet, on("still.gltf")), IsEmpty());
+  EXPECT_THAT(warnings(sheet, std::regex_replace(on("moves.gltf"), std::regex("gltf\""), "gltf\",\"animation\":0")),
+              IsEmpty());
 }
 
 /// A curtain that was drawn lay squeezed in its plane, in a heap of cells, and nothing said why.

@@ -396,7 +396,7 @@ class Filler {
     constexpr double kNear = 0.8;  // share of the corner
     const Vec3d normal = cross(t.b - t.a, t.c - t.a);
     const double size = length(normal);
-    if (!(size > 0)) return false;
+    if (!(size > 0)) return true;  // its neighbours have all of its points
     const Vec3d off = (kOff * field_.spacing / size) * normal, middle = (1.0 / 3) * (t.a + t.b + t.c);
     const auto covered = [&](const Vec3d& p) { return tree_.encloses(p + off) && tree_.encloses(p - off); };
     const auto near = [&](const Vec3d& corner) { return covered(kNear * corner + (1 - kNear) * middle); };

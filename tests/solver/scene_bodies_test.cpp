@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Bodies of a scene that an animation deforms: what collides with cloth, and what pins ride on.
+
+#include <cmath>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "geocloth/asset/asset_file.h"
+#include "geocloth/asset/error.h"
+#include "geocloth/solver/scene.h"
+#include "solver_fixture.h"
+#include "support/temporary_folder.h"
+
+namespace geocloth {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+Scene with_body(const std::string& keys) {
+  return parse_scene(
+      R"({"version":1,"cloths":[{"asset":"a.glb"}],"colliders":[{"shape":"mesh","file":"b.glb")" + keys + "}]}",
+      "folder/scene.json");
+}
+
+TEST(SceneBodies, AnAnimationIsNamedOrNumberedOrToldInFull) {
+  const auto plays = [](const std::string& animation) {
+    return with_body(R"(,"animation":)" + animation).colliders.at(0).mesh.value().animation.value();
+  };
+  EXPECT_EQ(plays(R"("Walk")").clip, "Walk");
+  EXPECT_EQ(plays("2").clip, "2");
+  EXPECT_EQ(plays("{}").clip, "");
+  const BodyAnimation all = plays(R"({"clip":1,"start":0.5,"speed":2,"loop":true})");
+  EXPECT_EQ(all.clip, "1");
+  EXPECT_EQ(all.start, 0.5);
+  EXPECT_EQ(all.speed, 2);
+  EXPECT_TRUE(all.loop);
+  EXPECT_FALSE(plays("0").loop);
+  EXPECT_FALSE(with_body("").colliders.at(0).mesh.value().animation);
+  EXPECT_EQ(with_body(R"(,"parts":"-Cape")").colliders.at(0).mesh.value().parts, "-Cape");
+  EXPECT_EQ(with_body(R"(,"parts":3)").colliders.at(0).mesh.value().parts, "3");
+}
+
+TEST(SceneBodies, WhatIsWrongWithThemIsSaid) {
+  const auto said = [](const std::string& text) -> std::string {
+    try {
+      static_cast<void>(parse_scene(text, "scene.json"));
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "nothing";
+  };
+  const auto animation = [&](const std::string& is) {
+    return said(
+        R"({"version":1,"cloths":[{"asset":"a.glb"}],"colliders":[{"shape":"mesh","file":"b.glb","animation":)" + is +
+        "}]}");
+  };
+  EXPECT_THAT(animation("true"), HasSubstr("colliders[0].animation"));
+  EXPECT_THAT(animation("-1"), HasSubstr("colliders[0].animation"));
+  EXPECT_THAT(animation(R"({"clip":[]})"), HasSubstr("colliders[0].animation.clip"));
+  EXPECT_THAT(animation(R"({"start":-1})"), HasSubstr("colliders[0].animation.start"));
+  EXPECT_THAT(animation(R"({"speed":0})"), HasSubstr("colliders[0].animation.speed"));
+  EXPECT_THAT(animation(R"({"lop":true})"), HasSubstr("nearest known one is \"loop\""));
+  const auto cloth = [&](const std::string& keys, const std::string& rest = "") {
+    return said(R"({"version":1,"cloths":[{"asset":"a.glb")" + keys + "}]" + rest + "}");
+  };
+  const std::string rides = R"(,"pins":[{"where":{"top":0},"follow":"skin"}])";
+  const std::string skin = R"(,"skin":{"file":"b.glb","animation":0})";
+  EXPECT_EQ(cloth(rides + skin), "nothing");
+  EXPECT_THAT(cloth(rides), HasSubstr("cloths[0].pins[0].follow: its cloth has no \"skin\""));
+  EXPECT_THAT(cloth(R"(,"skin":{"file":"b.glb"})"), HasSubstr("cloths[0].skin: the key \"animation\" is missing"));
+  EXPECT_THAT(cloth(R"(,"skin":{"file":"","animation":0})"), HasSubstr("cloths[0].skin.file: must name a mesh file"));
+  EXPECT_THAT(cloth(skin, R"(,"colliders":[{"name":"skin","shape":"sphere","center":[0,0,0],"radius":1}])"),
+              HasSubstr("the name \"skin\" is taken"));
+}
+
+/// A box with the corner (-1, -1, -1) and (1, 1, 1) that swings and grows: its upper corners go up by half a metre a
+/// second and turn about y.
+MovingBody swaying_box(const SceneMesh&) {
+  MovingBody body;
+  for (const auto& t : {std::array{0, 2, 1},
+                        {1, 2, 3},
+                        {4, 5, 6},
+                        {5, 7, 6},
+                        {0, 1, 4},
+                        {1, 5, 4},
+                        {2, 6, 3},
+                        {3, 6, 7},
+                        {0, 4, 2},
+                        {2, 4, 6},
+                        {1, 3, 5},
+                        {3, 7, 5}}) {
+    body.triangle.push_back({static_cast<uint32_t>(t[0]), static_cast<uint32_t>(t[1]), static_cast<uint32_t>(t[2])});
+  }
+  body.positions_at = [](double time) {
+    std::vector<Vec3> position;
+    for (int i = 0; i < 8; ++i) {
+      const auto side = [&](int bit) { return (i >> bit & 1) != 0 ? 1.F : -1.F; };
+      const Vec3 corner{side(0), side(1), side(2)};
+      const auto t = static_cast<float>(time);
+      const Vec3 turned = rotate(quat_from_euler_deg({0, 90 * t, 0}), corner) + Vec3{0, 0.5F * t, 0};
+      position.push_back(corner.y > 0 ? turned : corner);
+    }
+    return position;
+  };
+  return body;
+}
+
+class PlayingBodies : public ::testing::Test {
+ protected:
+  void SetUp() override { write_asset(test::make_sheet(sheet_), folder_ / "sheet.glb"); }
+
+  Simulation play(const std::string& cloth, const std::string& rest, const BodyReader& bodies) {
+    const std::string text =
+        R"({"version":1,"frame_rate":60,"substeps":4,"cloths":[{"asset":"sheet.glb")" + cloth + "}]" + rest + "}";
+    return {parse_scene(text, folder_ / "scene.json"), test::cpu_settings(), bodies};
+  }
+  [[nodiscard]] Vec3 point(Simulation& simulation, uint32_t i, uint32_t j) const {
+    return test::positions_of(simulation.solver())[test::sheet_pixel(sheet_, i, j)];
+  }
+
+  test::SheetOptions sheet_{.nx = 9, .ny = 9};
+  test::TemporaryFolder folder_;
+};
+
+// The sheet's upper edge is above the box: it rides on the box's upper side, and turns with it.
+TEST_F(PlayingBodies, PinsRideOnTheSurfaceOfABodyThatDeforms) {
+  const std::string box = R"(,"colliders":[{"name":"box","shape":"mesh","file":"box.glb","animation":0,
+      "motion":[{"time":0},{"time":1,"translate":[0,0,2]}]}])";
+  Simulation simulation = play(R"(,"transform":{"translate":[0,1,0]},
+      "pins":[{"where":{"top":0},"follow":"box"}])",
+                               box, {.moving = swaying_box});
+  const Vec3 left = point(simulation, 0, 0), right = point(simulation, 8, 0);
+  ASSERT_EQ(left, (Vec3{-0.5F, 1.5F, 0}));
+  for (int f = 0; f < 30; ++f) simulation.step();
+  const Quat turn = quat_from_euler_deg({0, 45, 0});
+  EXPECT_LT(length(point(simulation, 0, 0) - rotate(turn, left) - Vec3{0, 0.25F, 1}), 1e-5F);
+  EXPECT_LT(length(point(simulation, 8, 0) - rotate(turn, right) - Vec3{0, 0.25F, 1}), 1e-5F);
+  // The body that is drawn is the one that collides.
+  const Collider body = simulation.colliders().at(0);
+  EXPECT_NEAR(signed_distance(body, {0, 2.25F, 1}), 1, 0.05);
+  EXPECT_NEAR(signed_distance(body, {0, 0.95F, 1}), -0.3, 0.05);
+}
+
+// A garment of a character moves as its rig says where it is held, whatever else is near.
+TEST_F(PlayingBodies, PinsRideOnTheSkinOfTheirCloth) {
+  const std::string skin = R"(,"transform":{"translate":[0,1,0]},"skin":{"file":"box.glb","animation":0,
+      "transform":{"translate":[0,-1,0]}},"pins":[{"where":{"top":0},"follow":"skin"}],
+      "motion":[{"time":0,"translate":[3,0,0]},{"time":1,"translate":[3,0,2]}])";
+  Simulation simulation = play(skin, "", {.moving = swaying_box});
+  EXPECT_TRUE(simulation.colliders().empty());
+  const Vec3 left = point(simulation, 0, 0);
+  ASSERT_LT(length(left - Vec3{2.5F, 1.5F, 0}), 1e-6F);
+  for (int f = 0; f < 30; ++f) simulation.step();
+  const Vec3 expected = rotate(quat_from_euler_deg({0, 45, 0}), left - Vec3{3, 0, 0}) + Vec3{3, 0.25F, 1};
+  EXPECT_LT(length(point(simulation, 0, 0) - expected), 1e-5F);
+}
+
+// They are taken where they are then, on the body as it is then.
+TEST_F(PlayingBodies, PinsThatTakeHoldLaterRideFromThere) {
+  const std::string box = R"(,"gravity":[0,0,0],"colliders":[{"name":"box","shape":"mesh","file":"box.glb",
+      "animation":0}])";
+  Simulation simulation = play(R"(,"transform":{"translate":[0,2.2,0]},
+      "pins":[{"where":{"top":0},"follow":"box","from":0.5}])",
+                               box, {.moving = swaying_box});
+  for (int f = 0; f < 30; ++f) simulation.step();
+  const Vec3 before = point(simulation, 0, 0);
+  for (int f = 0; f < 15; ++f) simulation.step();
+  const Vec3 expected = rotate(quat_from_euler_deg({0, 22.5F, 0}), before) + Vec3{0, 0.125F, 0};
+  EXPECT_LT(length(point(simulation, 0, 0) - expected), 1e-5F);
+}
+
+TEST_F(PlayingBodies, BodiesThatCannotBePlayedAreRefused) {
+  const std::string box = R"(,"colliders":[{"shape":"mesh","file":"box.glb","animation":0}])";
+  const auto said = [&](const ReadMovingBody& moving, const std::string& cloth,
+                        const std::string& rest) -> std::string {
+    try {
+      Simulation simulation = play(cloth, rest, {.moving = moving});
+      for (int f = 0; f < 3; ++f) simulation.step();
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "nothing";
+  };
+  EXPECT_EQ(said(swaying_box, "", box), "nothing");
+  EXPECT_THAT(said({}, "", box), HasSubstr("scene.json: colliders[0]: this program reads no animations"));
+  const std::string skin = R"(,"skin":{"file":"box.glb","animation":0})";
+  EXPECT_THAT(said({}, skin, ""), HasSubstr("scene.json: cloths[0].skin: this program reads no animations"));
+  const auto changed = [](const auto& change) {
+    return [change](const SceneMesh& mesh) {
+      MovingBody body = swaying_box(mesh);
+      body.positions_at = [change, at = body.positions_at](double time) {
+        std::vector<Vec3> position = at(time);
+        change(position, time);
+        return position;
+      };
+      return body;
+    };
+  };
+  const auto nowhere = changed([](std::vector<Vec3>& p, double time) {
+    if (time > 0.02) p[3].x = std::nanf("");
+  });
+  EXPECT_THAT(said(nowhere, "", box), AllOf(HasSubstr("colliders[0]: at 0.0333333 s: vertex 3"), HasSubstr("finite")));
+  EXPECT_THAT(said(nowhere, skin, ""), HasSubstr("cloths[0].skin: at 0.0333333 s: vertex 3"));
+  const auto fewer = changed([](std::vector<Vec3>& p, double time) { p.resize(time > 0 ? 5 : 8); });
+  EXPECT_THAT(said(fewer, "", box), HasSubstr("the number of its vertices changes"));
+  const auto short_of = changed([](std::vector<Vec3>& p, double) { p.resize(5); });
+  EXPECT_THAT(said(short_of, "", box), HasSubstr("colliders[0]: a triangle refers to a vertex that does not exist"));
+  const auto huge = changed([](std::vector<Vec3>& p, double time) {
+    for (Vec3& x : p) x = (time > 0 ? 1e4F : 1.F) * x;
+  });
+  EXPECT_THAT(said(huge, "", box), HasSubstr("deforms by too much"));
+}
+
+// One that a caller makes of an asset's garment cannot be taken apart.
+TEST_F(PlayingBodies, PartsOfAnAssetAreRefused) {
+  EXPECT_THROW(static_cast<void>(read_asset_surface({.file = folder_ / "sheet.glb", .parts = "1"})), Error);
+  EXPECT_EQ(read_asset_surface({.file = folder_ / "sheet.glb"}).triangle.size(), 128U);
+}
+
+}  // namespace
+}  // namespace geocloth

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Scenes with bodies that an animation of their file moves, as `simulate` plays them.
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <sstream>
+#include <string>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "geocloth/asset/asset_file.h"
+#include "sliding_tetrahedron.h"
+#include "support/make_sheet.h"
+#include "support/run_program.h"
+#include "support/temporary_folder.h"
+
+namespace geocloth::test {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+class AnimatedBodies : public testing::Test {
+ protected:
+  AnimatedBodies() {
+    write_asset(make_sheet({.nx = 5, .ny = 5}), folder_ / "sheet.glb");
+    folder_.write("body.gltf", kSlidingTetrahedron);
+    folder_.write("still.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  }
+
+  ProgramResult simulate(const std::string& cloth, const std::string& colliders) {
+    const std::string scene = folder_.write(
+        "scene.json", fmt::format(R"({{"version":1,"frames":60,"substeps":2,"cloths":[{{"asset":"sheet.glb",
+      "pins":[{{"where":{{"top":0}},"follow":"{}"}}]{}}}],"colliders":[{}]}})",
+                                  cloth.empty() ? "body" : "skin", cloth, colliders));
+    return run_program({"simulate", scene, "--backend", "cpu", "--last-state", folder_ / "last.obj", "--quiet"});
+  }
+
+  /// z of a point that is pinned, at the end [m].
+  [[nodiscard]] float top_z() const {
+    std::istringstream lines(read_text(folder_ / "last.obj"));
+    std::string line;
+    float x = 0, y = 0, z = 0;
+    while (std::getline(lines, line)) {
+      if (std::sscanf(line.c_str(), "v %f %f %f", &x, &y, &z) == 3 && std::abs(y - 0.5F) < 1e-6F) return z;
+    }
+    ADD_FAILURE() << "no point is where the pins are";
+    return 0;
+  }
+
+  /// The body, below the cloth.
+  [[nodiscard]] static std::string body(const std::string& file, const std::string& keys) {
+    return fmt::format(R"({{"name":"body","shape":"mesh","file":"{}","transform":{{"translate":[0,-9,0]}},{}}})", file,
+                       keys);
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(AnimatedBodies, CarryWhatIsPinnedToThem) {
+  const ProgramResult played = simulate("", body("body.gltf", R"("animation":"slide")"));
+  EXPECT_EQ(played.status, 0) << played.err;
+  EXPECT_NEAR(top_z(), 0.5, 1e-5);
+  // Twice as fast, from the half on, and at its end in time.
+  EXPECT_EQ(simulate("", body("body.gltf", R"("animation":{"clip":0,"start":0.5,"speed":0.5})")).status, 0);
+  EXPECT_NEAR(top_z(), 0.125, 1e-5);
+  EXPECT_EQ(simulate("", body("body.gltf", R"("parts":"tetrahedron","animation":{"speed":4})")).status, 0);
+  EXPECT_NEAR(top_z(), 0.5, 1e-5);
+  EXPECT_EQ(simulate("", body("body.gltf", R"("animation":{"speed":1.5,"loop":true})")).status, 0);
+  EXPECT_NEAR(top_z(), 0.25, 1e-5);
+}
+
+TEST_F(AnimatedBodies, CarryTheClothWhoseSkinTheyAre) {
+  const ProgramResult played = simulate(R"(,"skin":{"file":"body.gltf","animation":"slide"})", "");
+  EXPECT_EQ(played.status, 0) << played.err;
+  EXPECT_NEAR(top_z(), 0.5, 1e-5);
+}
+
+TEST_F(AnimatedBodies, ThatAreNotThereAreNamed) {
+  const auto said = [&](const std::string& file, const std::string& keys) {
+    const ProgramResult result = simulate("", body(file, keys));
+    EXPECT_EQ(result.status, 1);
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "last.obj"));
+    EXPECT_EQ(run_program({"simulate", folder_ / "scene.json", "--check"}).status, 1);
+    return result.err;
+  };
+  EXPECT_THAT(said("body.gltf", R"("animation":"walk")"),
+              AllOf(HasSubstr("scene.json: colliders[0]: "), HasSubstr("body.gltf"), HasSubstr("slide")));
+  EXPECT_THAT(said("body.gltf", R"("animation":1)"), HasSubstr("slide"));
+  EXPECT_THAT(said("body.gltf", R"("animation":0,"parts":"cape")"), HasSubstr("no part is called cape"));
+  EXPECT_THAT(said("body.gltf", R"("parts":"cape")"), HasSubstr("no part is called cape"));
+  EXPECT_THAT(said("still.obj", R"("animation":0)"), AllOf(HasSubstr("still.obj"), HasSubstr("glTF")));
+  EXPECT_THAT(said("none.gltf", R"("animation":0)"), HasSubstr("none.gltf"));
+}
+
+}  // namespace
+}  // namespace geocloth::test
