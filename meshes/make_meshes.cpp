@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Writes the project's own meshes into a folder: garments/*.obj and defects/*.obj. Same program, same bytes; the files
-// in the repository were made by it.
+// Writes the project's own meshes into a folder: garments/*.obj, defects/*.obj and bodies/*.glb. Same program, same
+// bytes; the files in the repository were made by it.
 #include <cstdio>
 #include <exception>
 
@@ -8,6 +8,7 @@
 
 #include "geocloth/asset/output_file.h"
 #include "meshes/mesh_file.h"
+#include "meshes/walker.h"
 
 namespace geocloth::meshes {
 
@@ -22,6 +23,12 @@ void write_all(const std::filesystem::path& folder, const std::vector<ObjMesh>& 
   }
 }
 
+void write_body(const std::filesystem::path& path, const std::vector<std::byte>& bytes) {
+  std::filesystem::create_directories(path.parent_path());
+  write_file(path, bytes);
+  fmt::print("{}: {} bytes\n", path.string(), bytes.size());
+}
+
 }  // namespace
 }  // namespace geocloth::meshes
 
@@ -34,6 +41,7 @@ int main(int argc, char** argv) {
     const std::filesystem::path folder = argv[1];
     geocloth::meshes::write_all(folder / "garments", geocloth::meshes::make_garments());
     geocloth::meshes::write_all(folder / "defects", geocloth::meshes::make_defects());
+    geocloth::meshes::write_body(folder / "bodies" / "walker.glb", geocloth::meshes::make_walker());
     return 0;
   } catch (const std::exception& error) {
     fmt::print(stderr, "make_meshes: {}\n", error.what());

@@ -12,8 +12,8 @@
 #include <gtest/gtest.h>
 
 #include "contact_check.h"
-#include "geocloth/parametrize/import.h"
 #include "geocloth/solver/scene.h"
+#include "scene_input.h"
 #include "support/run_program.h"
 #include "support/temporary_folder.h"
 #include "support/vulkan_test.h"
@@ -38,7 +38,7 @@ std::vector<std::string> example_scenes() {
 Scene lay_out(const std::string& name, const TemporaryFolder& folder, const std::string& resolution) {
   Scene scene = read_scene(folder.write(name + ".json", read_text(kMeshes + "scenes/" + name + ".json")));
   std::filesystem::create_directory(folder / "meshes");
-  std::filesystem::copy(kMeshes + "defects", folder / "meshes/defects");
+  for (const char* of : {"defects", "bodies"}) std::filesystem::copy(kMeshes + of, folder / "meshes" / of);
   std::set<std::string> assets;
   for (const SceneCloth& cloth : scene.cloths) assets.insert(cloth.asset.stem().string());
   for (const std::string& asset : assets) {
@@ -49,15 +49,6 @@ Scene lay_out(const std::string& name, const TemporaryFolder& folder, const std:
     EXPECT_EQ(result.status, 0) << result.err;
   }
   return scene;
-}
-
-TriangleSurface read_body(const SceneMesh& body) {
-  const TriangleMesh mesh = import_mesh(body.file);
-  TriangleSurface surface;
-  for (const auto& p : mesh.position)
-    surface.position.push_back({static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])});
-  surface.triangle.assign(mesh.triangle.begin(), mesh.triangle.end());
-  return surface;
 }
 
 /// [m] between the nodes of a field; far away outside of it.
@@ -106,7 +97,7 @@ TEST_P(Example, KeepsOutOfCollidersInEveryFrame) {
   SolverSettings settings;
   settings.backend = Backend::cpu;
   settings.check_copies = true;
-  Simulation simulation(scene, settings, {read_body, {}});
+  Simulation simulation(scene, settings, body_reader());
   ContactCheck contact(simulation);
   std::vector<ClothSnapshot> cloths(simulation.cloths().size());
   double grid_depth = -1e9, drawn_depth = -1e9;
@@ -150,7 +141,7 @@ class SmallExample : public VulkanTest, public testing::WithParamInterface<std::
   std::vector<std::vector<Vec3>> play(const Scene& scene, Backend backend) {
     SolverSettings settings;
     settings.backend = backend;
-    Simulation simulation(scene, settings, {read_body, {}});
+    Simulation simulation(scene, settings, body_reader());
     if (backend == Backend::vulkan) watch(simulation.solver());
     for (uint32_t f = 0; f < static_cast<uint32_t>(scene.frame_rate); ++f) simulation.step();
     std::vector<std::vector<Vec3>> positions(scene.cloths.size());

@@ -5,7 +5,11 @@
 #include <gtest/gtest.h>
 
 #include "geocloth/asset/topology.h"
+#include "geocloth/parametrize/animated_mesh.h"
+#include "geocloth/parametrize/import.h"
+#include "geocloth/parametrize/parts.h"
 #include "meshes/mesh_file.h"
+#include "meshes/walker.h"
 #include "support/run_program.h"
 #include "support/temporary_folder.h"
 
@@ -36,6 +40,30 @@ TEST(OwnMeshes, CommittedFilesAreWhatTheProgramMakes) {
   for (const ObjMesh& mesh : make_defects()) {
     EXPECT_TRUE(to_obj(mesh) == test::read_text(folder + "defects/" + mesh.name + ".obj")) << mesh.name;
   }
+}
+
+TEST(OwnMeshes, TheCommittedBodyIsWhatTheProgramMakes) {
+  const std::vector<std::byte> made = make_walker();
+  const std::string text(reinterpret_cast<const char*>(made.data()), made.size());
+  EXPECT_TRUE(text == test::read_text(GEOCLOTH_SOURCE_DIR "/meshes/bodies/walker.glb"));
+}
+
+// A stride that does not close would throw the cloth once a second.
+TEST(OwnMeshes, TheBodysStrideCloses) {
+  const AnimatedMesh walker(GEOCLOTH_SOURCE_DIR "/meshes/bodies/walker.glb", {.clip = "walk", .loop = true});
+  EXPECT_EQ(select_parts(import_mesh(GEOCLOTH_SOURCE_DIR "/meshes/bodies/walker.glb"), "-head").part.size(), 14U);
+  const std::vector<Vec3> begin = walker.positions_at(0), almost = walker.positions_at(walker.duration() - 1e-4),
+                          half = walker.positions_at(0.5 * walker.duration());
+  float lowest = 1e9F, highest = -1e9F, farthest = 0;
+  for (size_t i = 0; i < begin.size(); ++i) {
+    EXPECT_LT(length(begin[i] - almost[i]), 1e-3F);
+    farthest = std::max(farthest, length(begin[i] - half[i]));
+    lowest = std::min(lowest, begin[i].y);
+    highest = std::max(highest, begin[i].y);
+  }
+  EXPECT_GT(farthest, 0.3F);
+  EXPECT_NEAR(lowest, 0, 0.03);
+  EXPECT_NEAR(highest, 1.8, 0.05);
 }
 
 TEST(OwnMeshes, GarmentsAreCleanAndHaveTheirOpenings) {
