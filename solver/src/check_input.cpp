@@ -95,9 +95,10 @@ void check_field(const DistanceField& f, const std::string& where) {
       std::find_if(f.distance.begin(), f.distance.end(), [](float d) { return !(std::abs(d) <= kFarthest); });
   if (bad != f.distance.end()) refuse(where, "a distance of the field", *bad, "within +-" + number(kFarthest));
   if (!f.way.empty() && f.way.size() != f.distance.size()) {
-    throw Error(ErrorCode::invalid_argument, where + ": its field has " + std::to_string(f.way.size()) +
-                                                 " ways for " + std::to_string(f.distance.size()) +
-                                                 " nodes; it must have one for each, or none; see make_deforming_field");
+    throw Error(ErrorCode::invalid_argument,
+                where + ": its field has " + std::to_string(f.way.size()) + " ways for " +
+                    std::to_string(f.distance.size()) +
+                    " nodes; it must have one for each, or none; see make_deforming_field");
   }
   for (const Vec3& way : f.way) check_vector(way, kLargestLength, where, "a way of the field");
 }

@@ -108,8 +108,7 @@ TEST_F(VulkanMotionTest, ABodyThatDeformsAgrees) {
       return surface;
     };
     const auto t = static_cast<float>(frame);
-    const MeshSolid body{
-        std::make_shared<const DistanceField>(make_deforming_field(at(t), at(t - 1).position, 0.03F))};
+    const MeshSolid body{std::make_shared<const DistanceField>(make_deforming_field(at(t), at(t - 1).position, 0.03F))};
     const Transform pose{{0, 0.004F * t, 0}, quat_from_euler_deg({0.5F * t, 0, 0}), 1};
     solver.set_colliders(std::vector<Collider>{{"it", body, 0.4F, pose}});
   };

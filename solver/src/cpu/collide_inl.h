@@ -288,8 +288,8 @@ HWY_INLINE void push_out(D d, const Meeting& meeting, Mask<D> lanes, PointStates
       const auto in_reach = hn::AndNot(out_of_reach(d, shape, gap, way), again);
       if (hn::AllFalse(d, in_reach)) continue;
       const bool swept = round == 0 && before.pose.deform.x == 0;
-      Contacts<D> contact = find_contacts(d, meeting, shape, in_reach, to_local(d, before, start), local, near, gap,
-                                          thickness, swept);
+      Contacts<D> contact =
+          find_contacts(d, meeting, shape, in_reach, to_local(d, before, start), local, near, gap, thickness, swept);
       if (round > 0)
         contact.touches = hn::And(contact.touches, hn::Gt(contact.depth, hn::Set(d, shader::kContactSlack)));
       if (hn::AllFalse(d, contact.touches)) continue;

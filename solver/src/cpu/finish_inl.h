@@ -46,8 +46,8 @@ HWY_INLINE void keep_out(D d, const Meeting& meeting, Mask<D> lanes, const Point
       const Points<D> local = to_local(d, pose, position);
       const Nearest<D> near = nearest_of_shape(d, meeting.numbers, shape, local);
       const auto gap = hn::Sub(near.distance, thickness);
-      const Contacts<D> contact = find_contacts(d, meeting, shape, again, to_local(d, pose, start), local, near, gap,
-                                                thickness, round == 0);
+      const Contacts<D> contact =
+          find_contacts(d, meeting, shape, again, to_local(d, pose, start), local, near, gap, thickness, round == 0);
       const auto touches = hn::And(contact.touches, hn::Gt(contact.depth, slack));
       if (hn::AllFalse(d, touches)) continue;
       const Points<D> n = rotate_to_world(d, pose.pose, contact.normal);

@@ -54,7 +54,7 @@ struct DistanceField {
   /// [m] One for each node, or none where the body keeps its shape: how far the point of the surface that is nearest to
   /// the node went in the frame.
   std::vector<Vec3> way = {};
-  TriangleSurface surface;         ///< that was sampled; the solver does not look at it
+  TriangleSurface surface;  ///< that was sampled; the solver does not look at it
 };
 /// Inside is where the surface winds around (generalised winding number), so holes, overlaps and several parts are
 /// fine.
