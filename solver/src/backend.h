@@ -134,6 +134,7 @@ struct FrameInput {
       collider_numbers;  ///< see shader::ColliderShape; another one when it changes
   std::vector<shader::Substep> substeps;
   std::vector<ClothFrame> cloths;
+  bool deforms = false;         ///< a collider does, see shader::ColliderPose::deform
   bool may_sleep = false;       ///< cloth that comes to rest: no pass at the frame's end may go on moving it
   bool measure_motion = false;  ///< for longest_way()
   uint32_t motion_word = 0;     ///< 0 or 1 by turns

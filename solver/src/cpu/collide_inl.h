@@ -41,11 +41,16 @@ struct Contacts {
 };
 
 /// A collider in one of its poses.
-struct Posed {
+/// @tparam kMayDeform  else it is known not to
+template <bool kMayDeform>
+struct PosedAs {
   const float* numbers;
   const shader::ColliderShape& shape;
   const shader::ColliderPose& pose;
+
+  [[nodiscard]] bool deforms() const { return kMayDeform && pose.deform.x > 0; }
 };
+using Posed = PosedAs<true>;
 
 /// lib/collide.h: between the world and a collider's frame.
 template <class D>
@@ -58,13 +63,19 @@ HWY_NOINLINE Points<D> deformed(D d, const Posed& at, const Points<D>& q) {
   return x;
 }
 template <class D>
-HWY_INLINE Points<D> to_local(D d, const Posed& at, const Points<D>& p) {
+HWY_NOINLINE Points<D> undeformed(D d, const Posed& at, const Points<D>& p) {
+  return shifted(d, p, deforming_way(d, at.numbers, at.shape, p), hn::Set(d, -at.pose.deform.x));
+}
+template <class D, bool kMayDeform>
+HWY_INLINE Points<D> to_local(D d, const PosedAs<kMayDeform>& at, const Points<D>& p) {
   const shader::ColliderPose& pose = at.pose;
   const Points<D> from = sub(p, set(d, pose.row0.w, pose.row1.w, pose.row2.w));
   const Points<D> local = add(add(scale(d, set(d, pose.row0.x, pose.row0.y, pose.row0.z), from.x),
                                   scale(d, set(d, pose.row1.x, pose.row1.y, pose.row1.z), from.y)),
                               scale(d, set(d, pose.row2.x, pose.row2.y, pose.row2.z), from.z));
-  if (pose.deform.x > 0) return deformed(d, at, local);
+  if constexpr (kMayDeform) {
+    if (at.deforms()) return deformed(d, at, local);
+  }
   return local;
 }
 template <class D>
@@ -73,13 +84,14 @@ HWY_INLINE Points<D> rotate_to_world(D d, const shader::ColliderPose& pose, cons
           dot(d, set(d, pose.row1.x, pose.row1.y, pose.row1.z), v),
           dot(d, set(d, pose.row2.x, pose.row2.y, pose.row2.z), v)};
 }
-template <class D>
-HWY_INLINE Points<D> to_world(D d, const Posed& at, const Points<D>& p) {
+template <class D, bool kMayDeform>
+HWY_INLINE Points<D> to_world(D d, const PosedAs<kMayDeform>& at, const Points<D>& p) {
   const shader::ColliderPose& pose = at.pose;
   const Points<D> place = set(d, pose.row0.w, pose.row1.w, pose.row2.w);
-  if (!(pose.deform.x > 0)) return add(rotate_to_world(d, pose, p), place);
-  const Points<D> q = shifted(d, p, deforming_way(d, at.numbers, at.shape, p), hn::Set(d, -pose.deform.x));
-  return add(rotate_to_world(d, pose, q), place);
+  if constexpr (kMayDeform) {
+    if (at.deforms()) return add(rotate_to_world(d, pose, undeformed(d, at, p)), place);
+  }
+  return add(rotate_to_world(d, pose, p), place);
 }
 
 /// way_out() of lib/collide.h.
@@ -94,8 +106,8 @@ HWY_INLINE Points<D> way_out(D d, const Points<D>& normal, Vec<D> depth, Vec<D> 
 }
 
 /// respond() of lib/collide.h, for the lanes that touch.
-template <class D>
-HWY_INLINE void respond(D d, PointStates<D>& point, const Posed& before, const Posed& after, const Points<D>& local,
+template <class D, class At>
+HWY_INLINE void respond(D d, PointStates<D>& point, const At& before, const At& after, const Points<D>& local,
                         const Contacts<D>& contact, const Points<D>& n, const Points<D>& out_of_it, Vec<D> friction,
                         Vec<D> grip) {
   const auto one = hn::Set(d, 1.F), zero = hn::Zero(d);
@@ -212,8 +224,12 @@ struct Meeting {
         guards(sweep, substep) {}
 
   /// A collider as it is when the substep begins, and when it has ended.
-  [[nodiscard]] Posed begun(size_t collider) const { return {numbers, frame.shapes[collider], poses[collider]}; }
-  [[nodiscard]] Posed ended(size_t collider) const {
+  template <bool kMayDeform = true>
+  [[nodiscard]] PosedAs<kMayDeform> begun(size_t collider) const {
+    return {numbers, frame.shapes[collider], poses[collider]};
+  }
+  template <bool kMayDeform = true>
+  [[nodiscard]] PosedAs<kMayDeform> ended(size_t collider) const {
     return {numbers, frame.shapes[collider], poses[frame.shapes.size() + collider]};
   }
 };
@@ -266,7 +282,7 @@ HWY_NOINLINE Points<D> out_of_cleft(D d, const Meeting& meeting, Mask<D> lanes, 
 }
 
 /// push_out() of lib/collide.h.
-template <class D>
+template <bool kMayDeform, class D>
 HWY_INLINE void push_out(D d, const Meeting& meeting, Mask<D> lanes, PointStates<D>& points) {
   const size_t count = meeting.frame.shapes.size();
   const auto thickness = hn::Set(d, meeting.params.thickness);
@@ -281,13 +297,13 @@ HWY_INLINE void push_out(D d, const Meeting& meeting, Mask<D> lanes, PointStates
       const auto near_guard = Guards::near(d, meeting.guards.guards[i], points.position, hn::Add(way, way));
       if (hn::AllFalse(d, hn::And(again, near_guard))) continue;
       const shader::ColliderShape& shape = meeting.frame.shapes[i];
-      const Posed before = meeting.begun(i), after = meeting.ended(i);
+      const auto before = meeting.begun<kMayDeform>(i), after = meeting.ended<kMayDeform>(i);
       const Points<D> local = to_local(d, after, points.position);
       const Nearest<D> near = nearest_of_shape(d, meeting.numbers, shape, local);
       const auto gap = hn::Sub(near.distance, thickness);
       const auto in_reach = hn::AndNot(out_of_reach(d, shape, gap, way), again);
       if (hn::AllFalse(d, in_reach)) continue;
-      const bool swept = round == 0 && before.pose.deform.x == 0;
+      const bool swept = round == 0 && !before.deforms();
       Contacts<D> contact =
           find_contacts(d, meeting, shape, in_reach, to_local(d, before, start), local, near, gap, thickness, swept);
       if (round > 0)
@@ -341,7 +357,7 @@ HWY_INLINE Vec<D> at_most(D, const Points<D>& way) {  // its length; needs no ro
 }
 
 /// collide() of lib/collide.h where points change without being touched: taken along by a parent.
-template <class D>
+template <bool kMayDeform, class D>
 HWY_INLINE void collide_changed(D d, const Meeting& meeting, uint32_t substep, Mask<D> lanes, PointStates<D>& points) {
   const shader::ClothParams& params = meeting.params;
   const Points<D> slow_previous = points.previous;
@@ -351,7 +367,7 @@ HWY_INLINE void collide_changed(D d, const Meeting& meeting, uint32_t substep, M
   const Points<D> taken = sub(slow_previous, points.previous);
   const auto way = at_most(d, sub(points.position, points.previous));
   const auto near = hn::And(lanes, meeting.guards.near(d, points.position, way));
-  if (!hn::AllFalse(d, near)) push_out(d, meeting, near, points);
+  if (!hn::AllFalse(d, near)) push_out<kMayDeform>(d, meeting, near, points);
   if (params.moving == 0) return;
   const Points<D> displacement = add(sub(sub(points.position, points.previous), taken), points.carry);
   points.previous = sub(points.position, displacement);
@@ -388,7 +404,7 @@ HWY_INLINE bool change_yields(D d, ClothState& state, Mask<D> free, uint32_t i, 
 /// From pixel i on.
 /// @param yielded  whether a yield may not be 1 before
 /// @return whether one is not 1 then
-template <bool kChanged, class D>
+template <bool kChanged, bool kMayDeform, class D>
 HWY_NOINLINE bool collide_from(D d, const Meeting& meeting, ClothState& state, uint32_t substep, uint32_t i,
                                bool yielded) {
   const PointRow p = at(state.position, i), pp = at(state.previous, i), pc = at(state.carry, i);
@@ -398,16 +414,24 @@ HWY_NOINLINE bool collide_from(D d, const Meeting& meeting, ClothState& state, u
   if (kChanged && meeting.params.max_step > 0) points = limit_speed(d, points, meeting.params.max_step);
   const Points<D> slowed{points.position.x, points.position.y, points.position.z};
   if constexpr (kChanged) {
-    collide_changed(d, meeting, substep, free, points);
+    collide_changed<kMayDeform>(d, meeting, substep, free, points);
     points = choose<D>(free, points, before);
   } else {
-    push_out(d, meeting, free, points);
+    push_out<kMayDeform>(d, meeting, free, points);
   }
   store(d, points.position, p);
   store(d, points.previous, pp);
   store(d, points.carry, pc);
   const Points<D> moved = sub(points.position, slowed);
   return change_yields(d, state, free, i, dot(d, moved, moved), meeting.params.spacing, yielded);
+}
+
+/// The same, once it is known whether a collider deforms.
+template <bool kChanged, class D>
+HWY_INLINE bool collide_one(D d, const Meeting& meeting, ClothState& state, uint32_t substep, uint32_t i,
+                            bool yielded) {
+  return meeting.frame.deforms ? collide_from<kChanged, true>(d, meeting, state, substep, i, yielded)
+                               : collide_from<kChanged, false>(d, meeting, state, substep, i, yielded);
 }
 
 /// Where no collider was near points give way again.
@@ -474,7 +498,7 @@ HWY_NOINLINE void collide(D d, const SweepFrame& frame, uint32_t substep, std::s
   const uint32_t width = state.data.width;
   if (frame.collide_all) {
     return for_vectors(d, runs, [&](uint32_t i) GEOCLOTH_LANES {
-      if (collide_from<true>(d, meeting, state, substep, i, true)) state.mark_yielding(i / width, true);
+      if (collide_one<true>(d, meeting, state, substep, i, true)) state.mark_yielding(i / width, true);
     });
   }
   const auto lanes = static_cast<uint32_t>(hn::Lanes(d));
@@ -491,7 +515,7 @@ HWY_NOINLINE void collide(D d, const SweepFrame& frame, uint32_t substep, std::s
         for (uint64_t left = near; left != 0; left &= left - 1) {
           const uint32_t i = first + static_cast<uint32_t>(std::countr_zero(left)) * lanes;
           if (hn::AllFalse(d, free_lanes(d, &state.inverse_mass[i]))) continue;
-          if (collide_from<false>(d, meeting, state, substep, i, yielded)) yields = true;
+          if (collide_one<false>(d, meeting, state, substep, i, yielded)) yields = true;
         }
         for (uint32_t n = 0; yielded && n < count; ++n) {
           if ((near >> n & 1) == 0 && yield_again(d, meeting, state, first + n * lanes)) yields = true;
