@@ -16,21 +16,27 @@ mkdir -p "$out"
 build/release/meshes/make_meshes "$out/meshes"
 cp meshes/scenes/*.json "$out"
 
+# play SCENE: the film, the motion and the report
+play() {
+  "$geocloth" simulate "$out/$1.json" -o "$out/$1.animated.glb" -o "$out/$1.mp4" --report "$out/$1.simulate.json"
+  # Twelve moments, evenly spread over the film.
+  frames=$(ffprobe -loglevel error -show_entries stream=nb_frames -of csv=p=0 "$out/$1.mp4")
+  ffmpeg -y -loglevel error -i "$out/$1.mp4" -frames:v 1 -update 1 \
+    -vf "select='not(mod(n\,$((frames / 12))))',scale=480:-1,tile=4x3" "$out/$1.contact_sheet.png"
+}
+
 for garment in t_shirt cape poncho; do
   echo "== $garment"
   "$geocloth" convert "$out/meshes/garments/$garment.obj" -o "$out/$garment.glb" --resolution 96 \
     --report "$out/$garment.convert.json" --pictures "$out/$garment.pictures"
-  "$geocloth" simulate "$out/$garment.json" -o "$out/$garment.animated.glb" -o "$out/$garment.mp4" \
-    --report "$out/$garment.simulate.json"
-  # Twelve moments, evenly spread over the film.
-  frames=$(ffprobe -loglevel error -show_entries stream=nb_frames -of csv=p=0 "$out/$garment.mp4")
-  ffmpeg -y -loglevel error -i "$out/$garment.mp4" -frames:v 1 -update 1 \
-    -vf "select='not(mod(n\,$((frames / 12))))',scale=480:-1,tile=4x3" "$out/$garment.contact_sheet.png"
+  play "$garment"
 done
+echo "== walker"
+play walker
 
 cat <<TEXT
 
-Done. For each of t_shirt, cape and poncho, in $out:
+Done. For each of t_shirt, cape and poncho, and walker, who wears the poncho, in $out:
   NAME.glb                the asset: garment and geometry image (opens in Blender, three.js and every glTF viewer)
   NAME.animated.glb       the motion
   NAME.mp4                the film
