@@ -5,8 +5,11 @@
 #include <string>
 
 namespace geocloth::import_detail {
+namespace {
 
 using Json = GltfFile::Json;
+
+}  // namespace
 
 std::vector<double> gltf_numbers(const Json& object, const char* key) {
   std::vector<double> out;
