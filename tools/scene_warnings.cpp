@@ -215,6 +215,24 @@ void warn_of_animated_bodies(const Scene& scene, std::vector<std::string>& warni
   }
 }
 
+/// A garment and its skin are the same surface: pins that are elsewhere swing about on levers.
+void warn_of_skin(const Simulation& simulation, size_t index, std::vector<std::string>& warnings) {
+  const SceneCloth& cloth = simulation.scene().cloths[index];
+  if (!cloth.skin) return;
+  const std::string name = name_of_cloth(simulation.scene(), index);
+  if (std::ranges::none_of(cloth.pins, [](const ScenePin& pin) { return pin.follow == "skin"; })) {
+    warnings.push_back(fmt::format("{}: it has a skin, which moves nothing; let pins \"follow\": \"skin\"", name));
+    return;
+  }
+  const ClothDesc& desc = simulation.cloths()[index];
+  const float away = simulation.farthest_from_skin(static_cast<uint32_t>(index));
+  if (away <= desc.asset->spacing * desc.transform.scale) return;
+  warnings.push_back(fmt::format(
+      "{}: its pins begin up to {:.2g} m away from its skin; check that \"parts\" of {} are the garment, and "
+      "its \"transform\", if the garment was converted with a --unit or --scale",
+      name, away, cloth.skin->file.filename().string()));
+}
+
 /// What is set and changes nothing, and cloth that nothing can hold.
 void warn_of_idle_settings(const Scene& scene, size_t index, std::vector<std::string>& warnings) {
   const SceneCloth& cloth = scene.cloths[index];
@@ -285,6 +303,7 @@ std::vector<std::string> scene_warnings(const Simulation& simulation) {
     warn_of_late_parts(simulation.scene(), c, warnings);
     warn_of_torn_jumps(simulation.scene(), c, warnings);
     warn_of_idle_settings(simulation.scene(), c, warnings);
+    warn_of_skin(simulation, c, warnings);
   }
   warn_of_animated_bodies(simulation.scene(), warnings);
   return warnings;

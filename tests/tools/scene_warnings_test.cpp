@@ -167,6 +167,21 @@ TEST_F(SceneWarnings, TellThatABodyIsAnimated) {
               IsEmpty());
 }
 
+/// Pins on levers of a hundred metres, where a garment was converted from centimetres, throw it about.
+TEST_F(SceneWarnings, TellThatASkinIsNotTheGarment) {
+  folder_.write("moves.gltf", kSlidingTetrahedron);
+  const auto with = [](const std::string& transform, const std::string& follow) {
+    return fmt::format(R"({{"asset":"sheet.glb","pins":[{{"where":{{"vertex_group":"top"}},"follow":"{}"}}],
+        "skin":{{"file":"moves.gltf","animation":0{}}}}})",
+                       follow, transform);
+  };
+  const std::string around = R"(,"transform":{"translate":[-1,-1,0],"scale":4})";  // a face of it lies on the sheet
+  EXPECT_THAT(warnings(with(around, "skin")), IsEmpty());
+  EXPECT_THAT(warnings(with("", "skin")),
+              ElementsAre(AllOf(HasSubstr("its pins begin up to 0.5 m away"), HasSubstr("moves.gltf"))));
+  EXPECT_THAT(warnings(with(around, "cloth")), ElementsAre(HasSubstr("it has a skin, which moves nothing")));
+}
+
 /// A curtain that was drawn lay squeezed in its plane, in a heap of cells, and nothing said why.
 TEST_F(SceneWarnings, TellThatFlatClothCannotFold) {
   const std::string drawn =

@@ -216,6 +216,15 @@ Vec3 Simulation::deformed(const PinSet& set, size_t k, bool at_start) const {
   return apply(carrier.pose, at_start ? carrier.surface->at_start(place) : carrier.surface->at_end(place));
 }
 
+float Simulation::farthest_from_skin(uint32_t cloth) const {
+  float farthest = 0;
+  for (const PinSet& set : pins_) {
+    if (set.cloth != cloth || moving_carrier(set).surface != skins_[cloth].get()) continue;
+    for (const SurfacePlace& place : set.place) farthest = std::max(farthest, length(place.off));
+  }
+  return farthest;
+}
+
 double Simulation::time() const {
   return frame_ / scene_.frame_rate;
 }

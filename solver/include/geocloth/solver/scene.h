@@ -205,6 +205,9 @@ class Simulation {
   /// A wind in place of the scene's and its keyframes.
   void set_wind(const Wind& wind);
 
+  /// [m] How far the pins of a cloth that follow its skin are from it, at most, as they took hold; 0 without.
+  [[nodiscard]] float farthest_from_skin(uint32_t cloth) const;
+
   /// Pixels that the pins of the scene hold at time(), ascending, all copies included.
   [[nodiscard]] std::vector<uint32_t> held_pixels(uint32_t cloth) const;
   /// Pins beside those of the scene, and in place of them where both hold a pixel: a hand that drags the cloth. From
