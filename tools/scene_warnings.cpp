@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "geocloth/parametrize/animated_mesh.h"
 #include "geocloth/parametrize/import.h"
 
 namespace geocloth {
@@ -215,6 +216,60 @@ void warn_of_animated_bodies(const Scene& scene, std::vector<std::string>& warni
   }
 }
 
+/// [m] How far any vertex is from where it was.
+float farthest_way(const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
+  float way = 0;
+  for (size_t i = 0; i < from.size(); ++i) way = std::max(way, length(to[i] - from[i]));
+  return way;
+}
+
+/// [m] Diagonal of the bounding box.
+float size_of(const std::vector<Vec3>& points) {
+  Vec3 low = points.at(0), high = low;
+  for (const Vec3& p : points) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+  return length(high - low);
+}
+
+/// A walk that goes on for two metres and begins anew where it began throws what is worn.
+void warn_of_open_loop(const SceneMesh& mesh, const std::string& name, double frame_rate,
+                       std::vector<std::string>& warnings) {
+  if (!mesh.animation || !mesh.animation->loop) return;
+  constexpr int kSamples = 60;
+  constexpr float kTimes = 3;     // as far as in the fastest frame
+  constexpr float kSeen = 0.01F;  // of the body's size
+  const AnimatedMesh played(mesh.file, {.clip = mesh.animation->clip, .parts = mesh.parts});
+  if (!(played.duration() > 0)) return;
+  const std::vector<Vec3> first = played.positions_at(0);
+  std::vector<Vec3> last = first;
+  float fastest = 0;  // [m] in one of the samples
+  for (int k = 1; k <= kSamples; ++k) {
+    std::vector<Vec3> next = played.positions_at(played.duration() * k / kSamples);
+    fastest = std::max(fastest, farthest_way(last, next));
+    last = std::move(next);
+  }
+  const double frame = mesh.animation->speed / frame_rate, sample = played.duration() / kSamples;
+  const float way = farthest_way(last, first), usual = fastest * static_cast<float>(frame / sample);
+  if (way <= std::max(kTimes * usual, kSeen * size_of(first))) return;
+  warnings.push_back(fmt::format(
+      "{} ({}): its animation ends up to {:.2g} m from where it begins, and the body jumps there when it loops; "
+      "export it as one that stays on the spot, or leave out \"loop\"",
+      name, mesh.file.filename().string(), mesh.transform.scale * way));
+}
+
+void warn_of_open_loops(const Scene& scene, std::vector<std::string>& warnings) {
+  for (size_t i = 0; i < scene.colliders.size(); ++i) {
+    const auto& mesh = scene.colliders[i].mesh;
+    if (mesh) warn_of_open_loop(*mesh, fmt::format("colliders[{}]", i), scene.frame_rate, warnings);
+  }
+  for (size_t c = 0; c < scene.cloths.size(); ++c) {
+    const auto& skin = scene.cloths[c].skin;
+    if (skin) warn_of_open_loop(*skin, fmt::format("cloths[{}].skin", c), scene.frame_rate, warnings);
+  }
+}
+
 /// A garment and its skin are the same surface: pins that are elsewhere swing about on levers.
 void warn_of_skin(const Simulation& simulation, size_t index, std::vector<std::string>& warnings) {
   const SceneCloth& cloth = simulation.scene().cloths[index];
@@ -306,6 +361,7 @@ std::vector<std::string> scene_warnings(const Simulation& simulation) {
     warn_of_skin(simulation, c, warnings);
   }
   warn_of_animated_bodies(simulation.scene(), warnings);
+  warn_of_open_loops(simulation.scene(), warnings);
   return warnings;
 }
 

@@ -167,6 +167,21 @@ TEST_F(SceneWarnings, TellThatABodyIsAnimated) {
               IsEmpty());
 }
 
+/// A walk that went two metres and began anew where it had begun threw what was worn.
+TEST_F(SceneWarnings, TellThatALoopDoesNotClose) {
+  folder_.write("moves.gltf", kSlidingTetrahedron);
+  const auto plays = [](const std::string& animation) {
+    return R"(,"colliders":[{"shape":"mesh","file":"moves.gltf","transform":{"translate":[0,-9,0],"scale":2},"animation":)" +
+           animation + "}]";
+  };
+  const std::string sheet = R"({"asset":"sheet.glb","pins":[{"where":{"vertex_group":"top"}}]})";
+  EXPECT_THAT(warnings(sheet, plays(R"({"loop":true})")),
+              ElementsAre(HasSubstr("colliders[0] (moves.gltf): its animation ends up to 1 m from where it begins")));
+  EXPECT_THAT(warnings(sheet, plays("{}")), IsEmpty());
+  // One that goes all the way in three frames goes as fast as it jumps.
+  EXPECT_THAT(warnings(sheet, plays(R"({"loop":true,"speed":20})")), IsEmpty());
+}
+
 /// Pins on levers of a hundred metres, where a garment was converted from centimetres, throw it about.
 TEST_F(SceneWarnings, TellThatASkinIsNotTheGarment) {
   folder_.write("moves.gltf", kSlidingTetrahedron);
