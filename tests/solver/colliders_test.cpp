@@ -21,6 +21,7 @@
 #include "frame_input.h"
 #include "geocloth/asset/error.h"
 #include "solver_fixture.h"
+#include "support/ball_surface.h"
 
 namespace geocloth {
 namespace {
@@ -107,27 +108,8 @@ TEST_P(EveryShape, NoPointOnItGoesFartherThanItsWay) {
   }
 }
 
-/// A ball of triangles.
-TriangleSurface ball_surface(const Vec3& center, float radius) {
-  constexpr uint32_t kAround = 48, kAlong = 24;
-  TriangleSurface surface;
-  for (uint32_t j = 0; j <= kAlong; ++j)
-    for (uint32_t i = 0; i < kAround; ++i) {
-      const float u = std::numbers::pi_v<float> * static_cast<float>(j) / kAlong;
-      const float v = 2 * std::numbers::pi_v<float> * static_cast<float>(i) / kAround;
-      surface.position.push_back(center +
-                                 radius * Vec3{std::sin(u) * std::cos(v), std::cos(u), -std::sin(u) * std::sin(v)});
-    }
-  for (uint32_t j = 0; j < kAlong; ++j)
-    for (uint32_t i = 0; i < kAround; ++i) {
-      const uint32_t a = j * kAround + i, b = j * kAround + (i + 1) % kAround;
-      surface.triangle.push_back({a, a + kAround, b + kAround});
-      surface.triangle.push_back({a, b + kAround, b});
-    }
-  return surface;
-}
 MeshSolid ball_mesh() {
-  return {std::make_shared<const DistanceField>(make_distance_field(ball_surface({0, 0.2F, 0}, 0.25F), 60'000))};
+  return {std::make_shared<const DistanceField>(make_distance_field(test::ball_surface({0, 0.2F, 0}, 0.25F), 60'000))};
 }
 Convex wedge() {
   return convex_hull(std::vector<Vec3>{{-0.3F, 0, -0.3F},
@@ -528,7 +510,7 @@ TEST(Convex, OneMadeByHandHasNoMorePlanesThanItMay) {
 }
 
 TEST(DistanceField, OfABallOfTrianglesIsTheBalls) {
-  const DistanceField field = make_distance_field(ball_surface({0, 0, 0}, 0.3F), 100'000);
+  const DistanceField field = make_distance_field(test::ball_surface({0, 0, 0}, 0.3F), 100'000);
   const Collider body{"", MeshSolid{std::make_shared<const DistanceField>(field)}, 0, {}};
   for (const Vec3& p : {Vec3{0, 0, 0}, Vec3{0.25F, 0, 0}, Vec3{0.1F, -0.2F, 0.15F}, Vec3{0.2F, 0.2F, 0.2F}})
     EXPECT_NEAR(signed_distance(body, p), length(p) - 0.3, p == Vec3{} ? field.spacing : 0.004);
@@ -537,9 +519,9 @@ TEST(DistanceField, OfABallOfTrianglesIsTheBalls) {
 }
 
 TEST(DistanceField, HolesAndOverlapsDoNotTurnItInsideOut) {
-  TriangleSurface two = ball_surface({0, 0, 0}, 0.3F);
+  TriangleSurface two = test::ball_surface({0, 0, 0}, 0.3F);
   two.triangle.resize(two.triangle.size() - 48 * 2 * 3);  // the southern cap is missing
-  const TriangleSurface other = ball_surface({0.2F, 0, 0}, 0.25F);
+  const TriangleSurface other = test::ball_surface({0.2F, 0, 0}, 0.25F);
   const auto first = static_cast<uint32_t>(two.position.size());
   two.position.insert(two.position.end(), other.position.begin(), other.position.end());
   for (const auto& t : other.triangle) two.triangle.push_back({t[0] + first, t[1] + first, t[2] + first});
@@ -552,8 +534,8 @@ TEST(DistanceField, HolesAndOverlapsDoNotTurnItInsideOut) {
 
 /// Pushed to the end of an arm that is inside the trunk, cloth stayed in there for good.
 TEST(DistanceField, IsMeasuredToTheOutsideOfPiecesThatGoIntoOneAnother) {
-  TriangleSurface body = ball_surface({0, 0, 0}, 2);
-  for (const TriangleSurface& piece : {ball_surface({2, 0, 0}, 0.5F), ball_surface({0, 1, 0}, 0.3F)}) {
+  TriangleSurface body = test::ball_surface({0, 0, 0}, 2);
+  for (const TriangleSurface& piece : {test::ball_surface({2, 0, 0}, 0.5F), test::ball_surface({0, 1, 0}, 0.3F)}) {
     const auto first = static_cast<uint32_t>(body.position.size());
     body.position.insert(body.position.end(), piece.position.begin(), piece.position.end());
     for (const auto& t : piece.triangle) body.triangle.push_back({t[0] + first, t[1] + first, t[2] + first});

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <numbers>
 #include <vector>
 
 #include "geocloth/solver/solid.h"
 #include "solver_fixture.h"
+#include "support/ball_surface.h"
 #include "support/machine.h"
 
 namespace geocloth {
@@ -18,26 +18,8 @@ constexpr float kFrame = 1.F / 60;    ///< [s]
 constexpr float kNodes = 0.015F;      ///< [m] between nodes
 constexpr float kThickness = 0.002F;  ///< [m]
 
-/// A ball of triangles about the origin, as long along x as `stretch` says.
-TriangleSurface ball_surface(float radius, float stretch = 1) {
-  constexpr uint32_t kAround = 40, kAlong = 21;
-  TriangleSurface surface;
-  for (uint32_t j = 0; j < kAlong; ++j) {
-    for (uint32_t i = 0; i < kAround; ++i) {
-      const double u = 2 * std::numbers::pi * i / kAround, v = std::numbers::pi * j / (kAlong - 1);
-      surface.position.push_back({stretch * radius * static_cast<float>(std::sin(v) * std::cos(u)),
-                                  radius * static_cast<float>(std::cos(v)),
-                                  radius * static_cast<float>(std::sin(v) * std::sin(u))});
-    }
-  }
-  for (uint32_t j = 0; j + 1 < kAlong; ++j) {
-    for (uint32_t i = 0; i < kAround; ++i) {
-      const uint32_t a = j * kAround + i, b = j * kAround + (i + 1) % kAround;
-      surface.triangle.push_back({a, b, a + kAround});
-      surface.triangle.push_back({b, b + kAround, a + kAround});
-    }
-  }
-  return surface;
+TriangleSurface ball_surface(float radius) {
+  return test::ball_surface({}, radius, 40, 20);
 }
 
 /// Where a point of a body is after some frames.

@@ -2,9 +2,9 @@
 // What a scene may hold besides springs and simple colliders, on both backends: soft pins, moving parents, hulls and
 // bodies, triangles that hold what is thinner than a pixel, steps that change and steps that are tiny.
 #include <cmath>
-#include <numbers>
 
 #include "geocloth/solver/solid.h"
+#include "support/ball_surface.h"
 #include "support/vulkan_play.h"
 
 namespace geocloth {
@@ -47,28 +47,6 @@ TEST_F(VulkanMotionTest, AParentThatTurnsWithInertiaAndWindAgrees) {
   expect_same_as_cpu(scene);
 }
 
-/// A ball of triangles.
-TriangleSurface ball_surface(float radius) {
-  constexpr uint32_t kAround = 16, kAlong = 9;
-  TriangleSurface surface;
-  for (uint32_t j = 0; j < kAlong; ++j) {
-    for (uint32_t i = 0; i < kAround; ++i) {
-      const double u = 2 * std::numbers::pi * i / kAround, v = std::numbers::pi * j / (kAlong - 1);
-      surface.position.push_back({radius * static_cast<float>(std::sin(v) * std::cos(u)),
-                                  radius * static_cast<float>(std::cos(v)),
-                                  radius * static_cast<float>(std::sin(v) * std::sin(u))});
-    }
-  }
-  for (uint32_t j = 0; j + 1 < kAlong; ++j) {
-    for (uint32_t i = 0; i < kAround; ++i) {
-      const uint32_t a = j * kAround + i, b = j * kAround + (i + 1) % kAround;
-      surface.triangle.push_back({a, b, a + kAround});
-      surface.triangle.push_back({b, b + kAround, a + kAround});
-    }
-  }
-  return surface;
-}
-
 /// A sheet falls on a collider that comes up and turns.
 Play falls_on(const ColliderShape& shape, float lift) {
   SheetOptions options = kCut;
@@ -90,7 +68,8 @@ Play falls_on(const ColliderShape& shape, float lift) {
 TEST_F(VulkanMotionTest, AHullAndABodyAgreeAndNothingSinksIn) {
   const Convex hull = convex_hull(
       std::vector<Vec3>{{-0.2F, 0, -0.2F}, {0.2F, 0, -0.2F}, {0.2F, 0, 0.2F}, {-0.2F, 0, 0.2F}, {0, 0.2F, 0.05F}});
-  const MeshSolid body{std::make_shared<const DistanceField>(make_distance_field(ball_surface(0.2F), 8'000))};
+  const MeshSolid body{
+      std::make_shared<const DistanceField>(make_distance_field(test::ball_surface({}, 0.2F, 16, 8), 8'000))};
   for (const ColliderShape& shape : {ColliderShape{hull}, ColliderShape{body}}) {
     const Outcome outcome = expect_same_as_cpu(falls_on(shape, 0.5F));
     EXPECT_LE(outcome.statistics.penetration, double{Material{}.thickness});
@@ -100,7 +79,7 @@ TEST_F(VulkanMotionTest, AHullAndABodyAgreeAndNothingSinksIn) {
 /// Which swells, goes along and turns, as a pose of its own takes it further.
 TEST_F(VulkanMotionTest, ABodyThatDeformsAgrees) {
   Play scene = falls_on(Sphere{}, 0);
-  scene.before_frame = [rest = ball_surface(0.2F)](Solver& solver, uint32_t frame) {
+  scene.before_frame = [rest = test::ball_surface({}, 0.2F, 16, 8)](Solver& solver, uint32_t frame) {
     const auto at = [&](float t) {
       TriangleSurface surface = rest;
       const Transform pose{{0.004F * t, 0, 0.002F * t}, quat_from_euler_deg({0, t, 0.5F * t}), 1};
