@@ -47,21 +47,16 @@ Surface capsule(const Vec3& a, const Vec3& b, double radius_a, double radius_b) 
     surface.position.push_back({part(center.x, axis.x, side.x, other.x), part(center.y, axis.y, side.y, other.y),
                                 part(center.z, axis.z, side.z, other.z)});
   };
-  // From a pole to a ring at the widest, and the same at the other end.
   const double quarter = std::numbers::pi / 2;
-  add(a, -radius_a, 0, 0);
-  for (uint32_t end = 0; end < 2; ++end) {
-    for (uint32_t ring = 0; ring < kCap; ++ring) {
-      const double angle = quarter * (end == 0 ? ring + 1 : kCap - 1 - ring) / kCap;
-      const double radius = end == 0 ? radius_a : radius_b;
-      for (uint32_t i = 0; i < kAround; ++i) {
-        const double along = (end == 0 ? -1 : 1) * radius * std::cos(angle);
-        const double turn = 4 * quarter * i / kAround;
-        // The last ring would be the other pole.
-        if (end == 0 || ring + 1 < kCap) add(end == 0 ? a : b, along, radius * std::sin(angle), turn);
-      }
+  const auto add_ring = [&](const Vec3& center, double radius, double outwards, uint32_t from_pole) {
+    const double angle = quarter * from_pole / kCap;
+    for (uint32_t i = 0; i < kAround; ++i) {
+      add(center, outwards * radius * std::cos(angle), radius * std::sin(angle), 4 * quarter * i / kAround);
     }
-  }
+  };
+  add(a, -radius_a, 0, 0);
+  for (uint32_t ring = 1; ring <= kCap; ++ring) add_ring(a, radius_a, -1, ring);
+  for (uint32_t ring = kCap - 1; ring > 0; --ring) add_ring(b, radius_b, 1, ring);
   add(b, radius_b, 0, 0);
   const auto last = static_cast<uint32_t>(surface.position.size()) - 1;
   const uint32_t rings = (last - 1) / kAround;
