@@ -57,11 +57,15 @@ inline vec3 rotate_to_world(ColliderPose pose, vec3 v) {
   return vec3(dot3(xyz(pose.row0), v), dot3(xyz(pose.row1), v), dot3(xyz(pose.row2), v));
 }
 
-inline vec3 to_world(ColliderSet set, ColliderShape shape, ColliderPose pose, vec3 p) {
-  vec3 q = p;
-  if (pose.deform.x > 0.0f) q = shifted(p, deforming_way(set, shape, p), -pose.deform.x);
-  precise vec3 r = rotate_to_world(pose, q) + vec3(pose.row0.w, pose.row1.w, pose.row2.w);
+// As if nothing deformed.
+inline vec3 rigid_to_world(ColliderPose pose, vec3 p) {
+  precise vec3 r = rotate_to_world(pose, p) + vec3(pose.row0.w, pose.row1.w, pose.row2.w);
   return r;
+}
+
+inline vec3 to_world(ColliderSet set, ColliderShape shape, ColliderPose pose, vec3 p) {
+  if (pose.deform.x > 0.0f) return rigid_to_world(pose, shifted(p, deforming_way(set, shape, p), -pose.deform.x));
+  return rigid_to_world(pose, p);
 }
 
 const float kThin = 1.05f;  // spacings

@@ -22,9 +22,7 @@ constexpr float kGuardRounding = 1e-5F;  // relative
 /// at most as far from the grid, which holds it at the frame's end, as it still has to go.
 void guard_field(const shader::ColliderShape& shape, const shader::ColliderPose& pose, ColliderGuard& guard) {
   const LocalBox grid = box_of_grid(shape);
-  shader::ColliderPose rigid = pose;
-  rigid.deform = {};
-  const shader::vec3 middle = shader::to_world({}, shape, rigid, {grid.center.x, grid.center.y, grid.center.z});
+  const shader::vec3 middle = shader::rigid_to_world(pose, {grid.center.x, grid.center.y, grid.center.z});
   const float radius = length(grid.half) + pose.deform.x * pose.deform.y;
   guard.x = middle.x;
   guard.y = middle.y;

@@ -123,7 +123,7 @@ HWY_NOINLINE Mask<D> push_points(D d, const Meeting& meeting, const shader::Coll
   const Points<D> p0 = at_weights(d, start, weights);
   const Points<D> p1 = to_local(d, poses.after, at_weights(d, t.now, weights));
   const Nearest<D> near = nearest_of_shape(d, meeting.numbers, shape, p1);
-  const bool swept = poses.before.pose.deform.x == 0;
+  const bool swept = !poses.before.deforms();
   const Contacts<D> contact = find_contacts(d, meeting, shape, lanes, p0, p1, near, near.distance, zero, swept);
   const Points<D> share = mul(d, t.mass, weights);
   const auto sum = dot(d, share, weights);
