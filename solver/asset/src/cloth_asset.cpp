@@ -250,14 +250,6 @@ void check_vertex_groups(const ClothAsset& asset) {
   }
 }
 
-/// a / |a|, or `otherwise` when a has no direction.
-Vec3d unit(const Vec3d& a, const Vec3d& otherwise) {
-  const double l = length(a);
-  return l > 0 ? a * (1 / l) : otherwise;
-}
-Vec3 to_float(const Vec3d& a) {
-  return {static_cast<float>(a.x), static_cast<float>(a.y), static_cast<float>(a.z)};
-}
 /// Some unit vector across the unit vector n.
 Vec3d any_across(const Vec3d& n) {
   return unit(cross(n, std::abs(n.x) < 0.5 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}), {0, 0, 1});

@@ -287,8 +287,7 @@ Vec3 way_of_nearest(const TriangleSurface& surface, std::span<const Vec3> before
   const TriangleCorners now = corners_of(corner, surface.position);
   const Vec3d share = corner_shares(now, closest_on_triangle(now, p));
   const auto way = [&](size_t k) { return to_double(surface.position[corner[k]]) - to_double(before[corner[k]]); };
-  const Vec3d r = share.x * way(0) + share.y * way(1) + share.z * way(2);
-  return {static_cast<float>(r.x), static_cast<float>(r.y), static_cast<float>(r.z)};
+  return to_float(share.x * way(0) + share.y * way(1) + share.z * way(2));
 }
 
 /// Measures the nodes of a field.

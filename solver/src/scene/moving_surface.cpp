@@ -4,6 +4,7 @@
 #include "scene/moving_surface.h"
 
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -21,12 +22,8 @@ constexpr uint32_t kNodes = 300'000;  ///< of the first field, about: one is mad
 struct Axes {
   Vec3d along, across, normal;
 };
-Vec3d unit(const Vec3d& v) {
-  const double l = length(v);
-  return l > 0 ? v * (1 / l) : Vec3d{};
-}
 Axes axes_of(const TriangleCorners& t) {
-  const Vec3d along = unit(t.b - t.a), normal = unit(cross(t.b - t.a, t.c - t.a));
+  const Vec3d along = unit(t.b - t.a, {}), normal = unit(cross(t.b - t.a, t.c - t.a), {});
   return {along, cross(normal, along), normal};
 }
 
@@ -61,32 +58,30 @@ void MovingSurface::advance(double time) {
 
 SurfacePlace MovingSurface::place_of(const Vec3& point) const {
   const Vec3d p = to_double(point);
-  SurfacePlace best;
+  std::optional<uint32_t> best;
   double least = std::numeric_limits<double>::infinity();
   for (uint32_t i = 0; i < now_.triangle.size(); ++i) {
     const TriangleCorners t = corners_of(now_.triangle[i], before_);
     const Vec3d normal = cross(t.b - t.a, t.c - t.a);
     if (!(dot(normal, normal) > 0)) continue;
-    const Vec3d nearest = closest_on_triangle(t, p), away = p - nearest;
+    const Vec3d away = p - closest_on_triangle(t, p);
     if (!(dot(away, away) < least)) continue;
     least = dot(away, away);
-    const Axes axes = axes_of(t);
-    const auto real = [](double v) { return static_cast<float>(v); };
-    const Vec3d share = corner_shares(t, nearest);
-    best = {i,
-            {real(share.x), real(share.y), real(share.z)},
-            {real(dot(away, axes.along)), real(dot(away, axes.across)), real(dot(away, axes.normal))}};
+    best = i;
   }
-  return best;
+  if (!best) return {};
+  const TriangleCorners t = corners_of(now_.triangle[*best], before_);
+  const Vec3d nearest = closest_on_triangle(t, p), away = p - nearest, share = corner_shares(t, nearest);
+  const Axes axes = axes_of(t);
+  return {*best, to_float(share), to_float({dot(away, axes.along), dot(away, axes.across), dot(away, axes.normal)})};
 }
 
 Vec3 MovingSurface::point_of(const SurfacePlace& place, const std::vector<Vec3>& position) const {
   const TriangleCorners t = corners_of(now_.triangle[place.triangle], position);
   const Axes axes = axes_of(t);
-  const Vec3d p = double{place.corner_share.x} * t.a + double{place.corner_share.y} * t.b +
+  return to_float(double{place.corner_share.x} * t.a + double{place.corner_share.y} * t.b +
                   double{place.corner_share.z} * t.c + double{place.off.x} * axes.along +
-                  double{place.off.y} * axes.across + double{place.off.z} * axes.normal;
-  return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
+                  double{place.off.y} * axes.across + double{place.off.z} * axes.normal);
 }
 
 MovingCollider::MovingCollider(MovingBody body, const Transform& place)

@@ -15,6 +15,9 @@ struct Vec3d {
 [[nodiscard]] inline Vec3d to_double(const Vec3& v) {
   return {v.x, v.y, v.z};
 }
+[[nodiscard]] inline Vec3 to_float(const Vec3d& v) {
+  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
 [[nodiscard]] inline Vec3d operator+(const Vec3d& a, const Vec3d& b) {
   return {a.x + b.x, a.y + b.y, a.z + b.z};
 }
@@ -38,6 +41,11 @@ inline Vec3d& operator+=(Vec3d& a, const Vec3d& b) {
 }
 [[nodiscard]] inline double length(const Vec3d& a) {
   return std::sqrt(dot(a, a));
+}
+/// a / |a|, or `otherwise` when a has no direction.
+[[nodiscard]] inline Vec3d unit(const Vec3d& a, const Vec3d& otherwise) {
+  const double l = length(a);
+  return l > 0 ? a * (1 / l) : otherwise;
 }
 
 }  // namespace geocloth
