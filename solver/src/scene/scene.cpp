@@ -5,6 +5,7 @@
 #include "geocloth/solver/scene.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -216,6 +217,8 @@ BodyAnimation read_animation(const JsonReader& json) {
   return animation;
 }
 
+constexpr std::array<std::string_view, 4> kBodyKeys{"file", "parts", "transform", "animation"};
+
 /// A body in a mesh file.
 SceneMesh read_body(const JsonReader& json, const std::filesystem::path& folder) {
   if (json.at("file").text().empty()) json.at("file").fail("must name a mesh file");
@@ -227,9 +230,9 @@ SceneMesh read_body(const JsonReader& json, const std::filesystem::path& folder)
 }
 
 SceneMesh read_skin(const JsonReader& json, const std::filesystem::path& folder) {
-  json.expect_object({"file", "parts", "transform", "animation"});
+  json.expect_object({kBodyKeys.begin(), kBodyKeys.end()});
   SceneMesh skin = read_body(json, folder);
-  if (!skin.animation) skin.animation = read_animation(json.at("animation"));  // says that it is missing
+  skin.animation = read_animation(json.at("animation"));  // which must be there
   return skin;
 }
 
@@ -335,7 +338,7 @@ const std::vector<ShapeReader>& shape_readers() {
                                                 {"box", {"center", "half_extents", "rotate_deg"}, read_box},
                                                 {"ellipsoid", {"center", "radii", "rotate_deg"}, read_ellipsoid},
                                                 {"convex", {"points", "planes"}, read_convex},
-                                                {"mesh", {"file", "parts", "transform", "animation"}, read_mesh}};
+                                                {"mesh", {kBodyKeys.begin(), kBodyKeys.end()}, read_mesh}};
   return readers;
 }
 
