@@ -56,6 +56,26 @@ Vec3 middle(const std::vector<Vec3>& points) {
   return (1.F / static_cast<float>(points.size())) * sum;
 }
 
+/// Where in the scene, for messages.
+std::string element(const Scene& scene, const char* list, size_t i) {
+  return scene.path.string() + ": " + list + "[" + std::to_string(i) + "]";
+}
+
+/// The same error of something in the scene, which is data of a file.
+Error error_at(const std::string& where, const Error& error, const std::string& message) {
+  return {error.code() == ErrorCode::invalid_argument ? ErrorCode::invalid_data : error.code(), where + ": " + message};
+}
+
+/// Does something with a body, whose errors say where in the scene it is.
+template <typename Work>
+void for_body(const std::string& where, const Work& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    throw error_at(where, error, error.what());
+  }
+}
+
 /// Makes the solver; what it says of cloth 2 is of cloths[2] of the scene.
 Solver solver_of(const Scene& scene, std::span<const ClothDesc> cloths, const SolverSettings& settings,
                  const MakeSolver& make_solver) {
@@ -65,9 +85,7 @@ Solver solver_of(const Scene& scene, std::span<const ClothDesc> cloths, const So
     const std::string message = error.what();
     for (size_t c = 0; c < cloths.size(); ++c) {
       const std::string cloth = "cloth " + std::to_string(c) + ": ";
-      if (!message.starts_with(cloth)) continue;
-      throw Error(error.code() == ErrorCode::invalid_argument ? ErrorCode::invalid_data : error.code(),
-                  scene.path.string() + ": cloths[" + std::to_string(c) + "]: " + message.substr(cloth.size()));
+      if (message.starts_with(cloth)) throw error_at(element(scene, "cloths", c), error, message.substr(cloth.size()));
     }
     throw;
   }
@@ -119,26 +137,6 @@ Simulation::Simulation(Scene scene, SolverSettings settings, const BodyReader& b
     if (!cloth.motion.empty()) solver_->set_parent(c, pose_at(cloth.motion, 0), cloth.inertia_scale);
   }
 }
-
-namespace {
-
-/// Where in the scene, for messages.
-std::string element(const Scene& scene, const char* list, size_t i) {
-  return scene.path.string() + ": " + list + "[" + std::to_string(i) + "]";
-}
-
-/// Does something with a body, whose errors say where in the scene it is.
-template <typename Work>
-void for_body(const std::string& where, const Work& work) {
-  try {
-    work();
-  } catch (const Error& error) {
-    throw Error(error.code() == ErrorCode::invalid_argument ? ErrorCode::invalid_data : error.code(),
-                where + ": " + error.what());
-  }
-}
-
-}  // namespace
 
 /// The bodies of colliders of shape "mesh", and the skins of cloths.
 void Simulation::read_bodies(const BodyReader& bodies) {
