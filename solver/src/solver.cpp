@@ -267,6 +267,11 @@ void Solver::Impl::take_deformations(std::span<const Collider> asked_before) {
   }
 }
 
+/// A collider, in the next frame.
+bool Solver::Impl::anything_deforms() const {
+  return std::ranges::any_of(deform_, [](float way) { return way > 0; });
+}
+
 void Solver::Impl::take_shapes(std::span<const Collider> asked_before) {
   // Most often only poses change, and the field of a body has half a million numbers.
   const auto looks_the_same = [](const Collider& a, const Collider& b) {
@@ -278,7 +283,7 @@ void Solver::Impl::take_shapes(std::span<const Collider> asked_before) {
   for (const Collider& c : colliders_to_) shapes_.push_back(collider_shape_of(c, numbers));
   const bool same_numbers = collider_numbers_ && *collider_numbers_ == numbers;
   if (!same_numbers) collider_numbers_ = std::make_shared<const std::vector<float>>(std::move(numbers));
-  if (std::ranges::any_of(deform_, [](float way) { return way > 0; }) && asked_before.size() == colliders_to_.size()) {
+  if (anything_deforms() && asked_before.size() == colliders_to_.size()) {
     // Bodies that deform wake what they reach, as all that moves evenly does.
     for (size_t i = 0; i < colliders_to_.size(); ++i)
       scene_changed_ = scene_changed_ || !(deform_[i] > 0 || looks_the_same(asked_before[i], colliders_to_[i]));

@@ -374,7 +374,7 @@ void Solver::Impl::choose_factors() {
   const auto most =
       static_cast<uint32_t>(std::clamp(settings_.frame_time / (kShortest * usual_substeps_), 1.0, double{kMost}));
   collider_poses(frames_from_, colliders_to_, deform_, usual_substeps_, origin_, frame_.poses);
-  frame_.deforms = std::ranges::any_of(deform_, [](float way) { return way > 0; });
+  frame_.deforms = anything_deforms();
   measure_ways(frame_.shapes, frame_.poses, usual_substeps_, 0);
   uint32_t others_factor = 1;  // of the cloths that collide with each other
   for (uint32_t c = 0; c < cloths_.size(); ++c) {

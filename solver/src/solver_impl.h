@@ -153,6 +153,7 @@ class Solver::Impl {
   void take_places(std::span<const Collider> asked_before);
   void take_shapes(std::span<const Collider> asked_before);
   void take_deformations(std::span<const Collider> asked_before);
+  [[nodiscard]] bool anything_deforms() const;
   void carry_over();
   [[nodiscard]] Vec3 middle_of_told(const Cloth& cloth) const;
   void follow_cloths();
