@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "geocloth/asset/grid_mesh.h"
+#include "render/camera.h"
 #include "scene_warnings.h"
 
 namespace geocloth {
@@ -19,12 +20,8 @@ constexpr float kThrough = 0.5F, kTorn = 1.5F;  // spacings deep, and of its len
 
 /// Whether a collider may hold any of these points; false is certain.
 bool may_reach(const Collider& collider, std::span<const Vec3> points) {
-  Vec3 low = points[0], high = points[0];
-  for (const Vec3& p : points) {
-    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-  }
-  return signed_distance(collider, (low + high) * 0.5F) <= 0.5F * length(high - low);
+  const Bounds bounds = bounds_of(points);
+  return signed_distance(collider, bounds.center()) <= 0.5F * bounds.diagonal();
 }
 
 float longest_side(const Triangle& t, std::span<const Vec3> x) {

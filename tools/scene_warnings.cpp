@@ -10,6 +10,7 @@
 
 #include "geocloth/parametrize/animated_mesh.h"
 #include "geocloth/parametrize/import.h"
+#include "render/camera.h"
 
 namespace geocloth {
 namespace {
@@ -223,16 +224,6 @@ float farthest_way(const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
   return way;
 }
 
-/// [m] Diagonal of the bounding box.
-float size_of(const std::vector<Vec3>& points) {
-  Vec3 low = points.at(0), high = low;
-  for (const Vec3& p : points) {
-    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-  }
-  return length(high - low);
-}
-
 /// A walk that goes on for two metres and begins anew where it began throws what is worn.
 void warn_of_open_loop(const SceneMesh& mesh, const std::string& name, double frame_rate,
                        std::vector<std::string>& warnings) {
@@ -252,7 +243,7 @@ void warn_of_open_loop(const SceneMesh& mesh, const std::string& name, double fr
   }
   const double frame = mesh.animation->speed / frame_rate, sample = played.duration() / kSamples;
   const float way = farthest_way(last, first), usual = fastest * static_cast<float>(frame / sample);
-  if (way <= std::max(kTimes * usual, kSeen * size_of(first))) return;
+  if (way <= std::max(kTimes * usual, kSeen * bounds_of(first).diagonal())) return;
   warnings.push_back(fmt::format(
       "{} ({}): its animation ends up to {:.2g} m from where it begins, and the body jumps there when it loops; "
       "export it as one that stays on the spot, or leave out \"loop\"",
