@@ -28,8 +28,7 @@ class AnimatedMesh {
   /// Reads everything that playing needs; the file is not needed afterwards.
   /// @throws Error as import_mesh(); Error(unsupported) for a file that is no glTF; Error(invalid_data) when it has no
   ///   animation or none of that name or number (lists those it has), or when the animation is broken;
-  ///   Error(invalid_argument) for options out of range, or when the file
-  ///   has no such parts
+  ///   Error(invalid_argument) for options out of range, or when the file has no such parts
   explicit AnimatedMesh(const std::filesystem::path& path, const AnimationOptions& options = {});
   ~AnimatedMesh();
   AnimatedMesh(AnimatedMesh&&) noexcept;
