@@ -19,14 +19,15 @@
 namespace geocloth {
 namespace {
 
-constexpr float kSpacing = 0.01F;      // [m]
-constexpr float kMaxStretch = 0.001F;  // of the attachments
+constexpr float kSpacing = 0.01F;       // [m]
+constexpr float kGarmentSide = 0.882F;  // [m] the garment of N x N points has this many Nths from one to the next
+constexpr float kMaxStretch = 0.001F;   // of the attachments
 constexpr uint32_t kCrowd = 32;
 
 using SheetPtr = std::shared_ptr<const ClothAsset>;
 
-SheetPtr make_sheet(uint32_t points, bool horizontal) {
-  const float side = kSpacing * static_cast<float>(points - 1);
+SheetPtr make_sheet(uint32_t points, bool horizontal, float spacing = kSpacing) {
+  const float side = spacing * static_cast<float>(points - 1);
   return std::make_shared<const ClothAsset>(
       test::make_sheet({.nx = points, .ny = points, .width = side, .height = side, .horizontal = horizontal}));
 }
@@ -127,10 +128,12 @@ SheetPtr make_panels(const std::string& name, uint32_t size) {
   return std::make_shared<const ClothAsset>(convert(mesh, options).asset);
 }
 
-/// What the garment's cloth costs in one square: its material, pins and a ball that pokes through the plane.
+/// What the garment's cloth costs in one square: its material, pins and a ball that pokes through the plane. Its points
+/// are as far from each other, too: bends that are stiffer for that are swept there and back.
 BenchScene make_drape(uint32_t size) {
-  const ClothDesc cloth{make_sheet(size, false), attached(), {}};
-  const float side = kSpacing * static_cast<float>(size - 1), radius = 0.3F * side;
+  const float spacing = kGarmentSide / static_cast<float>(size);
+  const ClothDesc cloth{make_sheet(size, false, spacing), attached(), {}};
+  const float side = spacing * static_cast<float>(size - 1), radius = 0.3F * side;
   const Sphere ball{{0, -0.55F * side, -0.8F * radius}, radius};
   return {{cloth}, {hold_group(cloth, "top")}, {{"ball", ball, 0.3F, {}}}};
 }
