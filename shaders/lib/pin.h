@@ -3,11 +3,13 @@
 // frame; a soft one is drawn to its moving target by a spring of the angular frequency w and braked relative to it,
 // both taken implicitly. With A = (w dt)^2, B = 2 w dt (critical damping) its position x after the substep solves
 //   x - predicted = A (goal - x) + B (previous + the goal's step - x)
-// per mass, so the result depends neither on the resolution nor on the step.
+// per mass, so the result depends neither on the resolution nor on the step. A leashed one goes where it likes within
+// a distance of its moving target: the motion constraints of NvCloth, the max distance of other engines.
 #ifndef GEOCLOTH_LIB_PIN_H
 #define GEOCLOTH_LIB_PIN_H
 
 #include "../shared/layout.h"
+#include "limit.h"
 #include "vector.h"
 
 #ifdef __cplusplus
@@ -16,10 +18,11 @@ namespace geocloth::shader {
 
 inline vec3 pinned_position(PinTarget pin, float pin_fraction, float frame_fraction, float substep_share, vec3 position,
                             vec3 previous) {
-  if (pin.target.w == 0.0f) return mix3(position, xyz(pin.target), pin_fraction);
+  if (pin.target.w == 0.0f && pin.limit.x == 0.0f) return mix3(position, xyz(pin.target), pin_fraction);
   vec3 goal = mix3(xyz(pin.start), xyz(pin.target), frame_fraction);
   precise vec3 along = previous + (xyz(pin.target) - xyz(pin.start)) * substep_share;
   precise vec3 r = position + (goal - position) * pin.target.w + (along - position) * pin.start.w;
+  if (pin.limit.x > 0.0f) r = attach(r, goal, pin.limit.x);
   return r;
 }
 

@@ -147,11 +147,12 @@ struct Substep {
   Wave waves[kWindWaves];
 };
 
-// A pinned pixel; all copies of a point are listed. Held pins have no inverse mass; soft ones keep it.
+// A pinned pixel; all copies of a point are listed. Held pins have no inverse mass; others keep it.
 struct PinTarget {
-  vec4 target;  // xyz [m] relative to the origin; w: A / (1 + A + B) of lib/pin.h, 0: held
+  vec4 target;  // xyz [m] relative to the origin; w: A / (1 + A + B) of lib/pin.h, 0: not soft
   vec4 start;   // xyz: target at the start of the frame; w: B / (1 + A + B)
   uvec4 pixel;  // x
+  vec4 limit;   // x [m] that the point may be from its target, 0: any if soft, else it is held
 };
 
 // Long-range attachment of a pixel: it stays within length * stretch_limit of the anchor, a pinned pixel.
@@ -239,7 +240,7 @@ struct PassConstants {
 static_assert(sizeof(ClothParams) == 384 && offsetof(ClothParams, whole) == 192 &&
               offsetof(ClothParams, gravity_step) == 16 && offsetof(ClothParams, dt) == 80);
 static_assert(sizeof(Wave) == 32 && sizeof(Substep) == 16 + 32 * kWindWaves);
-static_assert(sizeof(PinTarget) == 48 && sizeof(Attachment) == 8 && sizeof(SeamSpring) == 44 &&
+static_assert(sizeof(PinTarget) == 64 && sizeof(Attachment) == 8 && sizeof(SeamSpring) == 44 &&
               sizeof(SelfPoint) == 48);
 static_assert(sizeof(ColliderShape) == 64 && sizeof(ColliderPose) == 64 && sizeof(PassConstants) == 24);
 }  // namespace geocloth::shader

@@ -176,8 +176,9 @@ void check_cut(const std::array<Vec3, 3>& triangle, const std::string& where) {
               where + ": the triangle has no area; give three corners that do not lie on one line");
 }
 
-void check_pin_frequency(double frequency, const std::string& where) {
+void check_pin_hold(double frequency, double max_distance, const std::string& where) {
   check_at_least(frequency, 0, where, "frequency", 1e4);
+  check_at_least(max_distance, 0, where, "max_distance", 1e4);
 }
 
 void check_gravity(const Vec3& gravity, const std::string& where) {

@@ -58,9 +58,13 @@ void collider_poses(std::span<const Transform> from, std::span<const Collider> t
 void substep_inputs(const FrameClock& clock, const std::optional<Wind>& wind, const Vec3& origin,
                     std::vector<shader::Substep>& inputs);
 
-/// @param from, to   where the target is at the start and at the end of the frame, relative to the origin
-/// @param frequency  [1/s] of a soft pin, 0: held
-[[nodiscard]] shader::PinTarget pin_target(uint32_t pixel, const Vec3& from, const Vec3& to, float frequency,
+/// How a pin holds its point, see Pin.
+struct PinHold {
+  float frequency = 0, max_distance = 0;  ///< [1/s], [m]
+  bool operator==(const PinHold&) const = default;
+};
+/// @param from, to  where the target is at the start and at the end of the frame, relative to the origin
+[[nodiscard]] shader::PinTarget pin_target(uint32_t pixel, const Vec3& from, const Vec3& to, const PinHold& hold,
                                            double dt);
 
 /// The motion from one pose to another in steps that are this share of it: displacement field of lib/frame.h, by steps.

@@ -327,7 +327,7 @@ void Solver::Impl::set_pins(uint32_t cloth, std::span<const Pin> pins) {
   const auto add = [&](uint32_t pixel, const Pin& pin) {
     const auto before = c.pins.find(pixel);
     const bool anew = placed || before == c.pins.end();
-    next[pixel] = {anew ? pin.target : before->second.target, pin.target, pin.frequency};
+    next[pixel] = {anew ? pin.target : before->second.target, pin.target, {pin.frequency, pin.max_distance}};
   };
   for (const Pin& pin : pins) {
     const std::string where = cloth_name(cloth) + ": pin of pixel " + std::to_string(pin.pixel);
@@ -335,7 +335,7 @@ void Solver::Impl::set_pins(uint32_t cloth, std::span<const Pin> pins) {
       throw Error(ErrorCode::invalid_argument, where + ": there is no cloth at that pixel");
     }
     check_position(pin.target, where);
-    check_pin_frequency(pin.frequency, where);
+    check_pin_hold(pin.frequency, pin.max_distance, where);
     const uint32_t row = c.row_of_pixel[pin.pixel];
     if (row == kNoPixel) {
       add(pin.pixel, pin);

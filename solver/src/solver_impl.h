@@ -54,10 +54,10 @@ class Solver::Impl {
 
  private:
   struct PinState {
-    Vec3 from, target;    ///< [m, world] at the start and the end of the next frame
-    float frequency = 0;  ///< [1/s] 0: held
-    [[nodiscard]] bool held() const { return !(frequency > 0); }
-    [[nodiscard]] bool is_as(const PinState& b) const { return target == b.target && frequency == b.frequency; }
+    Vec3 from, target;  ///< [m, world] at the start and the end of the next frame
+    PinHold hold;
+    [[nodiscard]] bool held() const { return hold == PinHold(); }
+    [[nodiscard]] bool is_as(const PinState& b) const { return target == b.target && hold == b.hold; }
   };
   /// How a fast collider that may carry a cloth moves in a frame.
   struct Ride {

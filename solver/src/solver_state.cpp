@@ -24,7 +24,7 @@ namespace {
 using shader::vec4;
 
 constexpr uint32_t kMagic = 0x53434C47;  // "GLCS"; read in another order of bytes it is another number
-constexpr uint32_t kVersion = 3;         ///< one more whenever what is written changes, or what a frame makes of it
+constexpr uint32_t kVersion = 4;         ///< one more whenever what is written changes, or what a frame makes of it
 
 /// Of one point.
 struct SavedPoint {
@@ -594,7 +594,7 @@ void Solver::Impl::check_cloth(SavedCloth& saved, uint32_t index) const {
     last = pixel;
     require(finite(pin.from), where, ": a pin is not finite");
     check_position(pin.target, where + ": a pin");
-    check_pin_frequency(pin.frequency, where + ": a pin");
+    check_pin_hold(pin.hold.frequency, pin.hold.max_distance, where + ": a pin");
   }
   check_pose(saved.parent_from, where + ": parent");
   check_pose(saved.parent_to, where + ": parent");

@@ -398,6 +398,57 @@ TEST_F(Playing, APinTurnsWithWhatItFollows) {
   look({0.5F, 0.5F, 0}, {-0.5F, -0.5F, 0});  // a turn and half a one
 }
 
+TEST_F(Playing, PointsAreFreeWithinADistanceThatGrowsAlongTheCloth) {
+  // Of a sheet whose upper edge is held the rows are 1/8 m from each other. The held pin counts, in either order.
+  const std::string held = R"({"where":{"vertex_group":"top"}})";
+  const std::string free = R"({"where":{"top":1},"follow":"world","max_distance":{"least":0.01,"per_metre":0.2}})";
+  for (const std::string& pins : {held + "," + free, free + "," + held}) {
+    Simulation simulation = play(R"(,"pins":[)" + pins + "]", R"(,"wind":{"velocity":[0,0,12],"turbulence":0.5})");
+    std::vector<float> most(9);
+    for (int f = 0; f < 60; ++f) {
+      simulation.step();
+      for (uint32_t j = 0; j < 9; ++j) {
+        for (uint32_t i = 0; i < 9; ++i) {
+          const Vec3 rest = simulation.cloths()[0].asset->rest_position[test::sheet_pixel(sheet_, i, j)];
+          most[j] = std::max(most[j], length(point(simulation, i, j) - rest));
+        }
+      }
+    }
+    EXPECT_EQ(most[0], 0);
+    for (uint32_t j = 1; j < 9; ++j) {
+      const float allowed = 0.01F + 0.2F * static_cast<float>(j) / 8;
+      EXPECT_LT(most[j], allowed + 2e-3F) << j;
+      EXPECT_GT(most[j], 0.8F * allowed) << "row " << j << " is held back";
+    }
+    EXPECT_EQ(simulation.held_pixels(0).size(), 10U);
+  }
+}
+
+TEST_F(Playing, OneDistanceForAllNeedsNoPinThatHolds) {
+  Simulation simulation = play(R"(,"pins":[{"where":{"top":1},"max_distance":0.03}])");
+  for (int f = 0; f < 60; ++f) simulation.step();
+  for (uint32_t j = 0; j < 9; ++j) {
+    const Vec3 rest = simulation.cloths()[0].asset->rest_position[test::sheet_pixel(sheet_, 4, j)];
+    EXPECT_NEAR(point(simulation, 4, j).y, rest.y - 0.03F, 1e-3F) << j;
+  }
+  const auto refused = [&](const std::string& pins) {
+    try {
+      play(R"(,"pins":[)" + pins + "]");
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_THAT(
+      refused(R"({"where":{"top":0},"frequency":2},{"where":{"top":1},"max_distance":{"per_metre":0.1}})"),
+      HasSubstr("scene.json: cloths[0].pins[1].max_distance: grows from the points that pins of the cloth hold"));
+  EXPECT_THAT(refused(R"({"where":{"top":1},"max_distance":-0.1})"),
+              HasSubstr("cloths[0].pins[0].max_distance: must be from 0.0 to 10000.0"));
+  EXPECT_THAT(refused(R"({"where":{"top":1},"max_distance":{"least":0.1}})"),
+              HasSubstr("cloths[0].pins[0].max_distance"));
+  EXPECT_THAT(refused(R"({"where":{"top":1},"max_distance":{"per_meter":0.1}})"), HasSubstr("per_metre"));
+}
+
 constexpr const char* kJumpingBar = R"(,"colliders":[{"name":"bar","shape":"capsule","a":[-0.5,0.52,0],"b":[0.5,0.52,0],
     "radius":0.015,"motion":[{"time":0},{"time":0.505,"translate":[3,1,0],"rotate_deg":[0,90,0],"teleport":true},
                              {"time":2,"translate":[3,1,0],"rotate_deg":[0,90,0]}]}])";

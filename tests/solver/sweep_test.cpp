@@ -28,6 +28,7 @@ struct Case {
   const char* pinned = "corners";
   bool on_parent = false;
   float pin_frequency = 0;
+  float pin_distance = 0;       ///< [m]
   float collider_step = 0.01F;  ///< [m] of all colliders in a frame
 };
 
@@ -57,7 +58,10 @@ State state_after(const Case& c, bool plain, uint32_t threads, uint32_t frames) 
     if (f == frames / 2) {
       std::vector<Pin> pins = test::pins_at_rest(c.asset, c.pinned, {0, 0.05F, 0.02F});
       pins.resize((pins.size() + 1) / 2);
-      for (size_t k = 0; k < pins.size(); k += 2) pins[k].frequency = c.pin_frequency;  // others are still held
+      for (size_t k = 0; k < pins.size(); k += 2) {  // others are still held
+        pins[k].frequency = c.pin_frequency;
+        pins[k].max_distance = c.pin_distance;
+      }
       solver.set_pins(0, pins);
     }
     solver.step();
@@ -239,6 +243,9 @@ std::vector<Case> cases() {
                   "top"});
   list.back().on_parent = true;
   list.back().pin_frequency = 5;
+  list.push_back({"pins with a distance", make_sheet({.nx = 60, .ny = 30, .charts_x = 2}), attached(), few_substeps(),
+                  all_shapes(), breeze, "top"});
+  list.back().pin_distance = 0.01F;
   list.push_back({"body and thin colliders", make_sheet({.nx = 33, .ny = 20, .charts_x = 2}), attached(),
                   few_substeps(), body_and_wire(), breeze, "top"});
   list.push_back({"thin colliders and holes", with_holes(make_sheet({.nx = 53, .ny = 15}), 0.15), attached(),

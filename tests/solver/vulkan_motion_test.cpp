@@ -32,6 +32,19 @@ TEST_F(VulkanMotionTest, SoftPinsThatMoveAgree) {
   expect_same_as_cpu(scene);
 }
 
+TEST_F(VulkanMotionTest, PinsWithADistanceAgree) {
+  Play scene = hanging(kCut);
+  scene.before_frame = [asset = scene.cloths[0].asset](Solver& solver, uint32_t frame) {
+    std::vector<Pin> pins = pins_of_top(kCut, *asset, {0, 0, 0.02F * static_cast<float>(frame)});
+    for (size_t k = 0; k < pins.size(); ++k) {
+      pins[k].max_distance = k % 2 == 0 ? 0.01F : 0.F;
+      pins[k].frequency = k % 3 == 0 ? 2.F : 0.F;
+    }
+    solver.set_pins(0, pins);
+  };
+  expect_same_as_cpu(scene);
+}
+
 TEST_F(VulkanMotionTest, AParentThatTurnsWithInertiaAndWindAgrees) {
   Play scene = hanging(kCut);
   scene.frames = 8;

@@ -161,8 +161,18 @@ Where read_where(const JsonReader& json) {
   return WhereVertexGroup{json.at("vertex_group").text()};
 }
 
+MaxDistance read_max_distance(const JsonReader& json) {
+  constexpr float kMost = 1e4F;
+  if (!json.is_object()) return {static_cast<float>(in_range(json, 0, kMost)), 0};
+  json.expect_object({"least", "per_metre"});
+  MaxDistance r;
+  if (json.has("least")) r.least = static_cast<float>(in_range(json.at("least"), 0, kMost));
+  r.per_metre = static_cast<float>(in_range(json.at("per_metre"), 0, kMost));
+  return r;
+}
+
 ScenePin read_pin(const JsonReader& json) {
-  json.expect_object({"where", "follow", "motion", "from", "until", "frequency"});
+  json.expect_object({"where", "follow", "motion", "from", "until", "frequency", "max_distance"});
   ScenePin pin;
   pin.where = read_where(json.at("where"));
   json.read("follow", pin.follow);
@@ -171,6 +181,7 @@ ScenePin read_pin(const JsonReader& json) {
   if (json.has("until")) pin.until = in_range(json.at("until"), 0, kLongestTime);
   if (pin.until <= pin.from) json.at("until").fail("must be later than \"from\"");
   if (json.has("frequency")) pin.frequency = static_cast<float>(in_range(json.at("frequency"), 0, 1000));
+  if (json.has("max_distance")) pin.max_distance = read_max_distance(json.at("max_distance"));
   return pin;
 }
 

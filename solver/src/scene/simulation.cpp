@@ -2,6 +2,8 @@
 // A scene being played: keyframes are evaluated at the end of every frame, the solver moves evenly in between.
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <map>
 #include <span>
 #include <sstream>
@@ -11,6 +13,7 @@
 #include "geocloth/asset/asset_file.h"
 #include "geocloth/asset/error.h"
 #include "geocloth/solver/scene.h"
+#include "rest/upload.h"
 #include "scene/moving_surface.h"
 
 namespace geocloth {
@@ -54,6 +57,16 @@ Vec3 middle(const std::vector<Vec3>& points) {
   Vec3 sum;
   for (const Vec3& p : points) sum += p;
   return (1.F / static_cast<float>(points.size())) * sum;
+}
+
+/// [m] along the cloth at rest from every pixel to the nearest one of those that are held; endless where none is
+/// reached.
+std::vector<float> ways_along_cloth(const ClothDesc& cloth, const std::vector<uint32_t>& held) {
+  std::vector<float> way;
+  for (const shader::Attachment& a : make_attachments(*cloth.asset, cloth.transform.scale, held))
+    way.push_back(a.anchor == shader::kNoAnchor ? std::numeric_limits<float>::infinity() : a.reach);
+  for (const uint32_t p : held) way[p] = 0;
+  return way;
 }
 
 /// Where in the scene, for messages.
@@ -127,7 +140,10 @@ Simulation::Simulation(Scene scene, SolverSettings settings, const BodyReader& b
       attach(set);
       pins_.push_back(std::move(set));
     }
+    measure_distances(c);
   }
+  // Points that another pin has, too, are left to it: of several pins on a point the last one counts.
+  std::ranges::stable_partition(pins_, [](const PinSet& set) { return set.pin.max_distance.has_value(); });
   hands_.resize(cloths_.size());
   solver_ = std::make_unique<Solver>(solver_of(scene_, cloths_, settings, make_solver));
   solver_->set_colliders(colliders_at(scene_, 0), true);
@@ -243,6 +259,31 @@ void Simulation::take_hold(PinSet& set, double start) {
   attach(set);
 }
 
+/// Of the pins of a cloth that let their points go so far.
+void Simulation::measure_distances(uint32_t cloth) {
+  const auto sets = std::ranges::subrange(
+      std::ranges::find_if(pins_, [&](const PinSet& set) { return set.cloth == cloth; }), pins_.end());
+  std::vector<uint32_t> held;
+  for (const PinSet& set : sets)
+    if (set.pin.holds()) held.insert(held.end(), set.pixels.begin(), set.pixels.end());
+  std::vector<float> way;
+  for (size_t k = 0; k < sets.size(); ++k) {
+    PinSet& set = sets[static_cast<std::ptrdiff_t>(k)];
+    if (!set.pin.max_distance) continue;
+    const MaxDistance& most = *set.pin.max_distance;
+    set.max_distance.assign(set.pixels.size(), most.least);
+    if (!(most.per_metre > 0)) continue;
+    if (held.empty()) {
+      throw Error(ErrorCode::invalid_data,
+                  element(scene_, "cloths", cloth) + ".pins[" + std::to_string(k) +
+                      "].max_distance: grows from the points that pins of the cloth hold, and none holds any; give a "
+                      "pin without frequency and max_distance, or one distance for all");
+    }
+    if (way.empty()) way = ways_along_cloth(cloths_[cloth], held);
+    for (size_t i = 0; i < set.pixels.size(); ++i) set.max_distance[i] += most.per_metre * way[set.pixels[i]];
+  }
+}
+
 /// At the beginning of the frame, but for what jumps in it: that has jumped.
 Simulation::PinTimes Simulation::times_of_jump(const PinSet& set, double start) const {
   return {carrier_teleports(scene_, set.pin.follow, start, time()) ? time() : start,
@@ -265,10 +306,12 @@ std::vector<Pin> Simulation::pins_of(uint32_t cloth, double start, bool only_jum
     const Transform &carried = place.carried, &own = place.own;
     const Vec3 center = middle(set.rest);
     for (size_t k = 0; k < set.pixels.size(); ++k) {
+      const float most = set.max_distance.empty() ? 0 : set.max_distance[k];
+      if (std::isinf(most)) continue;
       // Without a motion of its own the point must not even be rounded.
       const Vec3 rest = deformed(set, k, only_jumps);
       const Vec3 moved = set.pin.motion.empty() ? rest : center + rotate(own.rotate, rest - center) + own.translate;
-      pins.push_back({set.pixels[k], apply(carried, moved), set.pin.frequency});
+      pins.push_back({set.pixels[k], apply(carried, moved), set.pin.frequency, most});
     }
   }
   return pins;
@@ -337,7 +380,7 @@ void Simulation::jump(double start) {
 std::vector<uint32_t> Simulation::held_pixels(uint32_t cloth) const {
   std::vector<uint32_t> pixels;
   for (const PinSet& set : pins_) {
-    if (set.cloth == cloth && set.pin.from <= time() && time() < set.pin.until)
+    if (set.cloth == cloth && !set.pin.max_distance && set.pin.from <= time() && time() < set.pin.until)
       pixels.insert(pixels.end(), set.pixels.begin(), set.pixels.end());
   }
   std::ranges::sort(pixels);

@@ -42,6 +42,13 @@ struct WhereVertexGroup {
 using Where =
     std::variant<WhereTop, WhereBoundary, WhereBox, WhereSphere, WhereVertices, WhereVertexGroup, WhereHanger>;
 
+/// How far the points of a pin may be from where it would hold them. All of a garment's points may have one on the
+/// skin: little where it is tight, more where it is free to swing.
+struct MaxDistance {
+  float least = 0;      ///< [m] >= 0
+  float per_metre = 0;  ///< [m] >= 0 more for every metre along the cloth from the nearest point that a pin holds
+};
+
 struct ScenePin {
   Where where;
   /// "cloth" (the cloth's motion), "skin" (the cloth's, too), "world" (stays), or a collider's name.
@@ -49,8 +56,12 @@ struct ScenePin {
   Motion motion;    ///< on top of what it follows; turns about the middle of the pin's points
   double from = 0;  ///< [s] above 0: the points are taken hold of then, where they are
   double until = std::numeric_limits<double>::infinity();  ///< [s] they are let go
-  float frequency = 0;                                     ///< [1/s] 0: held; above: soft, see Pin
+  float frequency = 0;                                     ///< [1/s] above 0: soft, see Pin
+  /// Set: the points are free within that distance of where they would be held. Points that pins without one have, too,
+  /// are left to these, and parts of the cloth without a point that is held to no pin if the distance is per metre.
+  std::optional<MaxDistance> max_distance = {};
 
+  [[nodiscard]] bool holds() const { return !(frequency > 0) && !max_distance; }
   /// In a frame [s].
   [[nodiscard]] bool acts(double start, double end) const { return end > from && start < until; }
 };
@@ -208,7 +219,8 @@ class Simulation {
   /// [m] How far the pins of a cloth that follow its skin are from it, at most, as they took hold; 0 without.
   [[nodiscard]] float farthest_from_skin(uint32_t cloth) const;
 
-  /// Pixels that the pins of the scene hold at time(), ascending, all copies included.
+  /// Pixels that the pins of the scene hold at time(), if only softly, ascending, all copies included. Those that are
+  /// free within a distance are not.
   [[nodiscard]] std::vector<uint32_t> held_pixels(uint32_t cloth) const;
   /// Pins beside those of the scene, and in place of them where both hold a pixel: a hand that drags the cloth. From
   /// the next step on, until the next call. @throws Error(invalid_argument) when there is no such cloth
@@ -229,8 +241,10 @@ class Simulation {
     Transform own_start;     ///< of the pin's motion, when they were taken hold of
     bool acts = false;
     std::vector<SurfacePlace> place = {};  ///< beside the body that they follow, if it deforms
+    std::vector<float> max_distance = {};  ///< [m] of a pin that has one
   };
   void take_hold(PinSet& set, double start);
+  void measure_distances(uint32_t cloth);
   void read_bodies(const BodyReader& bodies);
   void advance_bodies();
   /// The surface that pins follow, if it deforms.

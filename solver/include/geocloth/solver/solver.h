@@ -85,11 +85,13 @@ struct SolverSettings {
   bool check_copies = false;  ///< measure the copy gap and the penetration after every substep (slower)
 };
 
-/// A pinned point: it follows `target`, which is reached at the end of the next frame. Copies are pinned with it.
+/// A pinned point: it follows `target`, which is reached at the end of the next frame. Copies are pinned with it. With
+/// neither a frequency nor a largest distance it is held there.
 struct Pin {
   uint32_t pixel = 0;
-  Vec3 target = {};     ///< [m]
-  float frequency = 0;  ///< [1/s] 0: held; above: soft, drawn by a critically damped spring of this frequency
+  Vec3 target = {};        ///< [m]
+  float frequency = 0;     ///< [1/s] above 0: soft, drawn by a critically damped spring of this frequency
+  float max_distance = 0;  ///< [m] above 0: it moves freely, or softly, as far as that from its target
 };
 
 struct PassTiming {
@@ -137,7 +139,7 @@ class Solver {
   void set_gravity(const Vec3& gravity);
   /// Replaces the pins of a cloth. A pin that was not there before starts from where its point is.
   void set_pins(uint32_t cloth, std::span<const Pin> pins);
-  /// Ascending pixels that its pins hold, all copies of a point; those with a frequency hold nothing.
+  /// Ascending pixels that its pins hold, all copies of a point; soft ones and those with a distance hold nothing.
   [[nodiscard]] std::vector<uint32_t> held_pixels(uint32_t cloth) const;
 
   /// The pose of what carries the cloth (a rider, a dancer), scale 1; takes effect in the next step, over which it
