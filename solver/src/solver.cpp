@@ -322,27 +322,37 @@ void Solver::Impl::set_time_step(double frame_time, uint32_t substeps) {
 
 void Solver::Impl::set_pins(uint32_t cloth, std::span<const Pin> pins) {
   const Cloth& c = cloth_at(cloth);
-  const bool placed = c.placed_at == time_;
-  std::map<uint32_t, PinState> next;
-  const auto add = [&](uint32_t pixel, const Pin& pin) {
-    const auto before = c.pins.find(pixel);
-    const bool anew = placed || before == c.pins.end();
-    next[pixel] = {anew ? pin.target : before->second.target, pin.target, {pin.frequency, pin.max_distance}};
-  };
+  std::vector<PixelPin> next;
+  next.reserve(pins.size());
+  std::string where = cloth_name(cloth) + ": pin of pixel ";
+  const size_t before_pixel = where.size();
   for (const Pin& pin : pins) {
-    const std::string where = cloth_name(cloth) + ": pin of pixel " + std::to_string(pin.pixel);
+    where.resize(before_pixel);
+    where += std::to_string(pin.pixel);
     if (pin.pixel >= c.asset->pixel_count() || !c.asset->valid(pin.pixel)) {
       throw Error(ErrorCode::invalid_argument, where + ": there is no cloth at that pixel");
     }
     check_position(pin.target, where);
     check_pin_hold(pin.frequency, pin.max_distance, where);
+    const PinState state{pin.target, pin.target, {pin.frequency, pin.max_distance}};
     const uint32_t row = c.row_of_pixel[pin.pixel];
     if (row == kNoPixel) {
-      add(pin.pixel, pin);
+      next.emplace_back(pin.pixel, state);
       continue;
     }
     const SplitVertexTable& splits = c.asset->splits;
-    for (uint32_t k = splits.offset[row]; k < splits.offset[row + 1]; ++k) add(splits.pixel[k], pin);
+    for (uint32_t k = splits.offset[row]; k < splits.offset[row + 1]; ++k) next.emplace_back(splits.pixel[k], state);
+  }
+  // Of several on a point the last one counts.
+  std::ranges::reverse(next);
+  std::ranges::stable_sort(next, {}, &PixelPin::first);
+  next.erase(std::ranges::unique(next, {}, &PixelPin::first).begin(), next.end());
+  if (c.placed_at != time_) {
+    auto before = c.pins.begin();
+    for (auto& [pixel, pin] : next) {
+      while (before != c.pins.end() && before->first < pixel) ++before;
+      if (before != c.pins.end() && before->first == pixel) pin.from = before->second.target;
+    }
   }
   Cloth& target = cloths_[cloth];
   const bool same =

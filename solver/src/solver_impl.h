@@ -4,7 +4,6 @@
 #include <array>
 #include <cstddef>
 #include <functional>
-#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -59,6 +58,7 @@ class Solver::Impl {
     [[nodiscard]] bool held() const { return hold == PinHold(); }
     [[nodiscard]] bool is_as(const PinState& b) const { return target == b.target && hold == b.hold; }
   };
+  using PixelPin = std::pair<uint32_t, PinState>;
   /// How a fast collider that may carry a cloth moves in a frame.
   struct Ride {
     std::optional<uint32_t> carrier;  ///< the collider; none where none is fast
@@ -78,10 +78,10 @@ class Solver::Impl {
     float scale = 1;
     std::vector<float> free_inverse_mass;  ///< without pins
     std::vector<uint32_t> row_of_pixel;    ///< row of the split-vertex table, kNoPixel for a single pixel
-    std::map<uint32_t, PinState> pins;     ///< by pixel, all copies listed
+    std::vector<PixelPin> pins;            ///< ascending by pixel, all copies listed
     [[nodiscard]] bool holds(uint32_t pixel) const {
-      const auto pin = pins.find(pixel);
-      return pin != pins.end() && pin->second.held();
+      const auto pin = std::ranges::lower_bound(pins, pixel, {}, &PixelPin::first);
+      return pin != pins.end() && pin->first == pixel && pin->second.held();
     }
     bool pins_changed = false;                        ///< since the last step
     std::vector<PinWay> pin_ways;                     ///< of the pins that are held, by number instead of pixel

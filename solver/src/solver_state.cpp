@@ -668,7 +668,7 @@ void Solver::Impl::take_scene(Saved& saved) {
 void Solver::Impl::take_cloth(SavedCloth& saved, uint32_t index) {
   Cloth& cloth = cloths_[index];
   cloth.pins.clear();
-  for (const auto& [pixel, pin] : saved.pins) cloth.pins.emplace_hint(cloth.pins.end(), pixel, pin);
+  for (const auto& [pixel, pin] : saved.pins) cloth.pins.emplace_back(pixel, pin);
   ClothFrame frame;
   frame.pins_changed = true;
   take_pins(cloth, frame);

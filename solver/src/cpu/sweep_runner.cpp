@@ -144,6 +144,7 @@ uint32_t SweepRunner::place_anchors(const ClothState& state) {
   const size_t count = anchor_of_pin.size(), line = (count + kLineOfFloats - 1) / kLineOfFloats * kLineOfFloats;
   anchors_.resize(3 * line * contexts_.size() + substep_.sweeps->lanes());  // vectors reach over the last one
   for (size_t k = 0; k < count; ++k) {
+    if (state.inverse_mass[pins[k].pixel.x] > 0) continue;  // nothing is attached to what is not held
     shader::vec3 position = state.position.at(pins[k].pixel.x);
     for (size_t s = 0; s < contexts_.size(); ++s) {
       position = pinned_position(contexts_[s], pins[k], position, position);
