@@ -25,6 +25,7 @@ void stitch_normals(uint row) {
     sum = sum + normal.xyz * normal.w;
   }
   vec4 mean = unit_and_length(sum);
+  mean.w = mean.w / float(split_offset[row + 1u] - split_offset[row]);  // each copy stands for its part of the area
   for (uint i = split_offset[row]; i < split_offset[row + 1u]; ++i) {
     imageStore(normal_image, texel(pixel_at(split_pixel[i])), mean);
   }

@@ -3,6 +3,7 @@
 #include "../lib/fine.h"
 #include "../lib/pin.h"
 #include "../lib/predict.h"
+#include "../lib/yield.h"
 #include "point.glsl"
 
 vec3 air_at(vec3 position) {
@@ -30,8 +31,12 @@ void predict_at(uvec2 p) {
   vec3 acceleration = vec3(0.0f);
   if (params.air != 0u) {
     precise vec3 velocity = way_of(point) * params.inverse_dt;
-    vec3 normal = imageLoad(normal_image, texel(p)).xyz;
-    acceleration = air_acceleration(params, air_at(position.xyz), velocity, normal);
+    vec4 normal = imageLoad(normal_image, texel(p));
+    acceleration = air_acceleration(params, air_at(position.xyz), velocity, normal.xyz);
+    if (params.pressure.x != 0.0f) {
+      acceleration =
+          acceleration + pressure_acceleration(params, normal.xyz, normal.w, inverse_mass_of(position.w));
+    }
   }
   PointState next;
   if (params.moving != 0u) {

@@ -95,11 +95,12 @@ struct ClothParams {
   uint width;
   uint height;
   uint collider_count;
-  uint air;           // 1: wind and drag act
+  uint air;           // 1: wind, drag or pressure act
   vec4 gravity_step;  // xyz: dt^2 g [m]; w: dt over that of the frame before
   vec4 wind;          // xyz: mean velocity of the air [m/s]
   vec4 stray_step;    // xyz: what dt^2 g strays by [m], see lib/predict.h; w: 1: it does
   vec4 stray_wave;    // xyz: wave vector of that [1/m]; w: its phase [turns], 0..1
+  vec4 pressure;      // x: a sixth of it [Pa]; y: six times the largest area for a mass that it acts on [m^2/kg]
   float dt;           // of a substep [s]
   float inverse_dt;   // [1/s]
   float inverse_dt2;  // [1/s^2]
@@ -237,8 +238,8 @@ struct PassConstants {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(ClothParams) == 384 && offsetof(ClothParams, whole) == 192 &&
-              offsetof(ClothParams, gravity_step) == 16 && offsetof(ClothParams, dt) == 80);
+static_assert(sizeof(ClothParams) == 400 && offsetof(ClothParams, whole) == 208 &&
+              offsetof(ClothParams, gravity_step) == 16 && offsetof(ClothParams, dt) == 96);
 static_assert(sizeof(Wave) == 32 && sizeof(Substep) == 16 + 32 * kWindWaves);
 static_assert(sizeof(PinTarget) == 64 && sizeof(Attachment) == 8 && sizeof(SeamSpring) == 44 &&
               sizeof(SelfPoint) == 48);

@@ -181,6 +181,12 @@ void check_pin_hold(double frequency, double max_distance, const std::string& wh
   check_at_least(max_distance, 0, where, "max_distance", 1e4);
 }
 
+void check_pressure(float pressure, const std::string& where) {
+  constexpr double kMost = 1e6;
+  if (std::abs(pressure) <= kMost) return;
+  throw Error(ErrorCode::invalid_argument, where + ": pressure must be from -1e6 to 1e6 Pa");
+}
+
 void check_gravity(const Vec3& gravity, const std::string& where) {
   check_vector(gravity, 1e4F, where, "gravity");
 }

@@ -382,7 +382,8 @@ shader::PinTarget pin_target(uint32_t pixel, const Vec3& from, const Vec3& to, c
   return target;
 }
 
-float largest_stretch(const Material& m, const Vec3& gravity, const std::optional<Wind>& wind, float reach) {
+float largest_stretch(const Material& m, const Vec3& gravity, const std::optional<Wind>& wind, float pressure,
+                      float reach) {
   // A sheet that has swung down from level is longer by 1.5 times its weight over its stiffness. Where less or nothing
   // draws it down it is not held tighter than on the earth: what colliders and hands draw it by is not known here.
   constexpr float kSolverStrain = 0.001F, kSwing = 1.5F, kEarth = 9.81F;
@@ -392,9 +393,10 @@ float largest_stretch(const Material& m, const Vec3& gravity, const std::optiona
   if (m.stiffness >= 0) return 0;  // the seeds' cloth is as elastic as its step
   float load = kSwing * m.areal_density * std::max(length(gravity), kEarth);  // [N/m^2]
   if (wind) {
-    const float pressure = 0.5F * static_cast<float>(kAirDensity) * dot(wind->velocity, wind->velocity);
-    load += kFlagDrag * std::max(wind->drag, wind->lift) * pressure;
+    const float of_wind = 0.5F * static_cast<float>(kAirDensity) * dot(wind->velocity, wind->velocity);
+    load += kFlagDrag * std::max(wind->drag, wind->lift) * of_wind;
   }
+  load += std::abs(pressure);
   return kSolverStrain + load * std::min(reach, kLongestGarment) / std::min(m.stretch_warp, m.stretch_weft);
 }
 
@@ -409,7 +411,8 @@ void set_imperfection(float share, const Vec3& gravity, float size, const Vec3& 
 }
 
 shader::ClothParams cloth_params(const Material& m, const FrameClock& clock, const Vec3& gravity,
-                                 const std::optional<Wind>& wind) {
+                                 const std::optional<Wind>& wind, float pressure) {
+  constexpr float kLargestArea = 1.25F;  // of that at rest
   const double dt = clock.dt;
   const auto step = [&](float g) { return static_cast<float>(g * dt * dt); };
   const auto share = [](float stiffness) { return stiffness >= 0 ? stiffness : 1.F; };
@@ -431,6 +434,11 @@ shader::ClothParams cloth_params(const Material& m, const FrameClock& clock, con
     p.air_factor = static_cast<float>(kAirDensity / (2.0 * m.areal_density));
     p.drag = wind->drag;
     p.lift = wind->lift;
+  }
+  if (pressure != 0) {
+    p.air = 1;
+    p.pressure.x = pressure / 6;
+    p.pressure.y = 6 * kLargestArea / m.areal_density;
   }
   return p;
 }

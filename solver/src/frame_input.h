@@ -77,11 +77,11 @@ void set_frame_motion(shader::ClothParams& params, const Transform& from, const 
                       const Vec3& inertia_scale, uint32_t substeps, const Vec3& origin);
 
 /// Largest strain of the long-range attachments, 0: none. An automatic one lies above what the weight of the cloth
-/// stretches it by at the bottom of a swing on the earth and what the wind draws a flag by, so that only the solver's
-/// own softness is cut off.
+/// stretches it by at the bottom of a swing on the earth, what the wind draws a flag by and what a pressure [Pa] does,
+/// so that only the solver's own softness is cut off.
 /// @param reach  [m] of the longest attachment; counts up to 2 m
 [[nodiscard]] float largest_stretch(const Material& material, const Vec3& gravity, const std::optional<Wind>& wind,
-                                    float reach);
+                                    float pressure, float reach);
 
 /// How gravity strays, as of lib/predict.h; p.dt is there.
 /// @param share   of gravity
@@ -90,7 +90,8 @@ void set_frame_motion(shader::ClothParams& params, const Transform& from, const 
 void set_imperfection(float share, const Vec3& gravity, float size, const Vec3& origin, shader::ClothParams& p);
 
 /// The numbers of one material in one frame. width, height and collider_count are left 0.
+/// @param pressure  [Pa] see Solver::set_pressure
 [[nodiscard]] shader::ClothParams cloth_params(const Material& material, const FrameClock& clock, const Vec3& gravity,
-                                               const std::optional<Wind>& wind);
+                                               const std::optional<Wind>& wind, float pressure = 0);
 
 }  // namespace geocloth

@@ -373,6 +373,14 @@ std::vector<uint32_t> Solver::Impl::held_pixels(uint32_t cloth) const {
   return held;
 }
 
+void Solver::Impl::set_pressure(uint32_t cloth, float pressure) {
+  static_cast<void>(cloth_at(cloth));
+  check_pressure(pressure, cloth_name(cloth));
+  Cloth& c = cloths_[cloth];
+  c.disturbed = c.disturbed || pressure != c.pressure;
+  c.pressure = pressure;
+}
+
 void Solver::Impl::set_parent(uint32_t cloth, const Transform& pose, const Vec3& inertia_scale, bool teleport) {
   static_cast<void>(cloth_at(cloth));
   check_parent(pose, inertia_scale, cloth_name(cloth) + ": parent");
@@ -639,6 +647,9 @@ std::vector<uint32_t> Solver::held_pixels(uint32_t cloth) const {
 }
 void Solver::set_parent(uint32_t cloth, const Transform& pose, const Vec3& inertia_scale, bool teleport) {
   impl_->set_parent(cloth, pose, inertia_scale, teleport);
+}
+void Solver::set_pressure(uint32_t cloth, float pressure) {
+  impl_->set_pressure(cloth, pressure);
 }
 CutResult Solver::cut(uint32_t cloth, const std::array<Vec3, 3>& triangle) {
   return impl_->cut(cloth, triangle);

@@ -103,12 +103,12 @@ FrameClock Solver::Impl::clock() const {
 }
 
 float Solver::Impl::stretch_limit(const Cloth& cloth) const {
-  const float stretch = largest_stretch(cloth.material, settings_.gravity, wind_, cloth.reach);
+  const float stretch = largest_stretch(cloth.material, settings_.gravity, wind_, cloth.pressure, cloth.reach);
   return stretch > 0 ? 1 + stretch : 0;
 }
 
 void Solver::Impl::fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const {
-  frame.params = cloth_params(cloth.material, clock(), settings_.gravity, wind_);
+  frame.params = cloth_params(cloth.material, clock(), settings_.gravity, wind_, cloth.pressure);
   frame.params.gravity_step.w = static_cast<float>(clock().dt / cloth.displaced_in);
   frame.params.inverse_dt2 = static_cast<float>(1 / (cloth.compliance_step * cloth.compliance_step));
   set_imperfection(settings_.imperfection, settings_.gravity, cloth.size, origin_, frame.params);

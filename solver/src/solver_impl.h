@@ -33,6 +33,7 @@ class Solver::Impl {
   void set_time_step(double frame_time, uint32_t substeps);
   void set_pins(uint32_t cloth, std::span<const Pin> pins);
   [[nodiscard]] std::vector<uint32_t> held_pixels(uint32_t cloth) const;
+  void set_pressure(uint32_t cloth, float pressure);
   void set_parent(uint32_t cloth, const Transform& pose, const Vec3& inertia_scale, bool teleport);
   CutResult cut(uint32_t cloth, const std::array<Vec3, 3>& triangle);
   [[nodiscard]] const std::shared_ptr<const ClothAsset>& asset(uint32_t cloth) const { return cloth_at(cloth).asset; }
@@ -97,6 +98,7 @@ class Solver::Impl {
     std::optional<SelfCollision> self_collision;
     SelfNumbers self;
     std::optional<InterCollision> inter_collision;
+    float pressure = 0;            ///< [Pa]
     bool collide_cells = false;    ///< a collider was met that may slip through between pixels
     bool teleport = false;         ///< the parent jumps before the next frame
     double placed_at = -1;         ///< [s] time_ when a state was written where the parent had jumped to

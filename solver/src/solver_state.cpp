@@ -287,7 +287,7 @@ struct Solver::Impl::SavedCloth {
   std::array<Ride, 2> rides;
   std::optional<Seen> seen;
   double look_again = 0;
-  float limit = 0, reach = 0, strayed = 0;
+  float limit = 0, reach = 0, strayed = 0, pressure = 0;
   uint32_t calm_frames = 0;
   std::array<float, 2> longest_way{};
   std::array<uint32_t, 2> left_behind{};
@@ -328,6 +328,7 @@ struct Solver::Impl::SavedCloth {
     bytes.value(limit);
     bytes.value(reach);
     bytes.value(strayed);
+    bytes.value(pressure);
     bytes.value(calm_frames);
     bytes.value(longest_way);
     bytes.value(left_behind);
@@ -467,6 +468,7 @@ void Solver::Impl::keep_cloth(uint32_t index, SavedCloth& saved) {
   saved.limit = cloth.limit;
   saved.reach = cloth.reach;
   saved.strayed = cloth.strayed;
+  saved.pressure = cloth.pressure;
   saved.calm_frames = cloth.calm_frames;
   ClothMemory memory;
   backend_->read_memory(index, memory);
@@ -606,6 +608,7 @@ void Solver::Impl::check_cloth(SavedCloth& saved, uint32_t index) const {
     require(finite(time), where, ": a time is not finite");
   for (const double time : {saved.compliance_step, saved.last_step, saved.measured_steps[0], saved.measured_steps[1]})
     require(finite(time) && time >= 0, where, ": a step is not finite, or below 0");
+  check_pressure(saved.pressure, where);
   require(finite(saved.displaced_in) && saved.displaced_in > 0, where, ": displaced_in is not above 0");
   for (const Ride& ride : saved.rides) {
     check_frame(ride.from, where + ": what carries it");
@@ -697,6 +700,7 @@ void Solver::Impl::take_cloth(SavedCloth& saved, uint32_t index) {
   cloth.limit = saved.limit;
   cloth.reach = saved.reach;
   cloth.strayed = saved.strayed;
+  cloth.pressure = saved.pressure;
   cloth.calm_frames = saved.calm_frames;
   cloth.resting.reset();
 

@@ -240,6 +240,8 @@ INSTANTIATE_TEST_SUITE_P(
                  "wind.motion[0]: velocity"},
         BadScene{"WindKeyBelowZero", "\"drag\": 1.5", "\"motion\": [{\"time\": 1, \"turbulence\": -1}]",
                  "wind.motion[0]: turbulence"},
+        BadScene{"PressureOutOfRange", "\"transform\"", "\"pressure\": 1e7, \"transform\"",
+                 "cloths[0].pressure: must be from -1000000.0 to 1000000.0"},
         BadScene{"UnknownClothKey", "\"transform\"", "\"material_\": 1, \"transform\"",
                  "nearest known one is \"material\""}),
     [](const auto& scene) { return scene.param.name; });
@@ -447,6 +449,12 @@ TEST_F(Playing, OneDistanceForAllNeedsNoPinThatHolds) {
   EXPECT_THAT(refused(R"({"where":{"top":1},"max_distance":{"least":0.1}})"),
               HasSubstr("cloths[0].pins[0].max_distance"));
   EXPECT_THAT(refused(R"({"where":{"top":1},"max_distance":{"per_meter":0.1}})"), HasSubstr("per_metre"));
+}
+
+TEST_F(Playing, APressureSwellsASail) {
+  Simulation sail = play(R"(,"pressure":1.5,"pins":[{"where":{"vertices":[0,8,72,80]}}])", R"(,"gravity":[0,0,0])");
+  for (int f = 0; f < 30; ++f) sail.step();
+  EXPECT_GT(point(sail, 4, 4).z, 0.02F);  // its normals point along +z
 }
 
 constexpr const char* kJumpingBar = R"(,"colliders":[{"name":"bar","shape":"capsule","a":[-0.5,0.52,0],"b":[0.5,0.52,0],

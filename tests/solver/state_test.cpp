@@ -150,6 +150,7 @@ Scene busy() {
       all.push_back({"hull", convex_hull(std::vector<Vec3>{{0, 1, 0}, {0, 1.2F, 0}, {0.2F, 1, 0}, {0, 1, 0.2F}})});
     solver.set_colliders(all);
     if (f == 5) solver.set_gravity({0, -9, 1});
+    if (f % 4 == 2) solver.set_pressure(2, 0.5F * t);
   };
   return scene;
 }

@@ -29,6 +29,7 @@ struct Case {
   bool on_parent = false;
   float pin_frequency = 0;
   float pin_distance = 0;       ///< [m]
+  float pressure = 0;           ///< [Pa]
   float collider_step = 0.01F;  ///< [m] of all colliders in a frame
 };
 
@@ -46,6 +47,7 @@ State state_after(const Case& c, bool plain, uint32_t threads, uint32_t frames) 
   Solver solver(std::vector{test::describe(c.asset, c.material)}, settings);
   solver.set_pins(0, test::pins_at_rest(c.asset, c.pinned));
   if (c.wind) solver.set_wind(*c.wind);
+  solver.set_pressure(0, c.pressure);
   for (uint32_t f = 0; f < frames; ++f) {
     if (c.on_parent && f > 2 && f < 10) {  // stands still before and after
       const float t = 0.02F * static_cast<float>(f);
@@ -243,6 +245,14 @@ std::vector<Case> cases() {
                   "top"});
   list.back().on_parent = true;
   list.back().pin_frequency = 5;
+  list.push_back({"pressure",
+                  make_sheet({.nx = 60, .ny = 30, .charts_x = 2, .charts_y = 2}),
+                  attached(),
+                  few_substeps(),
+                  {},
+                  breeze,
+                  "top"});
+  list.back().pressure = 3;
   list.push_back({"pins with a distance", make_sheet({.nx = 60, .ny = 30, .charts_x = 2}), attached(), few_substeps(),
                   all_shapes(), breeze, "top"});
   list.back().pin_distance = 0.01F;

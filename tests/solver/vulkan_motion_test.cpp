@@ -45,6 +45,15 @@ TEST_F(VulkanMotionTest, PinsWithADistanceAgree) {
   expect_same_as_cpu(scene);
 }
 
+TEST_F(VulkanMotionTest, PressureAgreesAlsoOverSeams) {
+  Play scene = hanging(kCut);
+  scene.before_frame = [asset = scene.cloths[0].asset](Solver& solver, uint32_t frame) {
+    if (frame == 0) solver.set_pins(0, pins_of_top(kCut, *asset));
+    solver.set_pressure(0, frame < 4 ? 3.F : -2.F);
+  };
+  expect_same_as_cpu(scene);
+}
+
 TEST_F(VulkanMotionTest, AParentThatTurnsWithInertiaAndWindAgrees) {
   Play scene = hanging(kCut);
   scene.frames = 8;

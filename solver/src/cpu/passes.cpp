@@ -64,9 +64,10 @@ void normals_stitch(const PassContext& context, ClothState& state) {
     vec3 sum(0, 0, 0);
     for (const uint32_t i : copies) sum = sum + state.normal.at(i) * state.normal_length[i];
     const vec4 n = shader::unit_and_length(sum);
+    const float own = n.w / static_cast<float>(copies.size());  // each copy stands for its part of the area
     for (const uint32_t i : copies) {
       state.normal.set(i, shader::xyz(n));
-      state.normal_length[i] = n.w;
+      state.normal_length[i] = own;
     }
   });
 }
@@ -95,6 +96,10 @@ void predict(const PassContext& context, ClothState& state) {
     if (params.air != 0) {
       const vec3 velocity = shader::way_of(point) * params.inverse_dt;
       acceleration = shader::air_acceleration(params, air_at(context, position), velocity, state.normal.at(i));
+      if (params.pressure.x != 0) {
+        acceleration = acceleration + shader::pressure_acceleration(params, state.normal.at(i), state.normal_length[i],
+                                                                    state.inverse_mass[i]);
+      }
     }
     const shader::PointState next =
         params.moving != 0 ? shader::predict_along(params, static_cast<float>(context.substep), point, acceleration)

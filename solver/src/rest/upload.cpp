@@ -141,7 +141,7 @@ ClothData make_cloth_data(const ClothDesc& cloth, const Vec3& origin, const Clot
   data.split_offset = asset.splits.offset;
   data.split_pixel = asset.splits.pixel;
   for (const uint32_t p : data.split_pixel) data.cell[p] |= shader::kCellCopyBit;
-  data.attachments = largest_stretch(cloth.material, {}, {}, 0) > 0;
+  data.attachments = largest_stretch(cloth.material, {}, {}, 0, 0) > 0;
   data.evenness = evenness_of(asset);
   if (data.attachments) {
     const std::vector<bool> short_seams = pixels_of_short_seams(uncut);

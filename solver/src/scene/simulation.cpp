@@ -151,6 +151,7 @@ Simulation::Simulation(Scene scene, SolverSettings settings, const BodyReader& b
   for (uint32_t c = 0; c < scene_.cloths.size(); ++c) {
     const SceneCloth& cloth = scene_.cloths[c];
     if (!cloth.motion.empty()) solver_->set_parent(c, pose_at(cloth.motion, 0), cloth.inertia_scale);
+    solver_->set_pressure(c, cloth.pressure);
   }
 }
 

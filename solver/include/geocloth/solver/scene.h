@@ -101,6 +101,7 @@ struct SceneCloth {
   std::optional<SelfCollision> self_collision = {};    ///< see ClothDesc
   std::optional<InterCollision> inter_collision = {};  ///< see ClothDesc
   std::vector<SceneCut> cuts;
+  float pressure = 0;  ///< [Pa] see Solver::set_pressure
 };
 
 /// Reads the triangles of a body, in the file's coordinates [m].

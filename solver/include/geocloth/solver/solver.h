@@ -150,6 +150,11 @@ class Solver {
   /// stays where it is: the parent is there by then.
   void set_parent(uint32_t cloth, const Transform& pose, const Vec3& inertia_scale = {1, 1, 1}, bool teleport = false);
 
+  /// [Pa] -1e6..1e6 By how much more presses on the backs of a cloth's faces than on their fronts, from the next step
+  /// on: above 0 it inflates what is closed and wound outwards, and fills a sail. It is the same however large the
+  /// volume is; a gas that is shut in loses pressure as it grows, which is for the caller to say. 0 for a new cloth.
+  void set_pressure(uint32_t cloth, float pressure);
+
   /// Cuts a cloth, as it is now, where it meets a triangle: springs and bends that cross it are severed, cells that it
   /// crosses are open from now on (not drawn, not met by colliders or wind), and the copies of a point part where the
   /// cut runs along their seam (the seam's points within 2 % of the spacing of the triangle's plane). Long-range
