@@ -302,6 +302,25 @@ ObjMesh make_cape() {
   return sewing.finish();
 }
 
+/// Two discs, sewn at their rims: flat but for as much as tells its inside from its outside.
+ObjMesh make_cushion() {
+  constexpr double kRadius = 0.25, kSpacing = 0.018, kBulge = 0.004;  // [m]
+  const PlanarMesh panel = triangulate({circle(kRadius, kSpacing)}, kSpacing);
+  Sewing sewing("cushion", "Cushion: two discs sewn at their rims, without air yet");
+  for (const double side : {1.0, -1.0}) {
+    sewing.add(
+        panel,
+        [&](uint32_t i) {
+          const Point2& p = panel.position[i];
+          const double out = std::min(1.0, std::hypot(p[0], p[1]) / kRadius);
+          const bool on_rim = out > 1 - 1e-6;
+          return Point3{p[0], on_rim ? 0 : side * kBulge * (1 - out * out), -p[1]};
+        },
+        side < 0);
+  }
+  return sewing.finish();
+}
+
 /// A strip whose left and right edges are sewn: a tube along y.
 /// @param place  of (t around 0..1, height 0..1)
 ObjMesh make_tube(const std::string& name, const std::string& comment, double width, double height, double spacing,
@@ -340,7 +359,8 @@ ObjMesh make_sleeve() {
 }  // namespace
 
 std::vector<ObjMesh> make_garments() {
-  return {make_t_shirt(), make_poncho(), make_cape(), make_skirt(), make_sleeve(), make_dress(), make_flag()};
+  return {make_t_shirt(), make_poncho(), make_cape(), make_skirt(),
+          make_sleeve(),  make_dress(),  make_flag(), make_cushion()};
 }
 
 }  // namespace geocloth::meshes

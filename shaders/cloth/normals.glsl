@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Normals of pixels from their own cells, and of copies.
 #include "../lib/normal.h"
+#include "../lib/yield.h"
 
 // The share of the cell with this upper left corner; this pixel is the given corner of it.
 vec3 cell_share(uint x, uint y, uint corner) {
@@ -20,12 +21,16 @@ void normal_at(uvec2 p) {
 
 void stitch_normals(uint row) {
   precise vec3 sum = vec3(0.0f);
+  precise float mass = 0.0f;
   for (uint i = split_offset[row]; i < split_offset[row + 1u]; ++i) {
-    vec4 normal = imageLoad(normal_image, texel(pixel_at(split_pixel[i])));
+    uvec2 p = pixel_at(split_pixel[i]);
+    vec4 normal = imageLoad(normal_image, texel(p));
     sum = sum + normal.xyz * normal.w;
+    float inverse_mass = inverse_mass_of(load_position(p).w);
+    if (inverse_mass > 0.0f) mass = mass + 1.0f / inverse_mass;
   }
   vec4 mean = unit_and_length(sum);
-  mean.w = mean.w / float(split_offset[row + 1u] - split_offset[row]);  // each copy stands for its part of the area
+  if (mass > 0.0f) mean.w = -mean.w / mass;  // see pressure_acceleration() of lib/predict.h
   for (uint i = split_offset[row]; i < split_offset[row + 1u]; ++i) {
     imageStore(normal_image, texel(pixel_at(split_pixel[i])), mean);
   }

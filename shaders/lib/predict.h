@@ -7,9 +7,9 @@
 // so that a plate that falls flat ends at v = sqrt(2 m g / (rho Cd A)). Gusts are a few waves that travel with the
 // wind.
 //
-// Pressure acts along the normal on the area as it is, a third of each triangle's at each of its corners: in all nothing
-// pushes closed cloth about, and the work is that on the volume within. Where springs are too few or too slow to hold
-// it, the area that it acts on does not grow without end.
+// Pressure acts along the normal on the area as it is, a third of each triangle's at each of its corners: in all
+// nothing pushes closed cloth about, and the work is that on the volume within. Where springs are too few or too slow
+// to hold it, the area that it acts on does not grow without end.
 //
 // Imperfections: a sheet in a plane whose forces lie in that plane would never leave it, however much it is squeezed,
 // as a column without any imperfection never buckles. So gravity may stray a little, up and down along a wave.
@@ -51,9 +51,12 @@ inline vec3 air_acceleration(ClothParams params, vec3 air, vec3 velocity, vec3 n
 }
 
 // Acceleration [m/s^2] by pressure.
-// @param w  length of the normal of lib/normal.h: 6 times the area that it stands for [m^2]
+// @param w  length of the normal of lib/normal.h: 6 times the area that it stands for [m^2]; of copies less than 0:
+// that
+//           of the whole point over its mass [m^2/kg]. Each would round its own share otherwise.
 inline vec3 pressure_acceleration(ClothParams params, vec3 n, float w, float mass_inverse) {
-  precise vec3 a = n * (params.pressure.x * min(w * mass_inverse, params.pressure.y));
+  precise float area_of_mass = w < 0.0f ? -w : w * mass_inverse;
+  precise vec3 a = n * (params.pressure.x * min(area_of_mass, params.pressure.y));
   return a;
 }
 

@@ -62,9 +62,13 @@ void normals(const PassContext& context, ClothState& state) {
 void normals_stitch(const PassContext& context, ClothState& state) {
   for_split_rows(context.threads, state, [&](std::span<const uint32_t> copies) {
     vec3 sum(0, 0, 0);
-    for (const uint32_t i : copies) sum = sum + state.normal.at(i) * state.normal_length[i];
+    float mass = 0;
+    for (const uint32_t i : copies) {
+      sum = sum + state.normal.at(i) * state.normal_length[i];
+      if (state.inverse_mass[i] > 0) mass = mass + 1 / state.inverse_mass[i];
+    }
     const vec4 n = shader::unit_and_length(sum);
-    const float own = n.w / static_cast<float>(copies.size());  // each copy stands for its part of the area
+    const float own = mass > 0 ? -n.w / mass : n.w;  // see pressure_acceleration() of lib/predict.h
     for (const uint32_t i : copies) {
       state.normal.set(i, shader::xyz(n));
       state.normal_length[i] = own;

@@ -146,8 +146,11 @@ HWY_NOINLINE void predict(D d, const PassContext& context, ClothState& state, st
         acceleration = air_acceleration(d, params, context.frame.substeps[context.substep], position,
                                         scale(d, way, hn::Set(d, params.inverse_dt)), load(d, at(state.normal, i)));
         if (params.pressure.x != 0) {
-          const auto area = hn::Mul(hn::LoadU(d, state.normal_length.data() + i), hn::LoadU(d, inverse_mass + i));
-          const auto push = hn::Mul(hn::Set(d, params.pressure.x), hn::Min(area, hn::Set(d, params.pressure.y)));
+          const auto w = hn::LoadU(d, state.normal_length.data() + i);
+          const auto area_of_mass =
+              hn::IfThenElse(hn::Lt(w, hn::Zero(d)), hn::Neg(w), hn::Mul(w, hn::LoadU(d, inverse_mass + i)));
+          const auto push =
+              hn::Mul(hn::Set(d, params.pressure.x), hn::Min(area_of_mass, hn::Set(d, params.pressure.y)));
           acceleration = add(acceleration, scale(d, load(d, at(state.normal, i)), push));
         }
       }
