@@ -43,6 +43,12 @@ StretchStatistics stretch_of_all(const Simulation& simulation, std::span<const C
   return all;
 }
 
+uint64_t torn_springs(const Simulation& simulation) {
+  uint64_t springs = 0;
+  for (uint32_t c = 0; c < simulation.cloths().size(); ++c) springs += simulation.torn(c).springs;
+  return springs;
+}
+
 /// The hash of the state; for several cloths the FNV-1a of their hashes.
 std::string state_hash(const Simulation& simulation, std::span<const ClothSnapshot> frames) {
   uint64_t hash = hash_state(*simulation.cloths()[0].asset, frames[0].position);
@@ -122,6 +128,7 @@ std::string SimulationRecorder::report(Simulation& simulation, std::span<const C
                                       {"particles", statistics.particles},
                                       {"springs", statistics.springs},
                                       {"asleep", statistics.asleep},
+                                      {"torn_springs", torn_springs(simulation)},
                                       {"ms_per_frame",
                                        {{"median", percentile(frame_seconds_, 0.5) / kMillisecond},
                                         {"p95", percentile(frame_seconds_, 0.95) / kMillisecond}}},

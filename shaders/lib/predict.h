@@ -51,9 +51,8 @@ inline vec3 air_acceleration(ClothParams params, vec3 air, vec3 velocity, vec3 n
 }
 
 // Acceleration [m/s^2] by pressure.
-// @param w  length of the normal of lib/normal.h: 6 times the area that it stands for [m^2]; of copies less than 0:
-// that
-//           of the whole point over its mass [m^2/kg]. Each would round its own share otherwise.
+// @param w  length of the normal of lib/normal.h: 6 times the area that it stands for [m^2]; of copies, which would
+//   round each its own share, less than 0: that of the whole point over its mass [m^2/kg]
 inline vec3 pressure_acceleration(ClothParams params, vec3 n, float w, float mass_inverse) {
   precise float area_of_mass = w < 0.0f ? -w : w * mass_inverse;
   precise vec3 a = n * (params.pressure.x * min(area_of_mass, params.pressure.y));

@@ -181,10 +181,14 @@ void check_pin_hold(double frequency, double max_distance, const std::string& wh
   check_at_least(max_distance, 0, where, "max_distance", 1e4);
 }
 
+void check_tear(double stretch, const std::string& where) {
+  check_above(stretch, 1, where, "the stretch that it tears at", 1e6);
+}
+
 void check_pressure(float pressure, const std::string& where) {
   constexpr double kMost = 1e6;
   if (std::abs(pressure) <= kMost) return;
-  throw Error(ErrorCode::invalid_argument, where + ": pressure must be from -1e6 to 1e6 Pa");
+  refuse(where, "pressure", pressure, "between " + number(-kMost) + " and " + number(kMost) + " Pa");
 }
 
 void check_gravity(const Vec3& gravity, const std::string& where) {

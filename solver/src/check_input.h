@@ -27,6 +27,8 @@ void check(const Wind& wind, const std::string& where);
 void check_distance(float distance, const std::string& where);
 void check_parent(const Transform& pose, const Vec3& inertia_scale, const std::string& where);
 void check_pin_hold(double frequency, double max_distance, const std::string& where);
+/// Of springs that tear.
+void check_tear(double stretch, const std::string& where);
 void check_pressure(float pressure, const std::string& where);
 void check_gravity(const Vec3& gravity, const std::string& where);
 void check_position(const Vec3& position, const std::string& where);

@@ -18,6 +18,7 @@
 #include "rest/cut_asset.h"
 #include "rest/inter_points.h"
 #include "rest/self_points.h"
+#include "rest/tear.h"
 #include "rest/upload.h"
 #include "solver_impl.h"
 
@@ -346,7 +347,9 @@ void Solver::Impl::set_pins(uint32_t cloth, std::span<const Pin> pins) {
   // Of several on a point the last one counts.
   std::ranges::reverse(next);
   std::ranges::stable_sort(next, {}, &PixelPin::first);
-  next.erase(std::ranges::unique(next, {}, &PixelPin::first).begin(), next.end());
+  next.erase(
+      std::unique(next.begin(), next.end(), [](const PixelPin& a, const PixelPin& b) { return a.first == b.first; }),
+      next.end());
   if (c.placed_at != time_) {
     auto before = c.pins.begin();
     for (auto& [pixel, pin] : next) {
@@ -499,13 +502,37 @@ CutResult Solver::Impl::cut(uint32_t cloth, const std::array<Vec3, 3>& triangle)
   read_positions(cloth, position);
   read_normals(cloth, normal);
   CutCloth cut = cut_asset(*c.asset, {position, normal, c.scale}, triangle);
-  if (!cut.asset) return {};
-  ClothData data = cloth_data(c, cut.asset);
-  take_asset(cloth, std::move(cut.asset), std::move(data));
+  if (cut.asset) take_cut(cloth, std::move(cut.asset));
+  return cut.result;
+}
+
+CutResult Solver::Impl::tear(uint32_t cloth, float stretch) {
+  static_cast<void>(cloth_at(cloth));
+  check_tear(stretch, cloth_name(cloth));
+  const Cloth& c = cloths_[cloth];
+  std::vector<Vec3> position, normal;
+  read_positions(cloth, position);
+  read_normals(cloth, normal);
+  const ClothPose pose{position, normal, c.scale};
+  std::shared_ptr<const ClothAsset> torn;
+  CutResult all;
+  for (const std::array<Vec3, 3>& blade : blades_of_tears(*c.asset, pose, stretch)) {
+    CutCloth cut = cut_asset(torn ? *torn : *c.asset, pose, blade);
+    if (!cut.asset) continue;
+    torn = std::move(cut.asset);
+    all += cut.result;
+  }
+  if (torn) take_cut(cloth, std::move(torn));
+  return all;
+}
+
+void Solver::Impl::take_cut(uint32_t cloth, std::shared_ptr<const ClothAsset> asset) {
+  Cloth& c = cloths_[cloth];
+  ClothData data = cloth_data(c, asset);
+  take_asset(cloth, std::move(asset), std::move(data));
   c.pins_changed = true;  // attachments run around the cut
   c.disturbed = true;
   if (meets_others(c)) take_inter(inter_data(assets(), origin_), origin_);
-  return cut.result;
 }
 
 ClothData Solver::Impl::cloth_data(const Cloth& cloth, const std::shared_ptr<const ClothAsset>& asset) const {
@@ -653,6 +680,9 @@ void Solver::set_pressure(uint32_t cloth, float pressure) {
 }
 CutResult Solver::cut(uint32_t cloth, const std::array<Vec3, 3>& triangle) {
   return impl_->cut(cloth, triangle);
+}
+CutResult Solver::tear(uint32_t cloth, float stretch) {
+  return impl_->tear(cloth, stretch);
 }
 std::shared_ptr<const ClothAsset> Solver::asset(uint32_t cloth) const {
   return impl_->asset(cloth);

@@ -36,6 +36,7 @@ class Solver::Impl {
   void set_pressure(uint32_t cloth, float pressure);
   void set_parent(uint32_t cloth, const Transform& pose, const Vec3& inertia_scale, bool teleport);
   CutResult cut(uint32_t cloth, const std::array<Vec3, 3>& triangle);
+  CutResult tear(uint32_t cloth, float stretch);
   [[nodiscard]] const std::shared_ptr<const ClothAsset>& asset(uint32_t cloth) const { return cloth_at(cloth).asset; }
   void step();
 
@@ -162,6 +163,7 @@ class Solver::Impl {
   [[nodiscard]] std::vector<const ClothAsset*> assets() const;
   [[nodiscard]] ClothData cloth_data(const Cloth& cloth, const std::shared_ptr<const ClothAsset>& asset) const;
   [[nodiscard]] InterData inter_data(std::span<const ClothAsset* const> assets, const Vec3& origin) const;
+  void take_cut(uint32_t cloth, std::shared_ptr<const ClothAsset> asset);
   void take_asset(uint32_t cloth, std::shared_ptr<const ClothAsset> asset, ClothData data);
   void take_inter(InterData inter, const Vec3& origin);
   [[nodiscard]] bool meets_others(const Cloth& cloth) const { return inter_.points > 0 && cloth.inter_collision; }

@@ -240,6 +240,8 @@ INSTANTIATE_TEST_SUITE_P(
                  "wind.motion[0]: velocity"},
         BadScene{"WindKeyBelowZero", "\"drag\": 1.5", "\"motion\": [{\"time\": 1, \"turbulence\": -1}]",
                  "wind.motion[0]: turbulence"},
+        BadScene{"TearsAtRest", "\"transform\"", "\"tear\": 1, \"transform\"",
+                 "cloths[0].tear: the stretch that it tears at is 1; it must be"},
         BadScene{"PressureOutOfRange", "\"transform\"", "\"pressure\": 1e7, \"transform\"",
                  "cloths[0].pressure: must be from -1000000.0 to 1000000.0"},
         BadScene{"UnknownClothKey", "\"transform\"", "\"material_\": 1, \"transform\"",
@@ -449,6 +451,21 @@ TEST_F(Playing, OneDistanceForAllNeedsNoPinThatHolds) {
   EXPECT_THAT(refused(R"({"where":{"top":1},"max_distance":{"least":0.1}})"),
               HasSubstr("cloths[0].pins[0].max_distance"));
   EXPECT_THAT(refused(R"({"where":{"top":1},"max_distance":{"per_meter":0.1}})"), HasSubstr("per_metre"));
+}
+
+TEST_F(Playing, AClothThatIsDrawnTooFarTears) {
+  const std::string pins = R"(,"pins":[{"where":{"vertex_group":"top"}},{"where":{"vertex_group":"bottom"},
+      "motion":[{"time":0},{"time":1,"translate":[0,-0.6,0]}]}])";
+  Simulation tears = play(pins + R"(,"tear":1.3)"), holds = play(pins);
+  for (int f = 0; f < 60; ++f) {
+    tears.step();
+    holds.step();
+  }
+  EXPECT_GE(tears.torn(0).springs, 8U);
+  EXPECT_EQ(holds.torn(0), CutResult());
+  EXPECT_NE(tears.cloths()[0].asset, holds.cloths()[0].asset);
+  EXPECT_LT(measure_stretch(*tears.cloths()[0].asset, 1, test::positions_of(tears.solver())).max,
+            measure_stretch(*holds.cloths()[0].asset, 1, test::positions_of(holds.solver())).max);
 }
 
 TEST_F(Playing, APressureSwellsASail) {

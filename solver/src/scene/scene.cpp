@@ -249,8 +249,8 @@ SceneMesh read_skin(const JsonReader& json, const std::filesystem::path& folder)
 
 SceneCloth read_cloth(const JsonReader& json, const std::filesystem::path& folder) {
   expect_no_placing(json);
-  json.expect_object({"asset", "material", "transform", "inertia_scale", "motion", "pins", "skin", "cuts", "pressure",
-                      "self_collision", "inter_collision"});
+  json.expect_object({"asset", "material", "transform", "inertia_scale", "motion", "pins", "skin", "cuts", "tear",
+                      "pressure", "self_collision", "inter_collision"});
   SceneCloth cloth;
   const std::string asset = json.at("asset").text();
   if (asset.empty()) json.at("asset").fail("must name an asset file");
@@ -269,6 +269,10 @@ SceneCloth read_cloth(const JsonReader& json, const std::filesystem::path& folde
     for (const JsonReader& pin : json.at("pins").elements()) cloth.pins.push_back(read_pin(pin));
   }
   if (json.has("skin")) cloth.skin = read_skin(json.at("skin"), folder);
+  if (json.has("tear")) {
+    json.read("tear", cloth.tear);
+    checked([&] { check_tear(cloth.tear, json.at("tear").where()); });
+  }
   if (json.has("pressure")) cloth.pressure = static_cast<float>(in_range(json.at("pressure"), -1e6, 1e6));
   if (json.has("cuts")) {
     for (const JsonReader& cut : json.at("cuts").elements()) cloth.cuts.push_back(read_cut(cut));

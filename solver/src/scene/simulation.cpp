@@ -143,8 +143,9 @@ Simulation::Simulation(Scene scene, SolverSettings settings, const BodyReader& b
     measure_distances(c);
   }
   // Points that another pin has, too, are left to it: of several pins on a point the last one counts.
-  std::ranges::stable_partition(pins_, [](const PinSet& set) { return set.pin.max_distance.has_value(); });
+  std::stable_partition(pins_.begin(), pins_.end(), [](const PinSet& set) { return set.pin.max_distance.has_value(); });
   hands_.resize(cloths_.size());
+  torn_.resize(cloths_.size());
   solver_ = std::make_unique<Solver>(solver_of(scene_, cloths_, settings, make_solver));
   solver_->set_colliders(colliders_at(scene_, 0), true);
   if (scene_.wind) solver_->set_wind(wind_at(scene_, 0));
@@ -262,14 +263,15 @@ void Simulation::take_hold(PinSet& set, double start) {
 
 /// Of the pins of a cloth that let their points go so far.
 void Simulation::measure_distances(uint32_t cloth) {
-  const auto sets = std::ranges::subrange(
-      std::ranges::find_if(pins_, [&](const PinSet& set) { return set.cloth == cloth; }), pins_.end());
+  const auto first = std::ranges::find_if(pins_, [&](const PinSet& set) { return set.cloth == cloth; });
+  const std::span<PinSet> sets(first, pins_.end());
+  constexpr float kFree = 1e4F;  // [m] as long as a pin allows
   std::vector<uint32_t> held;
   for (const PinSet& set : sets)
     if (set.pin.holds()) held.insert(held.end(), set.pixels.begin(), set.pixels.end());
   std::vector<float> way;
   for (size_t k = 0; k < sets.size(); ++k) {
-    PinSet& set = sets[static_cast<std::ptrdiff_t>(k)];
+    PinSet& set = sets[k];
     if (!set.pin.max_distance) continue;
     const MaxDistance& most = *set.pin.max_distance;
     set.max_distance.assign(set.pixels.size(), most.least);
@@ -281,7 +283,10 @@ void Simulation::measure_distances(uint32_t cloth) {
                       "pin without frequency and max_distance, or one distance for all");
     }
     if (way.empty()) way = ways_along_cloth(cloths_[cloth], held);
-    for (size_t i = 0; i < set.pixels.size(); ++i) set.max_distance[i] += most.per_metre * way[set.pixels[i]];
+    for (size_t i = 0; i < set.pixels.size(); ++i) {
+      const float distance = most.least + most.per_metre * way[set.pixels[i]];
+      set.max_distance[i] = distance > kFree ? std::numeric_limits<float>::infinity() : distance;
+    }
   }
 }
 
@@ -412,6 +417,7 @@ void Simulation::cut(double start) {
       if (cut.time > before + kSameTime && cut.time <= start + kSameTime)
         cuts_made_.push_back({c, k, solver_->cut(c, cut.triangle)});
     }
+    if (scene_.cloths[c].tear > 0) torn_[c] += solver_->tear(c, scene_.cloths[c].tear);
     cloths_[c].asset = solver_->asset(c);
   }
 }

@@ -102,6 +102,7 @@ struct SceneCloth {
   std::optional<InterCollision> inter_collision = {};  ///< see ClothDesc
   std::vector<SceneCut> cuts;
   float pressure = 0;  ///< [Pa] see Solver::set_pressure
+  float tear = 0;      ///< above 1: the stretch that it tears at, see Solver::tear; 0: never
 };
 
 /// Reads the triangles of a body, in the file's coordinates [m].
@@ -213,6 +214,8 @@ class Simulation {
     CutResult result;
   };
   [[nodiscard]] const std::vector<CutMade>& cuts_made() const { return cuts_made_; }
+  /// What has been torn of a cloth until now.
+  [[nodiscard]] const CutResult& torn(uint32_t cloth) const { return torn_.at(cloth); }
 
   /// A wind in place of the scene's and its keyframes.
   void set_wind(const Wind& wind);
@@ -272,6 +275,7 @@ class Simulation {
   std::vector<std::shared_ptr<MovingCollider>> moving_;  ///< of the colliders; null: it keeps its shape
   std::vector<std::shared_ptr<MovingSurface>> skins_;    ///< of the cloths; null: it has none
   std::vector<CutMade> cuts_made_;
+  std::vector<CutResult> torn_;          ///< per cloth
   std::vector<std::vector<Pin>> hands_;  ///< per cloth
   std::unique_ptr<Solver> solver_;
   uint32_t frame_ = 0;

@@ -111,12 +111,18 @@ struct SolverStatistics {
   double penetration = 0;  ///< [m] largest depth below a collider's surface after any substep, with check_copies
 };
 
-/// What a cut has severed.
+/// What a cut has severed, or several.
 struct CutResult {
   uint64_t springs = 0;        ///< of all families, and bends over seams
   uint64_t cells = 0;          ///< of four pixels that are open now
   uint64_t parted_points = 0;  ///< of a seam: rows of the split-vertex table whose copies have come apart
   bool operator==(const CutResult&) const = default;
+  CutResult& operator+=(const CutResult& other) {
+    springs += other.springs;
+    cells += other.cells;
+    parted_points += other.parted_points;
+    return *this;
+  }
 };
 
 /// Simulates any number of garments. Not copyable; movable; use from one thread at a time.
@@ -165,6 +171,14 @@ class Solver {
   /// @return zeros when it meets nothing, which is no error
   /// @throws Error(invalid_argument) for a corner that is not finite, and for a triangle without an area
   CutResult cut(uint32_t cloth, const std::array<Vec3, 3>& triangle);
+  /// Tears a cloth where its springs of warp and weft are longer than `stretch` times their length at rest: as if it
+  /// were cut across the most stretched ones, one of those that are near each other and 16 at most. Called before every
+  /// step the tears go on as what is left is stretched. A step stretches springs beyond their material, too (see
+  /// measure_stretch), so 1.2 at least is of use. Waits for the device and reads the positions, and costs as much as a
+  /// cut for each tear.
+  /// @param stretch  above 1
+  /// @return zeros when nothing tears @throws Error(invalid_argument)
+  CutResult tear(uint32_t cloth, float stretch);
   /// The asset of a cloth as it is now: what it was made with, or, once cut, one with the same pixels and vertices but
   /// without the springs, cells, copies and triangles of the source mesh that cuts have taken away.
   [[nodiscard]] std::shared_ptr<const ClothAsset> asset(uint32_t cloth) const;
