@@ -63,6 +63,7 @@ std::vector<std::array<Vec3, 3>> blades_of_tears(const ClothAsset& asset, const 
     if (std::none_of(torn.begin(), torn.end(), is_near)) torn.push_back(spring);
   }
   std::vector<std::array<Vec3, 3>> blades;
+  blades.reserve(torn.size());
   for (const Strained& spring : torn) blades.push_back(blade_across(asset, pose, spring));
   return blades;
 }
