@@ -512,12 +512,14 @@ CutResult Solver::Impl::tear(uint32_t cloth, float stretch) {
   const Cloth& c = cloths_[cloth];
   std::vector<Vec3> position, normal;
   read_positions(cloth, position);
+  const std::vector<StrainedSpring> springs = springs_that_tear(*c.asset, position, c.scale, stretch);
+  if (springs.empty()) return {};
   read_normals(cloth, normal);
   const ClothPose pose{position, normal, c.scale};
   std::shared_ptr<const ClothAsset> torn;
   CutResult all;
-  for (const std::array<Vec3, 3>& blade : blades_of_tears(*c.asset, pose, stretch)) {
-    CutCloth cut = cut_asset(torn ? *torn : *c.asset, pose, blade);
+  for (const StrainedSpring& spring : springs) {
+    CutCloth cut = cut_asset(torn ? *torn : *c.asset, pose, blade_across(*c.asset, pose, spring));
     if (!cut.asset) continue;
     torn = std::move(cut.asset);
     all += cut.result;

@@ -250,11 +250,6 @@ void check_vertex_groups(const ClothAsset& asset) {
   }
 }
 
-/// Some unit vector across the unit vector n.
-Vec3d any_across(const Vec3d& n) {
-  return unit(cross(n, std::abs(n.x) < 0.5 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}), {0, 0, 1});
-}
-
 /// The axes T, B, N at a bound vertex.
 struct Frame {
   Vec3d t, b, n;

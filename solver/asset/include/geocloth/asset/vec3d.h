@@ -47,5 +47,9 @@ inline Vec3d& operator+=(Vec3d& a, const Vec3d& b) {
   const double l = length(a);
   return l > 0 ? a * (1 / l) : otherwise;
 }
+/// Some unit vector across the unit vector n.
+[[nodiscard]] inline Vec3d any_across(const Vec3d& n) {
+  return unit(cross(n, std::abs(n.x) < 0.5 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}), {0, 0, 1});
+}
 
 }  // namespace geocloth
