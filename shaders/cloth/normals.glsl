@@ -21,11 +21,12 @@ void normal_at(uvec2 p) {
 
 void stitch_normals(uint row) {
   precise vec3 sum = vec3(0.0f);
-  precise float mass = 0.0f;
+  precise float mass = 0.0f;  // only where a pressure acts
   for (uint i = split_offset[row]; i < split_offset[row + 1u]; ++i) {
     uvec2 p = pixel_at(split_pixel[i]);
     vec4 normal = imageLoad(normal_image, texel(p));
     sum = sum + normal.xyz * normal.w;
+    if (params.pressure.x == 0.0f) continue;
     float inverse_mass = inverse_mass_of(load_position(p).w);
     if (inverse_mass > 0.0f) mass = mass + 1.0f / inverse_mass;
   }

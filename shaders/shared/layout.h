@@ -7,8 +7,8 @@
 //                        the lowest bits of its mantissa say how far the point gives way, see lib/yield.h
 //   previous   rgba32f   xyz position at the start of the substep; velocity = (position - previous) / dt
 //   carry      rgba32f   xyz what rounding took away when the position was predicted (compensated sum)
-//   normal     rgba32f   xyz unit normal (zero where not valid), w = its length before it was made a unit, of
-//                        copies what pressure_acceleration() of lib/predict.h wants instead
+//   normal     rgba32f   xyz unit normal (zero where not valid), w = its length before it was made a unit; of
+//                        copies, where a pressure acts, what pressure_acceleration() of lib/predict.h wants
 //   springs    rgba32f   one image for each family: (rest length a [m], compliance a [m/N], rest b, compliance b), for
 //                        the two forward springs a, b of the family; rest length 0: no spring
 //                        structural: right, down; shear: down-right, down-left; bending: right two, down two

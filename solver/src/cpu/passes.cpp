@@ -60,12 +60,13 @@ void normals(const PassContext& context, ClothState& state) {
 }
 
 void normals_stitch(const PassContext& context, ClothState& state) {
+  const bool presses = context.cloth.params.pressure.x != 0;
   for_split_rows(context.threads, state, [&](std::span<const uint32_t> copies) {
     vec3 sum(0, 0, 0);
-    float mass = 0;
+    float mass = 0;  // only where a pressure acts
     for (const uint32_t i : copies) {
       sum = sum + state.normal.at(i) * state.normal_length[i];
-      if (state.inverse_mass[i] > 0) mass = mass + 1 / state.inverse_mass[i];
+      if (presses && state.inverse_mass[i] > 0) mass = mass + 1 / state.inverse_mass[i];
     }
     const vec4 n = shader::unit_and_length(sum);
     const float own = mass > 0 ? -n.w / mass : n.w;  // see pressure_acceleration() of lib/predict.h
