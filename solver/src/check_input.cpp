@@ -178,7 +178,7 @@ void check_cut(const std::array<Vec3, 3>& triangle, const std::string& where) {
 
 void check_pin_hold(double frequency, double max_distance, const std::string& where) {
   check_at_least(frequency, 0, where, "frequency", 1e4);
-  check_at_least(max_distance, 0, where, "max_distance", 1e4);
+  check_at_least(max_distance, 0, where, "max_distance", kLargestPinDistance);
 }
 
 void check_tear(double stretch, const std::string& where) {
@@ -186,9 +186,9 @@ void check_tear(double stretch, const std::string& where) {
 }
 
 void check_pressure(float pressure, const std::string& where) {
-  constexpr double kMost = 1e6;
-  if (std::abs(pressure) <= kMost) return;
-  refuse(where, "pressure", pressure, "between " + number(-kMost) + " and " + number(kMost) + " Pa");
+  if (std::abs(pressure) <= kLargestPressure) return;
+  refuse(where, "pressure", pressure,
+         "between " + number(-kLargestPressure) + " and " + number(kLargestPressure) + " Pa");
 }
 
 void check_gravity(const Vec3& gravity, const std::string& where) {

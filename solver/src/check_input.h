@@ -14,6 +14,9 @@ inline constexpr float kLargestLength = 1e6F;
 /// Of a frame.
 inline constexpr uint32_t kMostSubsteps = 256;
 
+inline constexpr double kLargestPressure = 1e6;     ///< [Pa] either way
+inline constexpr double kLargestPinDistance = 1e4;  ///< [m]
+
 /// Every field in its documented range. `where` begins the message, e.g. "cloth 2" or "colliders[0] \"ball\"".
 /// @throws Error(invalid_argument) naming the field, its value and its range
 void check(const SolverSettings& settings);

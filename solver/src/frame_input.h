@@ -92,6 +92,6 @@ void set_imperfection(float share, const Vec3& gravity, float size, const Vec3& 
 /// The numbers of one material in one frame. width, height and collider_count are left 0.
 /// @param pressure  [Pa] see Solver::set_pressure
 [[nodiscard]] shader::ClothParams cloth_params(const Material& material, const FrameClock& clock, const Vec3& gravity,
-                                               const std::optional<Wind>& wind, float pressure = 0);
+                                               const std::optional<Wind>& wind, float pressure);
 
 }  // namespace geocloth

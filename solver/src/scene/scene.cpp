@@ -162,12 +162,11 @@ Where read_where(const JsonReader& json) {
 }
 
 MaxDistance read_max_distance(const JsonReader& json) {
-  constexpr float kMost = 1e4F;
-  if (!json.is_object()) return {static_cast<float>(in_range(json, 0, kMost)), 0};
+  if (!json.is_object()) return {static_cast<float>(in_range(json, 0, kLargestPinDistance)), 0};
   json.expect_object({"least", "per_metre"});
   MaxDistance r;
-  if (json.has("least")) r.least = static_cast<float>(in_range(json.at("least"), 0, kMost));
-  r.per_metre = static_cast<float>(in_range(json.at("per_metre"), 0, kMost));
+  if (json.has("least")) r.least = static_cast<float>(in_range(json.at("least"), 0, kLargestPinDistance));
+  r.per_metre = static_cast<float>(in_range(json.at("per_metre"), 0, kLargestPinDistance));
   return r;
 }
 
@@ -273,7 +272,8 @@ SceneCloth read_cloth(const JsonReader& json, const std::filesystem::path& folde
     json.read("tear", cloth.tear);
     checked([&] { check_tear(cloth.tear, json.at("tear").where()); });
   }
-  if (json.has("pressure")) cloth.pressure = static_cast<float>(in_range(json.at("pressure"), -1e6, 1e6));
+  if (json.has("pressure"))
+    cloth.pressure = static_cast<float>(in_range(json.at("pressure"), -kLargestPressure, kLargestPressure));
   if (json.has("cuts")) {
     for (const JsonReader& cut : json.at("cuts").elements()) cloth.cuts.push_back(read_cut(cut));
   }

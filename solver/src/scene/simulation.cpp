@@ -10,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include "check_input.h"
 #include "geocloth/asset/asset_file.h"
 #include "geocloth/asset/error.h"
 #include "geocloth/solver/scene.h"
@@ -265,7 +266,7 @@ void Simulation::take_hold(PinSet& set, double start) {
 void Simulation::measure_distances(uint32_t cloth) {
   const auto first = std::ranges::find_if(pins_, [&](const PinSet& set) { return set.cloth == cloth; });
   const std::span<PinSet> sets(first, pins_.end());
-  constexpr float kFree = 1e4F;  // [m] as long as a pin allows
+  constexpr auto kFree = static_cast<float>(kLargestPinDistance);
   std::vector<uint32_t> held;
   for (const PinSet& set : sets)
     if (set.pin.holds()) held.insert(held.end(), set.pixels.begin(), set.pixels.end());
