@@ -204,13 +204,13 @@ inline vec3 mix_ways(vec3 a, vec3 b, float t) {
 inline vec3 deforming_way(ColliderSet set, ColliderShape shape, vec3 p) {
   vec3 side = grid_sides(shape);
   GridPlace place = place_in_grid(shape, clamped_to(in_grid(shape, p), side), side);
-  uint row = 3u * shape.data.y;
+  uint row = kWayNumbers * shape.data.y;
   uint layer = row * shape.data.z;
-  uint k = shape.data.x + shape.data.y * shape.data.z * shape.data.w + 3u * place.node;
-  vec3 w00 = mix_ways(node_way(set, k), node_way(set, k + 3u), place.t.x);
-  vec3 w10 = mix_ways(node_way(set, k + row), node_way(set, k + row + 3u), place.t.x);
-  vec3 w01 = mix_ways(node_way(set, k + layer), node_way(set, k + layer + 3u), place.t.x);
-  vec3 w11 = mix_ways(node_way(set, k + layer + row), node_way(set, k + layer + row + 3u), place.t.x);
+  uint k = shape.data.x + shape.data.y * shape.data.z * shape.data.w + kWayNumbers * place.node;
+  vec3 w00 = mix_ways(node_way(set, k), node_way(set, k + kWayNumbers), place.t.x);
+  vec3 w10 = mix_ways(node_way(set, k + row), node_way(set, k + row + kWayNumbers), place.t.x);
+  vec3 w01 = mix_ways(node_way(set, k + layer), node_way(set, k + layer + kWayNumbers), place.t.x);
+  vec3 w11 = mix_ways(node_way(set, k + layer + row), node_way(set, k + layer + row + kWayNumbers), place.t.x);
   return mix_ways(mix_ways(w00, w10, place.t.y), mix_ways(w01, w11, place.t.y), place.t.z);
 }
 

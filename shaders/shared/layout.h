@@ -205,7 +205,7 @@ struct SelfPoint {
 //              b.z 1: it has a sharp corner
 //   mesh       numbers from data.x on: signed distances [m] at data.y x data.z x data.w nodes, x fastest; a.xyz first
 //              node, a.w spacing, b.x = 1 / spacing, b.y margin: no surface is nearer to the sides of the grid, b.z
-//              largest depth inside; of a body that deforms they are followed by three numbers for each node, how far
+//              largest depth inside; of a body that deforms they are followed by kWayNumbers for each node: how far
 //              [m] the point of the surface that is nearest to it goes in the frame that ends with these distances
 // b.w: no point p is nearer than |p| - b.w; no such bound for planes and hulls, whose distance is that to a plane
 struct ColliderShape {
@@ -217,6 +217,8 @@ struct ColliderShape {
   float core;  // [m] smallest half width: a way longer than this is swept
   float way;   // [m] no point of it moves farther in a substep of this frame; see collide.h
 };
+
+const uint kWayNumbers = 4u;  // three of them count
 
 // World from local: (dot(row0.xyz, p) + row0.w, ...); the rows' xyz are a rotation matrix. The local frame of a body
 // that deforms is that of its shape at the end of the frame.

@@ -164,7 +164,8 @@ struct LocalShape {
     r.b.z = -std::min(0.F, *std::min_element(field.distance.begin(), field.distance.end()));
     r.data.x = static_cast<uint32_t>(numbers.size());
     numbers.insert(numbers.end(), field.distance.begin(), field.distance.end());
-    for (const Vec3& way : field.way) numbers.insert(numbers.end(), {way.x, way.y, way.z});
+    for (const Vec3& way : field.way) numbers.insert(numbers.end(), {way.x, way.y, way.z, 0});
+    static_assert(shader::kWayNumbers == 4);
     return r;
   }
 };

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A body as a grid of signed distances, so that a point of the cloth finds its surface with eight reads. The distance
-// is exact at the nodes (a tree of boxes over the triangles). The sign comes from the winding number, which needs no
-// closed surface: Barill, Dickson, Schmidt, Levin, Jacobson 2018, "Fast Winding Numbers for Soups and Clouds": a branch
-// that is far away counts as one dipole. It is evaluated near the surface only; farther away neighbours have the same
-// sign.
+// A body as a grid of signed distances, so that a point of the cloth finds its surface with eight reads. The sign comes
+// from the winding number, which needs no closed surface.
 
 #include <algorithm>
 #include <cmath>
@@ -15,6 +12,9 @@
 #include <tbb/parallel_for.h>
 
 #include "colliders/closest.h"
+#include "colliders/enclosure.h"
+#include "colliders/nearest_nodes.h"
+#include "colliders/node_grid.h"
 #include "colliders/surface_bounds.h"
 #include "geocloth/asset/error.h"
 #include "geocloth/asset/vec3d.h"
@@ -23,183 +23,7 @@
 namespace geocloth {
 namespace {
 
-constexpr uint32_t kLeafTriangles = 4;
-constexpr uint32_t kNoTriangle = 0xFFFFFFFF;
-constexpr double kFarRatio = 2.5;   ///< a branch is a dipole from this many of its radii on
 constexpr uint32_t kRoomNodes = 3;  ///< around the body
-
-/// Solid angles of triangles, seen from a point (Van Oosterom and Strackee 1983), added as the arguments of complex
-/// numbers are by their product, so that only one arctangent is needed.
-class SolidAngle {
- public:
-  void add(const TriangleCorners& t, const Vec3d& p) {
-    const Vec3d a = t.a - p, b = t.b - p, c = t.c - p;
-    const double la = length(a), lb = length(b), lc = length(c);
-    const double y = dot(a, cross(b, c));
-    const double x = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
-    const double scale = std::abs(x) + std::abs(y);
-    if (!(scale > 0)) return;  // from a corner of it
-    const double re = (x_ * x - y_ * y) / scale, im = (x_ * y + y_ * x) / scale;
-    // Two halves of a turn are one.
-    if (y_ >= 0 && y >= 0 && im < 0) ++turns_;
-    if (y_ < 0 && y < 0 && im >= 0) --turns_;
-    x_ = re;
-    y_ = im;
-  }
-  /// The sum / 4 pi.
-  [[nodiscard]] double winding() const { return turns_ + std::atan2(y_, x_) / (2 * std::numbers::pi); }
-
- private:
-  double x_ = 1, y_ = 0;  ///< its argument is half the sum, less whole turns
-  int turns_ = 0;
-};
-
-/// Triangles in a tree of boxes, halved at the median along the longest side.
-class TriangleTree {
- public:
-  /// @param left_out  by triangle, not all of them; empty: none
-  TriangleTree(const TriangleSurface& surface, const std::vector<char>& left_out) {
-    triangles_.reserve(surface.triangle.size());
-    for (uint32_t i = 0; i < surface.triangle.size(); ++i) {
-      if (left_out.empty() || left_out[i] == 0)
-        triangles_.push_back({corners_of(surface.triangle[i], surface.position), i});
-    }
-    build(0, static_cast<uint32_t>(triangles_.size()));
-  }
-
-  struct Nearest {
-    double distance;
-    uint32_t place;  ///< of the triangle in the tree; kNoTriangle: none within the bound
-  };
-  /// The nearest triangle if it is below `bound`.
-  /// @param guess  a triangle that may well be it, by its place in the tree; or kNoTriangle
-  [[nodiscard]] Nearest nearest(const Vec3d& p, double bound, uint32_t guess) const {
-    double best = bound * bound;
-    uint32_t found = kNoTriangle;
-    const auto look = [&](uint32_t i) {
-      const Vec3d d = p - closest_on_triangle(triangles_[i].corners, p);
-      const double away = dot(d, d);
-      if (!(away < best)) return;  // nor where a triangle is too flat for a number
-      best = away;
-      found = i;
-    };
-    if (guess != kNoTriangle) look(guess);
-    std::array<uint32_t, 64> stack{};
-    size_t top = 1;
-    while (top > 0) {
-      const Node& node = nodes_[stack[--top]];
-      if (outside(node, p) >= best) continue;
-      if (node.count > 0) {
-        for (uint32_t i = node.first; i < node.first + node.count; ++i) look(i);
-        continue;
-      }
-      // The nearer child last, so that it is looked at first.
-      const bool left_nearer = outside(nodes_[node.left], p) < outside(nodes_[node.right], p);
-      stack[top++] = left_nearer ? node.right : node.left;
-      stack[top++] = left_nearer ? node.left : node.right;
-    }
-    return {std::sqrt(best), found};
-  }
-  /// In the surface's order.
-  [[nodiscard]] uint32_t triangle_at(uint32_t place) const { return triangles_[place].index; }
-
-  /// Whether the surface winds around a point.
-  [[nodiscard]] bool encloses(const Vec3d& p) const { return std::abs(winding(p)) > 0.5; }
-
- private:
-  [[nodiscard]] double winding(const Vec3d& p) const {
-    double sum = 0;
-    SolidAngle near;
-    std::array<uint32_t, 64> stack{};
-    size_t top = 1;
-    while (top > 0) {
-      const Node& node = nodes_[stack[--top]];
-      const Vec3d d = node.center - p;
-      const double far = length(d);
-      if (far > kFarRatio * node.radius) {
-        sum += dot(node.area, d) / (4 * std::numbers::pi * far * far * far);
-      } else if (node.count > 0) {
-        for (uint32_t i = node.first; i < node.first + node.count; ++i) near.add(triangles_[i].corners, p);
-      } else {
-        stack[top++] = node.left;
-        stack[top++] = node.right;
-      }
-    }
-    return sum + near.winding();
-  }
-
-  struct Node {
-    Vec3d low, high;
-    Vec3d center, area;             ///< of the dipole: weighted by area; sum of the area vectors
-    double radius = 0;              ///< about the centre
-    uint32_t first = 0, count = 0;  ///< triangles of a leaf
-    uint32_t left = 0, right = 0;
-  };
-
-  static Vec3d middle(const TriangleCorners& t) { return (1.0 / 3) * (t.a + t.b + t.c); }
-
-  /// Squared distance to the node's box.
-  static double outside(const Node& n, const Vec3d& p) {
-    const auto over = [](double low, double high, double v) { return std::max({low - v, 0.0, v - high}); };
-    const Vec3d d{over(n.low.x, n.high.x, p.x), over(n.low.y, n.high.y, p.y), over(n.low.z, n.high.z, p.z)};
-    return dot(d, d);
-  }
-
-  uint32_t build(uint32_t first, uint32_t last) {
-    const auto index = static_cast<uint32_t>(nodes_.size());
-    nodes_.push_back(measure(first, last));
-    if (last - first <= kLeafTriangles) {
-      nodes_[index].first = first;
-      nodes_[index].count = last - first;
-      return index;
-    }
-    const Vec3d side = nodes_[index].high - nodes_[index].low;
-    const auto along = [&](const Indexed& t) {
-      const Vec3d m = middle(t.corners);
-      return side.x >= side.y && side.x >= side.z ? m.x : side.y >= side.z ? m.y : m.z;
-    };
-    const uint32_t half = first + (last - first) / 2;
-    std::nth_element(triangles_.begin() + first, triangles_.begin() + half, triangles_.begin() + last,
-                     [&](const Indexed& a, const Indexed& b) { return along(a) < along(b); });
-    const uint32_t left = build(first, half);
-    const uint32_t right = build(half, last);
-    nodes_[index].left = left;
-    nodes_[index].right = right;
-    return index;
-  }
-
-  [[nodiscard]] Node measure(uint32_t first, uint32_t last) const {
-    constexpr double kHuge = std::numeric_limits<double>::max();
-    Node n;
-    n.low = {kHuge, kHuge, kHuge};
-    n.high = {-kHuge, -kHuge, -kHuge};
-    double weight = 0;
-    for (uint32_t i = first; i < last; ++i) {
-      const TriangleCorners& t = triangles_[i].corners;
-      for (const Vec3d& p : {t.a, t.b, t.c}) {
-        n.low = {std::min(n.low.x, p.x), std::min(n.low.y, p.y), std::min(n.low.z, p.z)};
-        n.high = {std::max(n.high.x, p.x), std::max(n.high.y, p.y), std::max(n.high.z, p.z)};
-      }
-      const Vec3d area = 0.5 * cross(t.b - t.a, t.c - t.a);
-      n.area = n.area + area;
-      n.center = n.center + length(area) * middle(t);
-      weight += length(area);
-    }
-    n.center = weight > 0 ? (1 / weight) * n.center : 0.5 * (n.low + n.high);
-    for (uint32_t i = first; i < last; ++i) {
-      const TriangleCorners& t = triangles_[i].corners;
-      for (const Vec3d& p : {t.a, t.b, t.c}) n.radius = std::max(n.radius, length(p - n.center));
-    }
-    return n;
-  }
-
-  struct Indexed {
-    TriangleCorners corners;
-    uint32_t index;
-  };
-  std::vector<Indexed> triangles_;
-  std::vector<Node> nodes_;  ///< the root first
-};
 
 void check_surface(const TriangleSurface& surface) {
   const auto refuse = [](const std::string& what) { throw Error(ErrorCode::invalid_argument, what); };
@@ -281,110 +105,79 @@ DistanceField fixed_grid_around(TriangleSurface surface, float spacing) {
   return field;
 }
 
-/// How far the point of a triangle that is nearest to p went.
-Vec3 way_of_nearest(const TriangleSurface& surface, std::span<const Vec3> before, uint32_t triangle, const Vec3d& p) {
-  const std::array<uint32_t, 3>& corner = surface.triangle[triangle];
-  const TriangleCorners now = corners_of(corner, surface.position);
-  const Vec3d share = corner_shares(now, closest_on_triangle(now, p));
-  const auto way = [&](size_t k) { return to_double(surface.position[corner[k]]) - to_double(before[corner[k]]); };
-  return to_float(share.x * way(0) + share.y * way(1) + share.z * way(2));
-}
-
 /// Measures the nodes of a field.
 class Filler {
  public:
   /// @param before  see make_deforming_field(); empty: the body keeps its shape
   Filler(DistanceField& field, std::span<const Vec3> before)
-      : field_(field), before_(before), tree_(field.surface, {}) {}
+      : field_(field),
+        before_(before),
+        grid_{field.size, to_double(field.low), field.spacing},
+        enclosure_(grid_, field.surface) {}
 
   void fill() {
-    const size_t nodes = size_t{field_.size[0]} * field_.size[1] * field_.size[2];
-    field_.distance.resize(nodes);
-    if (!before_.empty()) field_.way.resize(nodes);
-    nearest_.resize(nodes, kNoTriangle);
-    for_rows([&](uint32_t y, uint32_t z) { measure_row(y, z); });
-    if (std::ranges::none_of(field_.distance, [](float d) { return d < 0; })) {
+    inside_ = enclosure_.nodes_inside();
+    if (std::ranges::none_of(inside_, [](char inside) { return inside != 0; })) {
       throw Error(ErrorCode::invalid_argument,
                   "the mesh of a collider encloses nothing; close its surface, or make it thicker than " +
                       std::to_string(field_.spacing) + " m");
     }
-    find_hidden();
-    const auto hidden = std::ranges::count(hidden_, 1);
-    if (hidden == 0 || static_cast<size_t>(hidden) == hidden_.size()) return;
-    const TriangleTree shown(field_.surface, hidden_);
-    for_rows([&](uint32_t y, uint32_t z) { deepen_row(shown, y, z); });
+    const std::vector<uint32_t> shown = shown_triangles();
+    std::vector<TriangleCorners> corners;
+    corners.reserve(shown.size());
+    for (const uint32_t i : shown) corners.push_back(in_spacings(corners_at(i)));
+    // A body that deforms is measured anew in every frame, near its surface only: farther outside a lower bound of the
+    // distance will do.
+    const double band = before_.empty() ? std::numeric_limits<double>::infinity() : kBand;
+    nearest_ = nearest_triangles(grid_.size, corners, inside_, band);
+    for (uint32_t& n : nearest_) n = n == kNoTriangle ? n : shown[n];
+    measure();
+    if (!before_.empty()) carry_ways();
   }
 
  private:
-  template <typename Row>
-  void for_rows(const Row& row) const {
-    const uint32_t rows = field_.size[1] * field_.size[2];
-    tbb::parallel_for(tbb::blocked_range<uint32_t>(0, rows), [&](const tbb::blocked_range<uint32_t>& range) {
-      for (uint32_t r = range.begin(); r < range.end(); ++r) row(r % field_.size[1], r / field_.size[1]);
-    });
-  }
+  static constexpr double kBand = 4;  ///< spacings
 
-  [[nodiscard]] size_t node_at(uint32_t x, uint32_t y, uint32_t z) const {
-    return (size_t{z} * field_.size[1] + y) * field_.size[0] + x;
+  [[nodiscard]] TriangleCorners corners_at(uint32_t triangle) const {
+    return corners_of(field_.surface.triangle[triangle], field_.surface.position);
   }
-  [[nodiscard]] Vec3d place_of(uint32_t x, uint32_t y, uint32_t z) const {
-    const double h = field_.spacing;
-    return {field_.low.x + h * x, field_.low.y + h * y, field_.low.z + h * z};
-  }
-
-  /// Along x: a node is at most a spacing farther from the surface than the one before, and where it is farther than
-  /// that its sign is the same. A body that deforms is measured anew in every frame, near its surface only: farther
-  /// outside a lower bound of the distance will do.
-  void measure_row(uint32_t y, uint32_t z) {
-    constexpr double kBand = 4;  // spacings
-    const double h = field_.spacing;
-    double bound = 1e18;
-    bool inside = false;
-    uint32_t guess = kNoTriangle;
-    for (uint32_t x = 0; x < field_.size[0]; ++x) {
-      const size_t node = node_at(x, y, z);
-      const Vec3d p = place_of(x, y, z);
-      const TriangleTree::Nearest near = tree_.nearest(p, bound, guess);
-      const double d = near.distance;
-      if (d < 2 * h) inside = tree_.encloses(p);
-      guess = near.place;
-      bound = 1.0001 * (d + h);
-      field_.distance[node] = static_cast<float>(inside ? -d : d);
-      if (near.place == kNoTriangle) continue;
-      nearest_[node] = tree_.triangle_at(near.place);
-      if (before_.empty()) continue;
-      field_.way[node] = way_of_nearest(field_.surface, before_, nearest_[node], p);
-      if (inside) continue;
-      const auto room = static_cast<double>(field_.size[0] - 1 - x);
-      const auto far = static_cast<uint32_t>(std::clamp(d / h - kBand, 0.0, room));
-      for (uint32_t k = 1; k <= far; ++k) {
-        field_.distance[node + k] = static_cast<float>(d - h * k);
-        field_.way[node + k] = field_.way[node];
-      }
-      x += far;
-      bound += h * far;
-    }
+  [[nodiscard]] TriangleCorners in_spacings(const TriangleCorners& t) const {
+    const auto at = [&](const Vec3d& p) { return (1 / grid_.spacing) * (p - grid_.low); };
+    return {at(t.a), at(t.b), at(t.c)};
   }
 
   /// Bodies are made of pieces that go into one another, as an arm that ends inside the trunk. What lies in there is no
-  /// surface to push cloth to.
-  void find_hidden() {
-    hidden_.resize(field_.surface.triangle.size());
-    tbb::parallel_for(size_t{0}, hidden_.size(), [&](size_t i) {
-      const TriangleCorners t = corners_of(field_.surface.triangle[i], field_.surface.position);
-      hidden_[i] = all_inside_around((1.0 / 3) * (t.a + t.b + t.c)) && is_hidden(t) ? 1 : 0;
-    });
+  /// surface to push cloth to, unless nothing else is.
+  [[nodiscard]] std::vector<uint32_t> shown_triangles() {
+    std::vector<char> hidden(field_.surface.triangle.size());
+    for (uint32_t i = 0; i < hidden.size(); ++i) {
+      const TriangleCorners t = corners_at(i);
+      hidden[i] = all_inside_around((1.0 / 3) * (t.a + t.b + t.c)) ? 1 : 0;
+    }
+    if (std::ranges::any_of(hidden, [](char h) { return h != 0; })) {
+      enclosure_.index();
+      tbb::parallel_for(size_t{0}, hidden.size(), [&](size_t i) {
+        hidden[i] = hidden[i] != 0 && is_hidden(corners_at(static_cast<uint32_t>(i))) ? 1 : 0;
+      });
+    }
+    const bool all = std::ranges::none_of(hidden, [](char h) { return h == 0; });
+    std::vector<uint32_t> shown;
+    shown.reserve(hidden.size());
+    for (uint32_t i = 0; i < hidden.size(); ++i) {
+      if (hidden[i] == 0 || all) shown.push_back(i);
+    }
+    return shown;
   }
 
   /// Whether all nodes of the cell around a point are inside.
   [[nodiscard]] bool all_inside_around(const Vec3d& p) const {
-    const auto cell = [&](double at, float low, uint32_t size) {
-      return static_cast<uint32_t>(std::clamp((at - low) / field_.spacing, 0.0, static_cast<double>(size - 2)));
+    const auto cell = [&](double at, double low, uint32_t size) {
+      return static_cast<uint32_t>(std::clamp((at - low) / grid_.spacing, 0.0, static_cast<double>(size - 2)));
     };
-    const uint32_t x = cell(p.x, field_.low.x, field_.size[0]), y = cell(p.y, field_.low.y, field_.size[1]),
-                   z = cell(p.z, field_.low.z, field_.size[2]);
+    const uint32_t x = cell(p.x, grid_.low.x, grid_.size[0]), y = cell(p.y, grid_.low.y, grid_.size[1]),
+                   z = cell(p.z, grid_.low.z, grid_.size[2]);
     for (uint32_t k = 0; k < 8; ++k) {
-      if (field_.distance[node_at(x + (k & 1), y + (k >> 1 & 1), z + (k >> 2))] >= 0) return false;
+      if (inside_[grid_.at(x + (k & 1), y + (k >> 1 & 1), z + (k >> 2))] == 0) return false;
     }
     return true;
   }
@@ -396,33 +189,97 @@ class Filler {
     const Vec3d normal = cross(t.b - t.a, t.c - t.a);
     const double size = length(normal);
     if (!(size > 0)) return true;  // its neighbours have all of its points
-    const Vec3d off = (kOff * field_.spacing / size) * normal, middle = (1.0 / 3) * (t.a + t.b + t.c);
-    const auto covered = [&](const Vec3d& p) { return tree_.encloses(p + off) && tree_.encloses(p - off); };
+    const Vec3d off = (kOff * grid_.spacing / size) * normal, middle = (1.0 / 3) * (t.a + t.b + t.c);
+    const auto covered = [&](const Vec3d& p) { return enclosure_.encloses(p + off) && enclosure_.encloses(p - off); };
     const auto near = [&](const Vec3d& corner) { return covered(kNear * corner + (1 - kNear) * middle); };
     return covered(middle) && near(t.a) && near(t.b) && near(t.c);
   }
 
-  /// Measures the nodes from what is not hidden whose nearest triangle is.
-  void deepen_row(const TriangleTree& shown, uint32_t y, uint32_t z) {
-    uint32_t guess = kNoTriangle;
-    for (uint32_t x = 0; x < field_.size[0]; ++x) {
-      const size_t node = node_at(x, y, z);
-      if (!(field_.distance[node] < 0) || nearest_[node] == kNoTriangle || hidden_[nearest_[node]] == 0) continue;
-      const Vec3d p = place_of(x, y, z);
-      const TriangleTree::Nearest near = shown.nearest(p, 1e18, guess);
-      guess = near.place;
-      if (near.place == kNoTriangle) continue;
-      field_.distance[node] = static_cast<float>(-near.distance);
-      if (before_.empty()) continue;
-      field_.way[node] = way_of_nearest(field_.surface, before_, shown.triangle_at(near.place), p);
+  template <class Body>
+  void for_layers(const Body& body) const {
+    tbb::parallel_for(tbb::blocked_range<uint32_t>(0, grid_.size[2]), [&](const tbb::blocked_range<uint32_t>& layers) {
+      for (uint32_t z = layers.begin(); z < layers.end(); ++z) body(z);
+    });
+  }
+
+  /// Distances, and ways where the nearest triangle is known.
+  void measure() {
+    field_.distance.resize(grid_.count());
+    if (!before_.empty()) field_.way.resize(grid_.count());
+    for_layers([&](uint32_t z) {
+      for (uint32_t y = 0; y < grid_.size[1]; ++y) {
+        for (uint32_t x = 0; x < grid_.size[0]; ++x) measure_node(grid_.at(x, y, z), grid_.place(x, y, z));
+      }
+    });
+  }
+
+  void measure_node(size_t node, const Vec3d& p) {
+    if (nearest_[node] == kNoTriangle) {
+      field_.distance[node] = static_cast<float>(kBand * grid_.spacing);
+      return;
     }
+    const TriangleCorners t = corners_at(nearest_[node]);
+    const Vec3d at = closest_on_triangle(t, p);
+    const double d = length(p - at);
+    field_.distance[node] = static_cast<float>(inside_[node] != 0 ? -d : d);
+    if (!before_.empty()) field_.way[node] = way_of(nearest_[node], corner_shares(t, at));
+  }
+
+  /// How far a point of a triangle went.
+  [[nodiscard]] Vec3 way_of(uint32_t triangle, const Vec3d& share) const {
+    const std::array<uint32_t, 3>& corner = field_.surface.triangle[triangle];
+    const auto way = [&](size_t k) {
+      return to_double(field_.surface.position[corner[k]]) - to_double(before_[corner[k]]);
+    };
+    return to_float(share.x * way(0) + share.y * way(1) + share.z * way(2));
+  }
+
+  /// To where the nearest triangle is not known the ways go on from there: along rows, then from row to row, then from
+  /// layer to layer.
+  void carry_ways() {
+    const size_t row = grid_.size[0], layer = row * grid_.size[1];
+    std::vector<char> has_row(size_t{grid_.size[1]} * grid_.size[2]), has_layer(grid_.size[2]);
+    for_layers([&](uint32_t z) {
+      for (uint32_t y = 0; y < grid_.size[1]; ++y)
+        has_row[size_t{z} * grid_.size[1] + y] = carry_along(grid_.at(0, y, z)) ? 1 : 0;
+      char* const rows = &has_row[size_t{z} * grid_.size[1]];
+      has_layer[z] = carry_over(rows, grid_.size[1], &field_.way[layer * z], row) ? 1 : 0;
+    });
+    carry_over(has_layer.data(), grid_.size[2], field_.way.data(), layer);
+  }
+
+  /// @return whether anything in the row is known
+  bool carry_along(size_t first) {
+    const size_t end = first + grid_.size[0];
+    size_t from = first;
+    while (from < end && nearest_[from] == kNoTriangle) ++from;
+    if (from == end) return false;
+    std::fill(&field_.way[first], &field_.way[from], field_.way[from]);
+    for (size_t node = from + 1; node < end; ++node) {
+      if (nearest_[node] == kNoTriangle) field_.way[node] = field_.way[node - 1];
+    }
+    return true;
+  }
+
+  /// Copies pieces, each `length` long, to those before and after it that have nothing.
+  static bool carry_over(const char* has, uint32_t count, Vec3* way, size_t length) {
+    uint32_t from = 0;
+    while (from < count && has[from] == 0) ++from;
+    if (from == count) return false;
+    const auto copy = [&](uint32_t a, uint32_t b) { std::copy_n(way + a * length, length, way + b * length); };
+    for (uint32_t k = 0; k < from; ++k) copy(from, k);
+    for (uint32_t k = from + 1; k < count; ++k) {
+      if (has[k] == 0) copy(k - 1, k);
+    }
+    return true;
   }
 
   DistanceField& field_;
   std::span<const Vec3> before_;
-  TriangleTree tree_;
+  NodeGrid grid_;
+  Enclosure enclosure_;
+  std::vector<char> inside_;       ///< by node
   std::vector<uint32_t> nearest_;  ///< triangle of each node that was measured
-  std::vector<char> hidden_;       ///< by triangle
 };
 
 }  // namespace
