@@ -509,45 +509,6 @@ TEST(Convex, OneMadeByHandHasNoMorePlanesThanItMay) {
   test::run(solver, 1);
 }
 
-TEST(DistanceField, OfABallOfTrianglesIsTheBalls) {
-  const DistanceField field = make_distance_field(test::ball_surface({0, 0, 0}, 0.3F), 100'000);
-  const Collider body{"", MeshSolid{std::make_shared<const DistanceField>(field)}, 0, {}};
-  for (const Vec3& p : {Vec3{0, 0, 0}, Vec3{0.25F, 0, 0}, Vec3{0.1F, -0.2F, 0.15F}, Vec3{0.2F, 0.2F, 0.2F}})
-    EXPECT_NEAR(signed_distance(body, p), length(p) - 0.3, p == Vec3{} ? field.spacing : 0.004);
-  EXPECT_GT(signed_distance(body, {2, 0, 0}), 1.5);
-  EXPECT_LE(signed_distance(body, {2, 0, 0}), 1.7 + 1e-5);
-}
-
-TEST(DistanceField, HolesAndOverlapsDoNotTurnItInsideOut) {
-  TriangleSurface two = test::ball_surface({0, 0, 0}, 0.3F);
-  two.triangle.resize(two.triangle.size() - 48 * 2 * 3);  // the southern cap is missing
-  const TriangleSurface other = test::ball_surface({0.2F, 0, 0}, 0.25F);
-  const auto first = static_cast<uint32_t>(two.position.size());
-  two.position.insert(two.position.end(), other.position.begin(), other.position.end());
-  for (const auto& t : other.triangle) two.triangle.push_back({t[0] + first, t[1] + first, t[2] + first});
-  const Collider body{"", MeshSolid{std::make_shared<const DistanceField>(make_distance_field(two, 60'000))}, 0, {}};
-  EXPECT_LT(signed_distance(body, {-0.2F, 0, 0}), -0.03);
-  EXPECT_LT(signed_distance(body, {0.1F, 0, 0}), -0.05);  // in both
-  EXPECT_GT(signed_distance(body, {0, -0.4F, 0}), 0.05);
-  EXPECT_GT(signed_distance(body, {0, 0.4F, 0}), 0.05);
-}
-
-/// Pushed to the end of an arm that is inside the trunk, cloth stayed in there for good.
-TEST(DistanceField, IsMeasuredToTheOutsideOfPiecesThatGoIntoOneAnother) {
-  TriangleSurface body = test::ball_surface({0, 0, 0}, 2);
-  for (const TriangleSurface& piece : {test::ball_surface({2, 0, 0}, 0.5F), test::ball_surface({0, 1, 0}, 0.3F)}) {
-    const auto first = static_cast<uint32_t>(body.position.size());
-    body.position.insert(body.position.end(), piece.position.begin(), piece.position.end());
-    for (const auto& t : piece.triangle) body.triangle.push_back({t[0] + first, t[1] + first, t[2] + first});
-  }
-  const MeshSolid solid{std::make_shared<const DistanceField>(make_distance_field(body, 60'000))};
-  const auto distance = [&](const Vec3& p) { return signed_distance({"", solid, 0, {}}, p); };
-  EXPECT_NEAR(distance({0.3F, 1, 0}), std::hypot(0.3, 1) - 2, 0.02);  // on the ball that is all inside
-  EXPECT_NEAR(distance({0, 0.7F, 0}), -1.3, 0.02);
-  EXPECT_LT(distance({1.5F, 0, 0}), -0.4);          // on the half of the other that is
-  EXPECT_NEAR(distance({2.4F, 0, 0}), -0.1, 0.02);  // below the half that is not
-}
-
 // One made by hand was taken as it was: without distances the program ended, with others cloth was not a number.
 TEST(DistanceField, OneMadeByHandIsChecked) {
   Solver solver(std::vector{test::describe(make_sheet({.nx = 5, .ny = 5}))}, test::cpu_settings());
@@ -646,12 +607,6 @@ TEST_F(Matching, NamesGoBeforeAllElse) {
   EXPECT_EQ(matched(three, {ball(0, "c"), ball(2, "a", 0.5F), ball(1, "d")}), (std::vector{2, 0, -1}));
   const std::vector<Collider> same{ball(0, "a"), ball(1), ball(2, "a")};
   EXPECT_EQ(matched(same, {ball(2.1F, "a"), ball(7)}), (std::vector{2, 1}));
-}
-
-TEST(DistanceField, WhatEnclosesNothingIsRefused) {
-  EXPECT_THROW(static_cast<void>(make_distance_field({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}}, 1000)), Error);
-  EXPECT_THROW(static_cast<void>(make_distance_field({{{0, 0, 0}}, {{0, 1, 2}}}, 1000)), Error);
-  EXPECT_THROW(static_cast<void>(make_distance_field({}, 1000)), Error);
 }
 
 }  // namespace

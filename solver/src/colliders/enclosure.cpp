@@ -100,7 +100,10 @@ std::vector<std::array<uint32_t, 3>> Enclosure::join(const TriangleSurface& surf
   for (const Vec3& p : surface.position) point_.push_back(on_lattice(to_double(p)));
   std::vector<uint32_t> order(point_.size()), joined(point_.size());
   std::iota(order.begin(), order.end(), 0U);
-  std::ranges::sort(order, [&](uint32_t a, uint32_t b) { return std::tie(point_[a], a) < std::tie(point_[b], b); });
+  std::ranges::sort(order, [&](uint32_t a, uint32_t b) {
+    const LatticePoint &p = point_[a], &q = point_[b];
+    return std::tie(p.x, p.y, p.z, a) < std::tie(q.x, q.y, q.z, b);
+  });
   for (size_t k = 0; k < order.size(); ++k) {
     const bool same = k > 0 && point_[order[k]] == point_[order[k - 1]];
     joined[order[k]] = same ? joined[order[k - 1]] : order[k];

@@ -33,7 +33,7 @@ class Enclosure {
  private:
   struct LatticePoint {
     int64_t x, y, z;
-    friend auto operator<=>(const LatticePoint&, const LatticePoint&) = default;
+    friend bool operator==(const LatticePoint&, const LatticePoint&) = default;
   };
   /// A triangle that counts several times.
   struct Facet {
