@@ -173,7 +173,7 @@ TEST(DistanceField, ASurfaceTurnedInwardsIsACavity) {
   EXPECT_GT(distance({0.5F, 0, 0}), 0.08);
 }
 
-// Large triangles lie in so many columns of the grid that these would not fit into memory.
+// Large triangles lie in many columns of the grid.
 TEST(DistanceField, PiecesOfAFewLargeTrianglesMayGoIntoOneAnother) {
   const auto box = [](const Vec3& low, const Vec3& high) {
     std::vector<Vec3> corners;

@@ -19,8 +19,7 @@ namespace geocloth {
 namespace {
 
 constexpr int64_t kSteps = 1024;        ///< of the lattice from node to node
-constexpr int64_t kColumn = 256;        ///< [steps] its sides
-constexpr size_t kColumnsOfFacet = 64;  ///< as a mean; with more of them a tree takes less memory
+constexpr size_t kColumnsOfFacet = 16;  ///< as a mean
 
 /// Twice the area, seen along x, of the triangle over an edge from a to b.
 template <class Point>
@@ -64,19 +63,14 @@ Enclosure::Enclosure(const NodeGrid& grid, const TriangleSurface& surface) : gri
   const size_t edges = std::accumulate(border.begin(), border.end(), size_t{0}, [](size_t sum, const BorderEdge& e) {
     return sum + static_cast<size_t>(e.times);
   });
-  is_soup_ = edges > facets_.size() / 2;
-  if (is_soup_) {
-    tree_ = tree_of_facets();
-  } else {
+  if (edges <= facets_.size() / 2) {
     close(border);
+    return;
   }
-}
-
-WindingTree Enclosure::tree_of_facets() const {
   std::vector<TriangleCorners> corners;
-  for (const Facet& f : facets_)
-    corners.insert(corners.end(), static_cast<size_t>(f.times), {place(f.a), place(f.b), place(f.c)});
-  return WindingTree(std::move(corners));
+  corners.reserve(facets_.size());
+  for (const Facet& f : facets_) corners.push_back({place(f.a), place(f.b), place(f.c)});
+  tree_.emplace(std::move(corners));
 }
 
 Enclosure::LatticePoint Enclosure::on_lattice(const Vec3d& p) const {
@@ -179,7 +173,7 @@ std::vector<char> Enclosure::nodes_inside() const {
   tbb::parallel_for(tbb::blocked_range<uint32_t>(0, grid_.size[2], kLayersAtOnce),
                     [&](const tbb::blocked_range<uint32_t>& layers) {
                       char* out = &inside[layer * layers.begin()];
-                      if (!is_soup_) {
+                      if (!tree_) {
                         std::vector<int32_t> turns(layer * layers.size());
                         count_turns(layers.begin(), layers.end(), turns);
                         std::ranges::transform(turns, out, [](int32_t t) { return static_cast<char>(t != 0); });
@@ -223,28 +217,29 @@ void Enclosure::count_turns(uint32_t first_layer, uint32_t last_layer, std::vect
   }
 }
 
-/// Sorts the facets into columns along x.
+/// Sorts the facets into columns along x, as wide as it takes for large triangles not to lie in too many.
 void Enclosure::index() {
-  if (is_soup_) return;
-  const auto along = [](uint32_t nodes) { return static_cast<uint32_t>(nodes * kSteps / kColumn + 1); };
-  columns_along_y_ = along(grid_.size[1]);
+  if (tree_) return;
   struct Range {
     int64_t y0, y1, z0, z1;
   };
-  const auto columns_of = [](const Facet& f) {
+  const auto columns_of = [&](const Facet& f) {
     const auto [y0, y1] = std::minmax({f.a.y, f.b.y, f.c.y});
     const auto [z0, z1] = std::minmax({f.a.z, f.b.z, f.c.z});
-    return Range{y0 / kColumn, y1 / kColumn, z0 / kColumn, z1 / kColumn};
+    return Range{y0 / column_, y1 / column_, z0 / column_, z1 / column_};
   };
-  size_t count = 0;
-  for (const Facet& f : facets_) {
-    const Range r = columns_of(f);
-    count += static_cast<size_t>((r.y1 - r.y0 + 1) * (r.z1 - r.z0 + 1));
-  }
-  if (count > kColumnsOfFacet * facets_.size()) {
-    tree_ = tree_of_facets();
-    return;
-  }
+  const auto entries = [&] {
+    size_t count = 0;
+    for (const Facet& f : facets_) {
+      const Range r = columns_of(f);
+      count += static_cast<size_t>((r.y1 - r.y0 + 1) * (r.z1 - r.z0 + 1));
+    }
+    return count;
+  };
+  size_t count = entries();
+  for (; count > kColumnsOfFacet * facets_.size(); count = entries()) column_ *= 2;
+  const auto along = [&](uint32_t nodes) { return static_cast<uint32_t>(nodes * kSteps / column_ + 1); };
+  columns_along_y_ = along(grid_.size[1]);
   const auto for_columns = [&](const auto& body) {
     for (uint32_t k = 0; k < facets_.size(); ++k) {
       const Range r = columns_of(facets_[k]);
@@ -267,7 +262,7 @@ bool Enclosure::encloses(const Vec3d& p) const {
 
 /// How often the closed surface winds around a point.
 int32_t Enclosure::turns_at(const LatticePoint& p) const {
-  const auto column = static_cast<size_t>(p.z / kColumn * columns_along_y_ + p.y / kColumn);
+  const auto column = static_cast<size_t>(p.z / column_ * columns_along_y_ + p.y / column_);
   int32_t turns = 0;
   for (uint32_t k = column_first_[column]; k < column_first_[column + 1]; ++k) {
     const Facet& f = facets_[in_column_[k]];

@@ -49,7 +49,6 @@ class Enclosure {
   [[nodiscard]] std::vector<std::array<uint32_t, 3>> join(const TriangleSurface& surface);
   [[nodiscard]] std::vector<BorderEdge> border_of(const std::vector<std::array<uint32_t, 3>>& triangle) const;
   void close(const std::vector<BorderEdge>& border);
-  [[nodiscard]] WindingTree tree_of_facets() const;
   [[nodiscard]] LatticePoint on_lattice(const Vec3d& p) const;
   [[nodiscard]] Vec3d place(const LatticePoint& p) const;
   void count_turns(uint32_t first_layer, uint32_t last_layer, std::vector<int32_t>& turns) const;
@@ -57,12 +56,12 @@ class Enclosure {
 
   NodeGrid grid_;
   std::vector<LatticePoint> point_;
-  std::vector<Facet> facets_;
-  bool is_soup_ = false;  ///< else the facets have no border
-  // After index(), either or:
+  std::vector<Facet> facets_;        ///< without a border, but for a soup's
+  std::optional<WindingTree> tree_;  ///< of a soup
+  // Columns along x with the facets in them, after index():
+  int64_t column_ = 256;  ///< [steps] their sides
   uint32_t columns_along_y_ = 0;
-  std::vector<uint32_t> column_first_, in_column_;  ///< facets in columns along x
-  std::optional<WindingTree> tree_;                 ///< always of a soup
+  std::vector<uint32_t> column_first_, in_column_;
 };
 
 }  // namespace geocloth
