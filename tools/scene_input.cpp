@@ -59,7 +59,8 @@ BodyReader body_reader() {
     const BodyAnimation& plays = body.animation.value();
     const AnimationOptions options{plays.clip, plays.start, plays.speed, plays.loop, body.parts};
     const auto mesh = std::make_shared<const AnimatedMesh>(body.file, options);
-    return MovingBody{mesh->triangle(), [mesh](double time) { return mesh->positions_at(time); }};
+    return MovingBody{mesh->triangle(), [mesh](double time) { return mesh->positions_at(time); },
+                      mesh->positions_as_opened()};
   };
   return {read_body, read_moving};
 }

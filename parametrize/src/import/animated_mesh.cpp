@@ -163,6 +163,8 @@ class AnimatedScene {
   [[nodiscard]] const std::vector<Triangle>& triangle() const { return triangle_; }
   [[nodiscard]] double duration() const { return animation_.duration(); }
 
+  [[nodiscard]] std::vector<Vec3> positions_as_opened() const { return positions(opening_, matrices_of(opening_)); }
+
   [[nodiscard]] std::vector<Vec3> positions_at(double time) const {
     if (!(time >= 0 && std::isfinite(time))) {
       throw Error(ErrorCode::invalid_argument, "the time of an animation must be a number of seconds from 0 on");
@@ -451,6 +453,10 @@ const std::vector<Triangle>& AnimatedMesh::triangle() const {
 
 double AnimatedMesh::duration() const {
   return impl_->scene.duration();
+}
+
+std::vector<Vec3> AnimatedMesh::positions_as_opened() const {
+  return impl_->scene.positions_as_opened();
 }
 
 std::vector<Vec3> AnimatedMesh::positions_at(double time) const {

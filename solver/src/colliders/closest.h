@@ -13,6 +13,9 @@ namespace geocloth {
 struct TriangleCorners {
   Vec3d a, b, c;
 };
+[[nodiscard]] inline const TriangleCorners& corners_in(const TriangleCorners& t) {
+  return t;
+}
 [[nodiscard]] inline TriangleCorners corners_of(const std::array<uint32_t, 3>& triangle,
                                                 std::span<const Vec3> position) {
   return {to_double(position[triangle[0]]), to_double(position[triangle[1]]), to_double(position[triangle[2]])};

@@ -4,14 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <utility>
 
 namespace geocloth {
 namespace {
 
-constexpr uint32_t kLeafTriangles = 4;
 constexpr double kFarRatio = 2.5;  ///< a branch is a dipole from this many of its radii on
 
 /// Solid angles of triangles, seen from a point (Van Oosterom and Strackee 1983), added as the arguments of complex
@@ -47,7 +45,7 @@ Vec3d middle(const TriangleCorners& t) {
 }  // namespace
 
 WindingTree::WindingTree(std::vector<TriangleCorners> triangles) : triangles_(std::move(triangles)) {
-  build(0, static_cast<uint32_t>(triangles_.size()));
+  halve(triangles_, 0, static_cast<uint32_t>(triangles_.size()), nodes_, measure);
 }
 
 double WindingTree::winding(const Vec3d& p) const {
@@ -71,50 +69,17 @@ double WindingTree::winding(const Vec3d& p) const {
   return sum + near.winding();
 }
 
-uint32_t WindingTree::build(uint32_t first, uint32_t last) {
-  const auto index = static_cast<uint32_t>(nodes_.size());
-  nodes_.push_back(measure(first, last));
-  if (last - first <= kLeafTriangles) {
-    nodes_[index].first = first;
-    nodes_[index].count = last - first;
-    return index;
-  }
-  constexpr double kHuge = std::numeric_limits<double>::max();
-  Vec3d low{kHuge, kHuge, kHuge}, high{-kHuge, -kHuge, -kHuge};
-  for (uint32_t i = first; i < last; ++i) {
-    for (const Vec3d& p : {triangles_[i].a, triangles_[i].b, triangles_[i].c}) {
-      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-    }
-  }
-  const Vec3d side = high - low;
-  const auto along = [&](const TriangleCorners& t) {
-    const Vec3d m = middle(t);
-    return side.x >= side.y && side.x >= side.z ? m.x : side.y >= side.z ? m.y : m.z;
-  };
-  const uint32_t half = first + (last - first) / 2;
-  std::nth_element(triangles_.begin() + first, triangles_.begin() + half, triangles_.begin() + last,
-                   [&](const TriangleCorners& a, const TriangleCorners& b) { return along(a) < along(b); });
-  const uint32_t left = build(first, half);
-  const uint32_t right = build(half, last);
-  nodes_[index].left = left;
-  nodes_[index].right = right;
-  return index;
-}
-
-WindingTree::Node WindingTree::measure(uint32_t first, uint32_t last) const {
+WindingTree::Node WindingTree::measure(std::span<const TriangleCorners> triangles) {
   Node n;
   double weight = 0;
-  for (uint32_t i = first; i < last; ++i) {
-    const TriangleCorners& t = triangles_[i];
+  for (const TriangleCorners& t : triangles) {
     const Vec3d area = 0.5 * cross(t.b - t.a, t.c - t.a);
     n.area = n.area + area;
     n.center = n.center + length(area) * middle(t);
     weight += length(area);
   }
-  n.center = weight > 0 ? (1 / weight) * n.center : middle(triangles_[first]);
-  for (uint32_t i = first; i < last; ++i) {
-    const TriangleCorners& t = triangles_[i];
+  n.center = weight > 0 ? (1 / weight) * n.center : middle(triangles.front());
+  for (const TriangleCorners& t : triangles) {
     for (const Vec3d& p : {t.a, t.b, t.c}) n.radius = std::max(n.radius, length(p - n.center));
   }
   return n;

@@ -3,13 +3,14 @@
 
 #include "scene/moving_surface.h"
 
-#include <limits>
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <utility>
 
 #include "colliders/closest.h"
 #include "colliders/surface_bounds.h"
+#include "colliders/triangle_tree.h"
 #include "geocloth/asset/error.h"
 #include "geocloth/asset/vec3d.h"
 
@@ -41,7 +42,10 @@ MovingSurface::MovingSurface(MovingBody body, const Transform& place)
 }
 
 std::vector<Vec3> MovingSurface::positions_at(double time) const {
-  std::vector<Vec3> position = body_.positions_at(time);
+  return placed(body_.positions_at(time));
+}
+
+std::vector<Vec3> MovingSurface::placed(std::vector<Vec3> position) const {
   for (Vec3& p : position) p = apply(place_, p);
   for (size_t i = 0; i < position.size(); ++i) {
     if (!is_finite(position[i]))
@@ -56,24 +60,49 @@ void MovingSurface::advance(double time) {
   before_ = std::exchange(now_.position, std::move(position));
 }
 
-SurfacePlace MovingSurface::place_of(const Vec3& point) const {
-  const Vec3d p = to_double(point);
-  std::optional<uint32_t> best;
-  double least = std::numeric_limits<double>::infinity();
-  for (uint32_t i = 0; i < now_.triangle.size(); ++i) {
-    const TriangleCorners t = corners_of(now_.triangle[i], before_);
-    const Vec3d normal = cross(t.b - t.a, t.c - t.a);
-    if (!(dot(normal, normal) > 0)) continue;
-    const Vec3d away = p - closest_on_triangle(t, p);
-    if (!(dot(away, away) < least)) continue;
-    least = dot(away, away);
-    best = i;
+std::vector<SurfacePlace> MovingSurface::places_of(std::span<const Vec3> points) const {
+  return places_on(before_, points);
+}
+
+std::vector<SurfacePlace> MovingSurface::places_on(const std::vector<Vec3>& position,
+                                                   std::span<const Vec3> points) const {
+  std::vector<TriangleCorners> corners;
+  corners.reserve(now_.triangle.size());
+  for (const auto& t : now_.triangle) corners.push_back(corners_of(t, position));
+  const TriangleTree tree(corners);
+  std::vector<SurfacePlace> places;
+  places.reserve(points.size());
+  for (const Vec3& point : points) {
+    const Vec3d p = to_double(point);
+    const std::optional<uint32_t> best = tree.nearest(p);
+    if (!best) {
+      places.emplace_back();
+      continue;
+    }
+    const TriangleCorners& t = corners[*best];
+    const Vec3d nearest = closest_on_triangle(t, p), away = p - nearest, share = corner_shares(t, nearest);
+    const Axes axes = axes_of(t);
+    places.push_back(
+        {*best, to_float(share), to_float({dot(away, axes.along), dot(away, axes.across), dot(away, axes.normal)})});
   }
-  if (!best) return {};
-  const TriangleCorners t = corners_of(now_.triangle[*best], before_);
-  const Vec3d nearest = closest_on_triangle(t, p), away = p - nearest, share = corner_shares(t, nearest);
-  const Axes axes = axes_of(t);
-  return {*best, to_float(share), to_float({dot(away, axes.along), dot(away, axes.across), dot(away, axes.normal)})};
+  return places;
+}
+
+std::optional<std::vector<Vec3>> MovingSurface::carried_from_opening(std::span<const Vec3> points) const {
+  constexpr float kStill = 1e-5F;  // of the largest side
+  if (body_.as_opened.empty()) return {};
+  const std::vector<Vec3> opened = placed(body_.as_opened);
+  if (opened.size() != before_.size())
+    throw Error(ErrorCode::invalid_data, "the file opens with another number of vertices than it plays");
+  const SurfaceBounds bounds = bounds_of({opened, now_.triangle});
+  const Vec3 side = bounds.high - bounds.low;
+  float farthest = 0;
+  for (size_t i = 0; i < opened.size(); ++i) farthest = std::max(farthest, length(before_[i] - opened[i]));
+  if (farthest <= kStill * std::max({side.x, side.y, side.z})) return {};
+  std::vector<Vec3> carried;
+  carried.reserve(points.size());
+  for (const SurfacePlace& place : places_on(opened, points)) carried.push_back(at_start(place));
+  return carried;
 }
 
 Vec3 MovingSurface::point_of(const SurfacePlace& place, const std::vector<Vec3>& position) const {

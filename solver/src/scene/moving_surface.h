@@ -2,6 +2,8 @@
 #pragma once
 
 #include <memory>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "geocloth/solver/scene.h"
@@ -20,13 +22,19 @@ class MovingSurface {
 
   [[nodiscard]] const TriangleSurface& at_end() const { return now_; }       ///< of the frame
   [[nodiscard]] const std::vector<Vec3>& before() const { return before_; }  ///< [m] of all vertices, at its start
-  /// By its place when the frame began.
-  [[nodiscard]] SurfacePlace place_of(const Vec3& point) const;
+  /// Points beside it, by its place when the frame began.
+  [[nodiscard]] std::vector<SurfacePlace> places_of(std::span<const Vec3> points) const;
   [[nodiscard]] Vec3 at_start(const SurfacePlace& place) const { return point_of(place, before_); }
   [[nodiscard]] Vec3 at_end(const SurfacePlace& place) const { return point_of(place, now_.position); }
+  /// Where points beside the surface as the file opens are at its place when the frame began; none where that is how
+  /// the file opens.
+  [[nodiscard]] std::optional<std::vector<Vec3>> carried_from_opening(std::span<const Vec3> points) const;
 
  private:
   [[nodiscard]] std::vector<Vec3> positions_at(double time) const;
+  [[nodiscard]] std::vector<Vec3> placed(std::vector<Vec3> position) const;
+  [[nodiscard]] std::vector<SurfacePlace> places_on(const std::vector<Vec3>& position,
+                                                    std::span<const Vec3> points) const;
   [[nodiscard]] Vec3 point_of(const SurfacePlace& place, const std::vector<Vec3>& position) const;
 
   MovingBody body_;

@@ -128,16 +128,23 @@ Simulation::Simulation(Scene scene, SolverSettings settings, const BodyReader& b
   settings.sleep_time = scene_.sleep_time;
 
   std::map<std::filesystem::path, std::shared_ptr<const ClothAsset>> assets;
+  std::vector<std::optional<std::vector<Vec3>>> posed(scene_.cloths.size());  // as skins stand at the beginning
   for (uint32_t c = 0; c < scene_.cloths.size(); ++c) {
     const SceneCloth& cloth = scene_.cloths[c];
     std::shared_ptr<const ClothAsset>& asset = assets[cloth.asset];
     if (!asset) asset = std::make_shared<const ClothAsset>(read_asset(cloth.asset));
     const Transform start = compose(pose_at(cloth.motion, 0), cloth.transform);
     cloths_.push_back({asset, cloth.material, start, cloth.self_collision, cloth.inter_collision});
+    std::vector<Vec3> begins = asset->rest_position;
+    for (Vec3& p : begins) p = apply(start, p);
+    if (skins_[c]) {
+      for_body(element(scene_, "cloths", c) + ".skin", [&] { posed[c] = skins_[c]->carried_from_opening(begins); });
+      if (posed[c]) begins = *posed[c];
+    }
     for (size_t k = 0; k < cloth.pins.size(); ++k) {
       const ScenePin& pin = cloth.pins[k];
       PinSet set{c, pin, selected_pixels(scene_, c, k, *asset, start), {}, {}, false};
-      for (const uint32_t p : set.pixels) set.rest.push_back(apply(start, asset->rest_position[p]));
+      for (const uint32_t p : set.pixels) set.rest.push_back(begins[p]);
       attach(set);
       pins_.push_back(std::move(set));
     }
@@ -148,6 +155,8 @@ Simulation::Simulation(Scene scene, SolverSettings settings, const BodyReader& b
   hands_.resize(cloths_.size());
   torn_.resize(cloths_.size());
   solver_ = std::make_unique<Solver>(solver_of(scene_, cloths_, settings, make_solver));
+  for (uint32_t c = 0; c < posed.size(); ++c)
+    if (posed[c]) solver_->write_state(c, *posed[c], std::vector<Vec3>(posed[c]->size()));
   solver_->set_colliders(colliders_at(scene_, 0), true);
   if (scene_.wind) solver_->set_wind(wind_at(scene_, 0));
   for (uint32_t c = 0; c < scene_.cloths.size(); ++c) {
@@ -221,8 +230,10 @@ void Simulation::attach(PinSet& set) const {
   const Carrier carrier = moving_carrier(set);
   if (carrier.surface == nullptr) return;
   const Transform back = inverse_rigid(carrier.pose);
-  set.place.clear();
-  for (const Vec3& p : set.rest) set.place.push_back(carrier.surface->place_of(apply(back, p)));
+  std::vector<Vec3> points;
+  points.reserve(set.rest.size());
+  for (const Vec3& p : set.rest) points.push_back(apply(back, p));
+  set.place = carrier.surface->places_of(points);
 }
 
 /// Where the surface that it follows has taken a pin's point by deforming, before all that moves it as a whole.

@@ -36,6 +36,8 @@ class AnimatedMesh {
 
   /// The same at all times; counter-clockwise seen from outside when the file opens. May be degenerate or duplicated.
   [[nodiscard]] const std::vector<Triangle>& triangle() const;
+  /// Of all vertices as the file opens [m], y up: what import_mesh() gives.
+  [[nodiscard]] std::vector<Vec3> positions_as_opened() const;
   [[nodiscard]] double duration() const;  ///< [s] >= 0, of the animation at its own speed, from its time 0 on
 
   /// Of all vertices [m], y up. May be called from several threads at once.

@@ -113,6 +113,8 @@ using ReadSurface = std::function<TriangleSurface(const SceneMesh&)>;
 struct MovingBody {
   std::vector<std::array<uint32_t, 3>> triangle;               ///< of all vertices; they stay
   std::function<std::vector<Vec3>(double time)> positions_at;  ///< [m] of all vertices at a time of the scene [s] >= 0
+  /// [m] Of all vertices as the file opens, which garments are made for; empty: as at time 0.
+  std::vector<Vec3> as_opened = {};
 };
 /// Of a mesh with an animation.
 using ReadMovingBody = std::function<MovingBody(const SceneMesh&)>;

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "colliders/halve.h"
+
+namespace geocloth {
+
+/// Finds the nearest of many triangles: a tree of boxes.
+class TriangleTree {
+ public:
+  /// @param triangles  those without an area are left out
+  explicit TriangleTree(std::span<const TriangleCorners> triangles);
+
+  /// By number, the lowest of several; none where there is none with an area.
+  [[nodiscard]] std::optional<uint32_t> nearest(const Vec3d& p) const;
+
+ private:
+  struct Indexed {
+    TriangleCorners corners;
+    uint32_t index;
+    friend const TriangleCorners& corners_in(const Indexed& t) { return t.corners; }
+  };
+  struct Node : HalvedNode {
+    Box3d box;
+  };
+
+  std::vector<Indexed> triangles_;
+  std::vector<Node> nodes_;  ///< the root first
+};
+
+}  // namespace geocloth
