@@ -36,7 +36,7 @@ struct ConvertArguments {
   Layout layout = FlattenOptions{}.layout;
   uint32_t resolution = FlattenOptions{}.resolution;
   double spacing = 0;
-  double unit = 1, scale = 1, weld = 0;
+  double unit = 1, scale = 1, weld = 0, refine = 0;
   CLI::Option *layout_option = nullptr, *unit_option = nullptr, *scale_option = nullptr, *weld_option = nullptr;
   bool quiet = false;
 };
@@ -55,6 +55,7 @@ ConvertOptions convert_options(const ConvertArguments& options) {
   result.square_if_panels_fail = options.layout_option->count() == 0;
   result.flatten.resolution = options.resolution;
   result.flatten.spacing = options.spacing;
+  result.refine = options.refine;
   result.stages = options.stages;
   return result;
 }
@@ -193,6 +194,11 @@ CommandRun add_convert(CLI::App& app) {
   add_number<double>(app, "--spacing", "M", options->spacing, 1e-6, 1e6, "m",
                      "length of a spring, instead of --resolution", "by --resolution")
       ->excludes(resolution);
+  add_number<double>(
+      app, "--refine", "PIXELS", options->refine, 0.5, 1e6, "pixels",
+      "divide triangles until no edge is longer than this, so that a coarse mesh is drawn with the folds "
+      "of its cloth; the vertices of the file stay the first ones",
+      "none");
   options->unit_option =
       add_choice<double>(app, "--unit", options->unit, {{"m", 1.0}, {"cm", 0.01}, {"mm", 0.001}, {"in", 0.0254}},
                          "unit of the mesh's coordinates", "what the file says, else m");

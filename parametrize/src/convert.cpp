@@ -22,6 +22,7 @@
 #include "geocloth/asset/error.h"
 #include "geocloth/asset/grid_mesh.h"
 #include "geocloth/parametrize/parts.h"
+#include "geocloth/parametrize/refine.h"
 #include "mesh/point_math.h"
 #include "repair/border_loops.h"
 #include "repair/canonical_order.h"
@@ -308,7 +309,6 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& optio
                            Stages& stages, const StageFiles& files) {
   ConvertResult result;
   ConvertReport& report = result.report;
-  report.source_vertices = static_cast<uint32_t>(mesh.position.size());
   report.source_faces = polygon_count(mesh);
   report.source_bbox_diagonal = bounding_diagonal(mesh.position);
 
@@ -422,6 +422,18 @@ std::optional<Point3> way_to_origin(const Bounds& bounds) {
   return far ? std::optional(middle * -1) : std::nullopt;
 }
 
+/// Divides what is coarser than the pixels, see ConvertOptions::refine.
+TriangleMesh refined(TriangleMesh mesh, const ConvertOptions& options) {
+  double spacing = options.flatten.spacing;
+  if (!(spacing > 0)) {
+    double area = 0;
+    for (const Triangle& t : mesh.triangle)
+      area += triangle_area(mesh.position[t[0]], mesh.position[t[1]], mesh.position[t[2]]);
+    spacing = std::sqrt(area) / options.flatten.resolution;
+  }
+  return spacing > 0 ? refine_mesh(std::move(mesh), options.refine * spacing) : mesh;
+}
+
 ConvertResult convert_near_origin(TriangleMesh mesh, const ConvertOptions& options, const Progress& progress,
                                   Stages& stages, const StageFiles& files) {
   files.save(mesh);
@@ -431,7 +443,11 @@ ConvertResult convert_near_origin(TriangleMesh mesh, const ConvertOptions& optio
   if (way) {
     for (Point3& p : mesh.position) p = p + *way;
   }
+  const auto vertices = static_cast<uint32_t>(mesh.position.size());
+  if (options.refine > 0) mesh = stages.run("refine", [&] { return refined(std::move(mesh), options); });
   ConvertResult result = convert_mesh(mesh, options, progress, stages, files);
+  result.report.source_vertices = vertices;
+  result.report.refined_vertices = static_cast<uint32_t>(mesh.position.size()) - vertices;
   std::vector<std::string>& warnings = result.report.warnings;
   const auto far = warning_of_far_vertices(mesh, way.value_or(Point3{0, 0, 0}), result.asset.spacing);
   if (far) warnings.insert(warnings.begin(), *far);

@@ -26,13 +26,6 @@ Point3 to_double(const Vec3& p) {
   return {p.x, p.y, p.z};
 }
 
-/// a / |a|, or nothing when a has no direction.
-std::optional<Point3> direction_of(const Point3& a) {
-  const double l = length(a);
-  if (!std::isfinite(l) || !(l > 0)) return std::nullopt;
-  return a * (1 / l);
-}
-
 // ---------------------------------------------------------------------------------------------- render vertices
 
 /// Normals for meshes (or corners) without any: area-weighted over the triangles around the surface point.

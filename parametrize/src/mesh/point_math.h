@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "geocloth/parametrize/mesh.h"
@@ -33,6 +34,12 @@ inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 }
 [[nodiscard]] inline double distance(const Point3& a, const Point3& b) {
   return length(a - b);
+}
+/// a / |a|, or nothing when a has no direction.
+[[nodiscard]] inline std::optional<Point3> direction_of(const Point3& a) {
+  const double l = length(a);
+  if (!std::isfinite(l) || !(l > 0)) return std::nullopt;
+  return a * (1 / l);
 }
 [[nodiscard]] inline double triangle_area(const Point3& a, const Point3& b, const Point3& c) {
   return 0.5 * length(cross(b - a, c - a));

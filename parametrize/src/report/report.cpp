@@ -28,6 +28,7 @@ Json source_json(const ConvertReport& report) {
   Json json = to_json(report.source, report.source_bbox_diagonal);
   json["vertices"] = report.source_vertices;
   json["faces"] = report.source_faces;
+  json["refined_vertices"] = report.refined_vertices;
   return json;
 }
 

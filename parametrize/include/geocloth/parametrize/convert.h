@@ -13,6 +13,9 @@ namespace geocloth {
 struct ConvertOptions {
   ImportOptions import;
   std::string parts;  ///< which parts to convert, as of select_parts(); empty: all
+  /// [pixels] >= 0.5: edges of the mesh that are longer are halved first, see refine_mesh(); 0: none are. The pixels'
+  /// size is FlattenOptions::spacing, or follows from the mesh's area.
+  double refine = 0;
   RepairOptions repair;
   /// Loose pieces that are up to a twentieth of the garment or three pixels across and lie on it all over, as buttons
   /// and sequins do, ride on it; else those that are smaller than a pixel do, as far as they are 1 % of the area
@@ -61,6 +64,7 @@ struct ConvertReport {
   Topology source;
   double source_bbox_diagonal = 0;                 ///< [m]
   uint32_t source_vertices = 0, source_faces = 0;  ///< as counted in the file (faces: polygons)
+  uint32_t refined_vertices = 0;                   ///< added by ConvertOptions::refine, after those of the file
   /// [m] How far the asset was moved from where the file has it: nowhere, unless that is so far from the origin that
   /// single precision could not tell its points apart.
   Point3 moved{};
