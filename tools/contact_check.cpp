@@ -158,10 +158,13 @@ std::vector<std::string> ContactCheck::warnings(const Simulation& simulation) co
       continue;
     }
     const double thickness = std::ceil((static_cast<double>(cloth.material.thickness) + kMore * depth) * kDigits);
+    constexpr double kCoarse = 3;  // pixels
+    const bool is_coarse = drawn_triangle_size(*cloth.asset) > kCoarse;
     result.push_back(fmt::format(
         "{}: {} shows through, up to {:.2g} m, where what is drawn sinks in between the points of the cloth, "
-        "which are kept outside; a material with \"thickness\": {} would keep it covered",
-        name, collider, depth, thickness / kDigits));
+        "which are kept outside; a material with \"thickness\": {} would keep it covered{}",
+        name, collider, depth, thickness / kDigits,
+        is_coarse ? ", and the asset of a mesh that was divided (convert --refine 1.5) with less" : ""));
   }
   return result;
 }

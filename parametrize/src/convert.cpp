@@ -364,10 +364,11 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& optio
     report.warnings.insert(report.warnings.begin(),
                            "more pixels than asked for, because panels could not be made of so few: " + panels_failed);
   }
-  for (const auto& warning : {warning_of_spacing(result.asset.spacing, options.flatten.spacing),
-                              warning_of_loose_pieces(find_loose_pieces(carried.represented)),
-                              warning_of_cracks(find_cracks(repaired.surface)),
-                              warning_of_folds(repaired, mesh.triangle.size(), report.source_bbox_diagonal)}) {
+  for (const auto& warning :
+       {warning_of_spacing(result.asset.spacing, options.flatten.spacing), warning_of_coarse_triangles(result.asset),
+        warning_of_loose_pieces(find_loose_pieces(carried.represented)),
+        warning_of_cracks(find_cracks(repaired.surface)),
+        warning_of_folds(repaired, mesh.triangle.size(), report.source_bbox_diagonal)}) {
     if (warning) report.warnings.push_back(*warning);
   }
   report.warnings.insert(report.warnings.begin(), mesh.left_out.begin(), mesh.left_out.end());

@@ -158,6 +158,51 @@ TEST_F(PlayingBodies, PinsRideOnTheSkinOfTheirCloth) {
   EXPECT_LT(length(point(simulation, 0, 0) - expected), 1e-5F);
 }
 
+// A body that bends: each point begins where its own triangle has come to, and is held there.
+TEST_F(PlayingBodies, ClothBeginsAsItsSkinStands) {
+  const auto bent = [](const SceneMesh& mesh) {
+    MovingBody body = swaying_box(mesh);
+    body.as_opened = body.positions_at(0);
+    body.positions_at = [from = body.positions_at](double time) { return from(time + 0.5); };
+    return body;
+  };
+  // The sheet lies on the box's front side.
+  const std::string skin = R"(,"skin":{"file":"box.glb","animation":0,"transform":{"translate":[0,0,-1]}},
+      "pins":[{"where":{"top":1},"follow":"skin"}])";
+  Simulation simulation = play(skin, "", {.moving = bent});
+  const std::vector<Vec3> front = swaying_box({}).positions_at(0.5);
+  const auto corner = [&](size_t k) { return front[k] - Vec3{0, 0, 1}; };
+  const std::vector<Vec3> begins = test::positions_of(simulation.solver());
+  for (uint32_t j = 0; j < sheet_.ny; ++j) {
+    for (uint32_t i = 0; i < sheet_.nx; ++i) {
+      const uint32_t pixel = test::sheet_pixel(sheet_, i, j);
+      const Vec3 p = simulation.cloths()[0].asset->rest_position[pixel];
+      const float x = 0.5F * (p.x + 1), y = 0.5F * (p.y + 1);
+      const Vec3 expected = x + y <= 1
+                                ? corner(4) + x * (corner(5) - corner(4)) + y * (corner(6) - corner(4))
+                                : corner(7) + (1 - x) * (corner(6) - corner(7)) + (1 - y) * (corner(5) - corner(7));
+      EXPECT_LT(length(begins[pixel] - expected), 1e-5F) << i << ' ' << j;
+      EXPECT_GT(length(begins[pixel] - p), 0.02F);
+    }
+  }
+  EXPECT_LT(simulation.farthest_from_skin(0), 1e-5F);
+  simulation.step();  // the skin goes on by a sixtieth of a second
+  const std::vector<Vec3> next = test::positions_of(simulation.solver());
+  for (size_t k = 0; k < next.size(); ++k) EXPECT_LT(length(next[k] - begins[k]), 0.06F) << k;
+}
+
+TEST_F(PlayingBodies, ClothOfASkinThatStandsAsTheFileOpensStaysWhereItIs) {
+  const auto still = [](const SceneMesh& mesh) {
+    MovingBody body = swaying_box(mesh);
+    body.as_opened = body.positions_at(0);
+    return body;
+  };
+  const std::string skin = R"(,"skin":{"file":"box.glb","animation":0},"pins":[{"where":{"top":0},"follow":"skin"}])";
+  Simulation simulation = play(skin, "", {.moving = still});
+  const std::vector<Vec3> begins = test::positions_of(simulation.solver());
+  EXPECT_EQ(begins, simulation.cloths()[0].asset->rest_position);
+}
+
 // They are taken where they are then, on the body as it is then.
 TEST_F(PlayingBodies, PinsThatTakeHoldLaterRideFromThere) {
   const std::string box = R"(,"gravity":[0,0,0],"colliders":[{"name":"box","shape":"mesh","file":"box.glb",

@@ -79,6 +79,35 @@ TEST_F(AnimatedBodies, CarryTheClothWhoseSkinTheyAre) {
   EXPECT_NEAR(top_z(), 0.5, 1e-5);
 }
 
+// The file opens three metres behind where the animation begins: its garment was dragged there in a frame.
+TEST_F(AnimatedBodies, HaveClothBeginWhereTheSkinDoes) {
+  std::string opens_behind = kSlidingTetrahedron;
+  const std::string node = R"("nodes":[{"mesh":0)";
+  opens_behind.replace(opens_behind.find(node), node.size(), node + R"(,"translation":[0,0,-3])");
+  folder_.write("body.gltf", opens_behind);
+  const auto with = [](const char* animation) {
+    return fmt::format(R"(,"skin":{{"file":"body.gltf",{}}})", animation);
+  };
+  EXPECT_EQ(simulate(with(R"("animation":"slide")"), "").status, 0);
+  EXPECT_NEAR(top_z(), 3.5, 1e-5);
+  const ProgramResult first = run_program({"simulate", folder_ / "scene.json", "--backend", "cpu", "--frames", "0",
+                                           "--last-state", folder_ / "last.obj", "--quiet"});
+  EXPECT_EQ(first.status, 0) << first.err;
+  std::istringstream lines(read_text(folder_ / "last.obj"));
+  std::string line;
+  int points = 0;
+  while (std::getline(lines, line)) {
+    float x = 0, y = 0, z = 0;
+    if (std::sscanf(line.c_str(), "v %f %f %f", &x, &y, &z) != 3) continue;
+    EXPECT_NEAR(z, 3, 1e-5) << line;
+    ++points;
+  }
+  EXPECT_EQ(points, 25);
+  // With time to get there it begins where the file has it.
+  EXPECT_EQ(simulate(with(R"("animation":{"clip":"slide","start":0.5})"), "").status, 0);
+  EXPECT_NEAR(top_z(), 3.25, 1e-5);
+}
+
 TEST_F(AnimatedBodies, ThatAreNotThereAreNamed) {
   const auto said = [&](const std::string& file, const std::string& keys) {
     const ProgramResult result = simulate("", body(file, keys));

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <unordered_map>
 #include <utility>
 
@@ -29,16 +30,26 @@ class Refinement {
       : mesh_(std::move(mesh)), longest_(longest), has_uv_(!mesh_.uv.empty()), has_normal_(!mesh_.normal.empty()) {}
 
   TriangleMesh refined() {
-    while (halve_once()) {
-      if (mesh_.triangle.size() > kMostRefinedTriangles) {
-        throw Error(ErrorCode::limit, "there would be more than " + std::to_string(kMostRefinedTriangles) +
-                                          " triangles; give a larger --refine");
-      }
-    }
+    check(least_triangles());
+    while (halve_once()) check(static_cast<double>(mesh_.triangle.size()));
     return std::move(mesh_);
   }
 
  private:
+  static void check(double triangles) {
+    if (triangles <= static_cast<double>(kMostRefinedTriangles)) return;
+    throw Error(ErrorCode::limit, "there would be more than " + std::to_string(kMostRefinedTriangles) +
+                                      " triangles; give a larger --refine");
+  }
+
+  /// None has a larger area than an equilateral one.
+  [[nodiscard]] double least_triangles() const {
+    double area = 0;
+    for (const Triangle& t : mesh_.triangle)
+      area += triangle_area(mesh_.position[t[0]], mesh_.position[t[1]], mesh_.position[t[2]]);
+    return area / (std::sqrt(3.0) / 4 * longest_ * longest_);
+  }
+
   /// @return whether an edge was too long
   bool halve_once() {
     middle_.clear();

@@ -22,6 +22,19 @@ std::optional<std::string> warning_of_spacing(double spacing, double asked) {
   return text;
 }
 
+std::optional<std::string> warning_of_coarse_triangles(const ClothAsset& asset) {
+  constexpr double kCoarse = 8;  // pixels
+  const double size = drawn_triangle_size(asset);
+  if (size <= kCoarse) return std::nullopt;
+  char text[256];
+  std::snprintf(
+      text, sizeof text,
+      "the mesh is coarse: its triangles are about %.0f pixels across, and finer folds of the cloth would not "
+      "be drawn; --refine 2 divides them",
+      size);
+  return text;
+}
+
 std::optional<std::string> warning_of_cracks(const Cracks& cracks) {
   constexpr uint32_t kFew = 8;
   constexpr double kSmallShare = 0.05;  // of the border: slits, and layers that end beside each other

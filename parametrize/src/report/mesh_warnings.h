@@ -18,6 +18,9 @@ namespace geocloth {
 /// @param asked    [m] 0: nothing was asked for
 [[nodiscard]] std::optional<std::string> warning_of_spacing(double spacing, double asked);
 
+/// What is drawn is so coarse beside the pixels that it shows little of what these do.
+[[nodiscard]] std::optional<std::string> warning_of_coarse_triangles(const ClothAsset& asset);
+
 /// Where a garment may lie in pieces that no one meant to be apart.
 [[nodiscard]] std::optional<std::string> warning_of_cracks(const Cracks& cracks);
 

@@ -364,4 +364,15 @@ void evaluate_bound_normals(const ClothAsset& asset, const std::vector<Vec3>& bo
   }
 }
 
+double drawn_triangle_size(const ClothAsset& asset) {
+  double area = 0, sum = 0;
+  for (const Triangle& t : asset.source.triangle) {
+    const auto at = [&](size_t k) { return to_double(asset.source.position[t[k]]); };
+    const double twice = length(cross(at(1) - at(0), at(2) - at(0)));
+    area += twice;
+    sum += twice * std::sqrt(twice);
+  }
+  return area > 0 && asset.spacing > 0 ? sum / area / static_cast<double>(asset.spacing) : 0;
+}
+
 }  // namespace geocloth

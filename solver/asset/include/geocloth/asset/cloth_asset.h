@@ -184,4 +184,8 @@ void evaluate_binding(const ClothAsset& asset, const std::vector<Vec3>& position
 void evaluate_bound_normals(const ClothAsset& asset, const std::vector<Vec3>& bound, const std::vector<Vec3>& position,
                             const std::vector<Vec3>& normal, std::vector<Vec3>& out);
 
+/// [pixels] How far across the triangles are that are drawn, as a mean by area of the root of twice the area; 0 for
+/// none. Folds finer than that do not show.
+[[nodiscard]] double drawn_triangle_size(const ClothAsset& asset);
+
 }  // namespace geocloth
