@@ -135,11 +135,17 @@ float ContactCheck::depth_between_vertices() const {
 std::vector<std::string> ContactCheck::warnings(const Simulation& simulation) const {
   std::vector<std::string> result;
   for (const Start& s : start_) {
+    const auto& mesh = simulation.scene().colliders[s.collider].mesh;
+    const bool plays_at_once = mesh && mesh->animation && !(mesh->animation->start > 0);
+    const bool may_pose = plays_at_once && !simulation.scene().cloths[s.cloth].skin;
     result.push_back(fmt::format(
         "{}: {} of its {} points begin inside {}, up to {:.2g} m deep, and are pushed out at once, which {} the cloth; "
-        "check that both have the same scale and pose, or move one of them",
+        "check that both have the same scale and pose, or move one of them{}",
         name_of_cloth(simulation.scene(), s.cloth), s.points, s.points_of_cloth,
-        name_of_collider(simulation, s.collider), s.depth, s.is_buried ? "tears at" : "may stretch"));
+        name_of_collider(simulation, s.collider), s.depth, s.is_buried ? "tears at" : "may stretch",
+        may_pose ? "; where its file opens in another pose than its animation begins with, give the animation a "
+                   "\"start\", or the cloth a \"skin\""
+                 : ""));
   }
   for (size_t i = 0; i < between_.size(); ++i) {
     constexpr double kMore = 1.25, kDigits = 2000;  // of the depth; half millimetres

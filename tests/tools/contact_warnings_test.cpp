@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "sliding_tetrahedron.h"
 #include "support/run_program.h"
 #include "support/temporary_folder.h"
 
@@ -87,6 +88,21 @@ TEST_F(ContactWarnings, TellThatAGarmentBeginsInsideACollider) {
   // A quarter of a spacing is no more than the thickness puts right.
   const Run touching = simulate(cloth, R"({"shape":"box","center":[0,-0.098,0],"half_extents":[0.5,0.1,0.5]})");
   EXPECT_THAT(touching.warnings, IsEmpty());
+}
+
+/// Garments are made for the pose that the file opens with.
+TEST_F(ContactWarnings, TellThatAnAnimationMayBeginInAnotherPose) {
+  folder_.write("body.gltf", kSlidingTetrahedron);
+  const auto body = [](const char* animation) {
+    return fmt::format(R"({{"shape":"mesh","file":"body.gltf","transform":{{"translate":[-0.2,-0.2,-0.2]}}{}}})",
+                       animation);
+  };
+  const std::string cloth = R"("material":"cotton")";
+  const auto says = [](const testing::Matcher<const std::string&>& what) {
+    return Contains(AllOf(HasSubstr("begin inside colliders[0]"), what));
+  };
+  EXPECT_THAT(simulate(cloth, body(R"(,"animation":0)")).warnings, says(HasSubstr("the animation a \"start\"")));
+  EXPECT_THAT(simulate(cloth, body(R"(,"animation":{"start":0.2})")).warnings, says(Not(HasSubstr("\"start\""))));
 }
 
 /// Two fifths of a dress began inside its wearer, by less than two spacings, and nothing was said.
