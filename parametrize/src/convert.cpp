@@ -426,12 +426,7 @@ std::optional<Point3> way_to_origin(const Bounds& bounds) {
 /// Divides what is coarser than the pixels, see ConvertOptions::refine.
 TriangleMesh refined(TriangleMesh mesh, const ConvertOptions& options) {
   double spacing = options.flatten.spacing;
-  if (!(spacing > 0)) {
-    double area = 0;
-    for (const Triangle& t : mesh.triangle)
-      area += triangle_area(mesh.position[t[0]], mesh.position[t[1]], mesh.position[t[2]]);
-    spacing = std::sqrt(area) / options.flatten.resolution;
-  }
+  if (!(spacing > 0)) spacing = std::sqrt(surface_area(mesh.position, mesh.triangle)) / options.flatten.resolution;
   return spacing > 0 ? refine_mesh(std::move(mesh), options.refine * spacing) : mesh;
 }
 

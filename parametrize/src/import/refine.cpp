@@ -24,6 +24,14 @@ struct Corner {
 };
 using Corners = std::array<Corner, 3>;
 
+/// What a mesh has for each triangle.
+struct Faces {
+  std::vector<Triangle> triangle;
+  std::vector<uint32_t> polygon;
+  std::vector<std::array<Point2, 3>> uv;
+  std::vector<std::array<Point3, 3>> normal;
+};
+
 class Refinement {
  public:
   Refinement(TriangleMesh mesh, double longest)
@@ -44,21 +52,14 @@ class Refinement {
 
   /// None has a larger area than an equilateral one.
   [[nodiscard]] double least_triangles() const {
-    double area = 0;
-    for (const Triangle& t : mesh_.triangle)
-      area += triangle_area(mesh_.position[t[0]], mesh_.position[t[1]], mesh_.position[t[2]]);
-    return area / (std::sqrt(3.0) / 4 * longest_ * longest_);
+    return surface_area(mesh_.position, mesh_.triangle) / (std::sqrt(3.0) / 4 * longest_ * longest_);
   }
 
   /// @return whether an edge was too long
   bool halve_once() {
     middle_.clear();
-    TriangleMesh old = std::move(mesh_);
-    mesh_ = old;
-    mesh_.triangle.clear();
-    mesh_.polygon.clear();
-    mesh_.uv.clear();
-    mesh_.normal.clear();
+    const Faces old{std::exchange(mesh_.triangle, {}), std::exchange(mesh_.polygon, {}), std::exchange(mesh_.uv, {}),
+                    std::exchange(mesh_.normal, {})};
     for (SourcePart& part : mesh_.part) {
       const uint32_t first = part.first_triangle, last = first + part.triangle_count;
       part.first_triangle = static_cast<uint32_t>(mesh_.triangle.size());
@@ -69,7 +70,7 @@ class Refinement {
     return !middle_.empty();
   }
 
-  [[nodiscard]] Corners corners_of(const TriangleMesh& mesh, uint32_t t) const {
+  [[nodiscard]] Corners corners_of(const Faces& mesh, uint32_t t) const {
     Corners corners{};
     for (std::size_t k = 0; k < 3; ++k) {
       corners[k].vertex = mesh.triangle[t][k];

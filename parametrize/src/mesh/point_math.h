@@ -45,6 +45,13 @@ inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
   return 0.5 * length(cross(b - a, c - a));
 }
 
+/// Of all triangles [m^2].
+[[nodiscard]] inline double surface_area(const std::vector<Point3>& position, const std::vector<Triangle>& triangle) {
+  double area = 0;
+  for (const Triangle& t : triangle) area += triangle_area(position[t[0]], position[t[1]], position[t[2]]);
+  return area;
+}
+
 /// Where along the line a-b (a: 0, b: 1) the point nearest to p lies, and how far p is from the line.
 struct Foot {
   double at, height;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <string>
 
 #include <tbb/blocked_range.h>
@@ -125,11 +124,11 @@ class Filler {
     const std::vector<uint32_t> shown = shown_triangles();
     std::vector<TriangleCorners> corners;
     corners.reserve(shown.size());
-    for (const uint32_t i : shown) corners.push_back(in_spacings(corners_at(i)));
+    for (const uint32_t i : shown) corners.push_back(corners_at(i));
     // A body that deforms is measured anew in every frame, near its surface only: farther outside a lower bound of the
     // distance will do.
     const double band = before_.empty() ? std::numeric_limits<double>::infinity() : kBand;
-    nearest_ = nearest_triangles(grid_.size, corners, inside_, band);
+    nearest_ = nearest_triangles(grid_, corners, inside_, band);
     for (uint32_t& n : nearest_) n = n == kNoTriangle ? n : shown[n];
     measure();
     if (!before_.empty()) carry_ways();
@@ -140,10 +139,6 @@ class Filler {
 
   [[nodiscard]] TriangleCorners corners_at(uint32_t triangle) const {
     return corners_of(field_.surface.triangle[triangle], field_.surface.position);
-  }
-  [[nodiscard]] TriangleCorners in_spacings(const TriangleCorners& t) const {
-    const auto at = [&](const Vec3d& p) { return (1 / grid_.spacing) * (p - grid_.low); };
-    return {at(t.a), at(t.b), at(t.c)};
   }
 
   /// Bodies are made of pieces that go into one another, as an arm that ends inside the trunk. What lies in there is no

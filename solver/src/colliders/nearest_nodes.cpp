@@ -12,8 +12,6 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-#include "colliders/node_grid.h"
-
 namespace geocloth {
 namespace {
 
@@ -88,15 +86,20 @@ enum class State : uint8_t { unknown, touched, front, known };
 
 class NearestTriangles {
  public:
-  NearestTriangles(const std::array<uint32_t, 3>& size, std::span<const TriangleCorners> triangles,
-                   const std::vector<char>& inside, double band)
-      : size_(size),
-        triangles_(triangles),
+  NearestTriangles(const NodeGrid& grid, std::span<const TriangleCorners> triangles, const std::vector<char>& inside,
+                   double band)
+      : grid_(grid),
+        size_(grid.size),
         inside_(inside),
         band_(static_cast<float>(band * band)),
         square_(inside.size(), std::numeric_limits<float>::max()),
         nearest_(inside.size(), kNoTriangle),
-        state_(inside.size(), State::unknown) {}
+        state_(inside.size(), State::unknown) {
+    const auto in_spacings = [&](const Vec3d& p) { return (1 / grid.spacing) * (p - grid.low); };
+    triangles_.reserve(triangles.size());
+    for (const TriangleCorners& t : triangles)
+      triangles_.push_back({in_spacings(t.a), in_spacings(t.b), in_spacings(t.c)});
+  }
 
   std::vector<uint32_t> find() {
     measure_near();
@@ -129,7 +132,7 @@ class NearestTriangles {
         for (uint32_t x = x0; x < x1; x += TriangleFromRows::kNodes) {
           const uint32_t count = std::min(TriangleFromRows::kNodes, x1 - x);
           const TriangleFromRows::Squares squares = triangle.squares(x, y, z);
-          const size_t node = node_at(x, y, z);
+          const size_t node = grid_.at(x, y, z);
           for (uint32_t i = 0; i < count; ++i) offer(node + i, k, squares[i]);
         }
       }
@@ -205,7 +208,7 @@ class NearestTriangles {
     for (uint32_t k = z0; k < std::min(z + 2, size_[2]); ++k) {
       for (uint32_t j = y0; j < std::min(y + 2, size_[1]); ++j) {
         for (uint32_t i = x0; i < std::min(x + 2, size_[0]); ++i) {
-          const size_t other = node_at(i, j, k);
+          const size_t other = grid_.at(i, j, k);
           if (state_[other] != State::front || std::find(seen.begin(), end, nearest_[other]) != end) continue;
           *end++ = nearest_[other];
           const Vec3d d = p - closest_on_triangle(triangles_[nearest_[other]], p);
@@ -215,9 +218,6 @@ class NearestTriangles {
     }
   }
 
-  [[nodiscard]] size_t node_at(uint32_t x, uint32_t y, uint32_t z) const {
-    return (size_t{z} * size_[1] + y) * size_[0] + x;
-  }
   [[nodiscard]] std::array<uint32_t, 3> place_of(uint32_t node) const {
     return {node % size_[0], node / size_[0] % size_[1], node / size_[0] / size_[1]};
   }
@@ -233,8 +233,9 @@ class NearestTriangles {
     if (z + 1 < size_[2]) body(node + layer);
   }
 
-  std::array<uint32_t, 3> size_;
-  std::span<const TriangleCorners> triangles_;
+  const NodeGrid& grid_;
+  std::array<uint32_t, 3> size_;            ///< the grid's
+  std::vector<TriangleCorners> triangles_;  ///< in spacings from the first node
   const std::vector<char>& inside_;
   float band_;                 ///< squared
   std::vector<float> square_;  ///< by node, of the distance to the nearest triangle so far
@@ -244,9 +245,9 @@ class NearestTriangles {
 
 }  // namespace
 
-std::vector<uint32_t> nearest_triangles(const std::array<uint32_t, 3>& size, std::span<const TriangleCorners> triangles,
+std::vector<uint32_t> nearest_triangles(const NodeGrid& grid, std::span<const TriangleCorners> triangles,
                                         const std::vector<char>& inside, double band) {
-  return NearestTriangles(size, triangles, inside, band).find();
+  return NearestTriangles(grid, triangles, inside, band).find();
 }
 
 }  // namespace geocloth
