@@ -271,6 +271,17 @@ inline bool self_is_in(SelfRoom room, vec3 p, SelfCell cell) {
   return of_point.x == cell.x && of_point.y == cell.y && of_point.z == cell.z;
 }
 
+// [m] What layers keep that are near at rest.
+inline float self_rest_distance(SelfPoint a, SelfPoint b) {
+  precise float rest = kSelfRestShare * length3(xyz(b.rest) - xyz(a.rest));
+  return rest;
+}
+
+// Whether that is less than what two points keep else.
+inline bool self_is_thin(SelfSet set, SelfRoom room, SelfPoint a, SelfPoint b) {
+  return self_rest_distance(a, b) < self_pair_distance(set, room, a, b);
+}
+
 // Adds the points in a bucket that may touch this one to its list of `count`.
 inline uint self_find_in(SelfSet set, SelfRoom room, uint point, uint count, vec3 at, SelfCell cell, uint bucket) {
   SelfPoint own = self_point(set, point);
@@ -284,8 +295,7 @@ inline uint self_find_in(SelfSet set, SelfRoom room, uint point, uint count, vec
       SelfPoint neighbor = self_point(set, other);
       float reach = self_pair_reach(set, room, own, neighbor);
       precise float pair2 = reach * reach;
-      precise float rest = kSelfRestShare * length3(xyz(neighbor.rest) - xyz(own.rest));
-      bool thin = rest < self_pair_distance(set, room, own, neighbor);
+      bool thin = self_is_thin(set, room, own, neighbor);
       if (dot3(d, d) < pair2) found = self_keep(set, room, point, found, at, thin ? other | kSelfThinBit : other);
     }
     other = self_word(set, self_next_word(room, other));
@@ -326,6 +336,13 @@ struct SelfPush {
   vec3 impulse;  // [m] of the displacement over the substep
 };
 
+inline SelfPush no_push() {
+  SelfPush r;
+  r.shift = vec3(0.0f, 0.0f, 0.0f);
+  r.impulse = r.shift;
+  return r;
+}
+
 // One neighbour's push. Points that went past each other within the substep are pushed back to the sides that they came
 // from. As with colliders the push itself gives no speed; it takes what leads inwards, and friction brakes the rest.
 inline SelfPush self_add(SelfPush sum, PointState own, PointState other, float share, float distance, float friction) {
@@ -353,11 +370,37 @@ inline SelfPush self_add(SelfPush sum, PointState own, PointState other, float s
   return r;
 }
 
+// The same of an entry of a point's list.
+// @param own    the point
+// @param state  where it is and how it got there
+inline SelfPush self_add_neighbor(SelfSet set, SelfRoom room, SelfPush sum, SelfPoint own, PointState state,
+                                  uint neighbor) {
+  uint there = neighbor & ~kSelfThinBit;
+  SelfPoint other = self_point(set, there);
+  bool thin = (neighbor & kSelfThinBit) != 0u;
+  float distance = thin ? self_rest_distance(own, other) : self_pair_distance(set, room, own, other);
+  float w = self_is_held(set, room, there) ? 0.0f : other.rest.w;
+  precise float share = kSelfShare * own.rest.w * (1.0f / (own.rest.w + w));
+  float friction = self_pair_friction(set, room, own, other);
+  return self_add(sum, state, self_state(set, room, there), share, distance, friction);
+}
+
+// No more than a point can be pushed in a substep.
+inline SelfPush self_limited(SelfRoom room, SelfPush sum) {
+  SelfPush r = sum;
+  precise float longest = kSelfLongestPush * room.distance;
+  float way = length3(sum.shift);
+  if (way > longest) {
+    precise float kept = longest * (1.0f / way);
+    r.shift = sum.shift * kept;
+    r.impulse = sum.impulse * kept;
+  }
+  return r;
+}
+
 // What all neighbours do to a point; equal and opposite for both points of a pair, but for the limit to the whole.
 inline SelfPush self_push(SelfSet set, SelfRoom room, uint point) {
-  SelfPush sum;
-  sum.shift = vec3(0.0f, 0.0f, 0.0f);
-  sum.impulse = sum.shift;
+  SelfPush sum = no_push();
   SelfPoint own = self_point(set, point);
   uint count = self_word(set, self_count_word(room, point));
   if (count == 0u || self_is_held(set, room, point)) return sum;
@@ -365,29 +408,10 @@ inline SelfPush self_push(SelfSet set, SelfRoom room, uint point) {
   precise float distance2 = room.distance * room.distance;
   for (uint k = 0u; k < count; ++k) {
     uint neighbor = self_word(set, self_neighbor_word(room, point, k));
-    uint there = neighbor & ~kSelfThinBit;
-    SelfPoint other = self_point(set, there);
-    vec3 apart = state.position - self_position(set, room, there);
-    if (dot3(apart, apart) < distance2) {
-      float distance = self_pair_distance(set, room, own, other);
-      if ((neighbor & kSelfThinBit) != 0u) {
-        precise float at_rest = kSelfRestShare * length3(xyz(other.rest) - xyz(own.rest));
-        distance = at_rest;
-      }
-      float w = self_is_held(set, room, there) ? 0.0f : other.rest.w;
-      precise float share = kSelfShare * own.rest.w * (1.0f / (own.rest.w + w));
-      float friction = self_pair_friction(set, room, own, other);
-      sum = self_add(sum, state, self_state(set, room, there), share, distance, friction);
-    }
+    vec3 apart = state.position - self_position(set, room, neighbor & ~kSelfThinBit);
+    if (dot3(apart, apart) < distance2) sum = self_add_neighbor(set, room, sum, own, state, neighbor);
   }
-  precise float longest = kSelfLongestPush * room.distance;
-  float way = length3(sum.shift);
-  if (way > longest) {
-    precise float kept = longest * (1.0f / way);
-    sum.shift = sum.shift * kept;
-    sum.impulse = sum.impulse * kept;
-  }
-  return sum;
+  return self_limited(room, sum);
 }
 
 inline void set_self_push(SelfSet set, SelfRoom room, uint point, SelfPush push) {

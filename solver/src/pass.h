@@ -137,6 +137,11 @@ struct PassStep {
   return step.order == BendOrder::there_and_back && step.group % 3 != 2 ? 2 : 1;
 }
 
+/// Those of a cloth that collides with itself.
+[[nodiscard]] constexpr bool is_of_self_collision(Pass pass) {
+  return pass >= Pass::self_drift && pass <= Pass::self_move;
+}
+
 /// Passes over the points of all cloths that collide with each other, once for all of them.
 [[nodiscard]] constexpr bool is_between_cloths(Pass pass) {
   return pass >= Pass::inter_drift && pass <= Pass::inter_push;

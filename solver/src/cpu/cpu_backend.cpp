@@ -14,6 +14,7 @@
 #include "cpu/passes.h"
 #include "cpu/plan_pool.h"
 #include "cpu/self_passes.h"
+#include "cpu/self_runner.h"
 #include "cpu/sweep_runner.h"
 #include "cpu/threads.h"
 #include "cpu/wide_rows.h"
@@ -44,12 +45,18 @@ struct Schedules {
 /// One cloth with what goes with it.
 struct Cloth {
   Cloth(const ClothData& data, bool accumulate, bool fine, cpu::PlanPool& plans)
-      : rows(data.width), state(rows.widened(data), accumulate, fine), sweep(state, plans) {}
+      : rows(data.width), state(rows.widened(data), accumulate, fine), sweep(state, plans) {
+    take_self_points();
+  }
+
+  /// Once its points have changed.
+  void take_self_points() { self.emplace(state.data.self, state.pixel_count()); }
 
   cpu::WideRows rows;
   cpu::ClothState state;
   ClothFrame frame;  ///< with wide rows
   cpu::SweepRunner sweep;
+  std::optional<cpu::SelfRunner> self;
   bool sweeps = false;  ///< the frame that runs goes by sweeps
   ScheduleOptions options;
   Schedules schedules;
@@ -168,6 +175,7 @@ class CpuBackend final : public SolverBackend {
     data_.cloths[cloth].springs = {};
     data_.cloths[cloth].self = {};
     cloths_[cloth].state.set_topology(cloths_[cloth].rows.widened(data));
+    cloths_[cloth].take_self_points();
     cloths_[cloth].sweep.forget_plan();
     cloths_[cloth].normals_stale = true;
   }
@@ -190,6 +198,7 @@ class CpuBackend final : public SolverBackend {
         pixel = rows.pixel(pixel);
       }
     }
+    inter_self_.emplace(inter_.points, 0);
   }
 
   float longest_way(uint32_t cloth, uint32_t word) override { return cloths_[cloth].measures.longest_way[word]; }
@@ -201,9 +210,9 @@ class CpuBackend final : public SolverBackend {
     statistics.path = by_sweeps() ? std::string("sweep ") + cpu::vector_target() : "plain";
     statistics.threads = threads_.count();
     PassSeconds seconds = inter_seconds_;
-    statistics.memory_bytes += plans_.memory_bytes() + inter_.points.memory_bytes();
+    statistics.memory_bytes += plans_.memory_bytes() + inter_.points.memory_bytes() + inter_self_->memory_bytes();
     for (const Cloth& cloth : cloths_) {
-      statistics.memory_bytes += cloth.state.memory_bytes() + cloth.sweep.memory_bytes();
+      statistics.memory_bytes += cloth.state.memory_bytes() + cloth.sweep.memory_bytes() + cloth.self->memory_bytes();
       statistics.copy_gap = std::max(statistics.copy_gap, static_cast<double>(cloth.measures.copy_gap));
       statistics.penetration = std::max(statistics.penetration, static_cast<double>(cloth.measures.penetration));
       for (size_t k = 0; k < seconds.size(); ++k) seconds[k] += cloth.seconds[k];
@@ -266,14 +275,12 @@ class CpuBackend final : public SolverBackend {
       });
       for (const PassStep& step : inter_schedule()) {
         if (is_between_cloths(step.pass)) {
-          timed(inter_seconds_, step.pass,
-                [&] { cpu::run_inter_pass(step.pass, inter_params_, threads_, inter_.points); });
+          timed(inter_seconds_, step.pass, [&] { run_between(step.pass); });
           continue;
         }
         for_parts([&](const InterPart& part, Cloth& cloth, const cpu::Threads& threads) {
           const cpu::PassContext context{frame, cloth.frame, threads, s, data_.relaxation_steps};
-          const auto pass = step.pass == Pass::inter_gather ? cpu::inter_gather : cpu::inter_move;
-          timed(cloth.seconds, step.pass, [&] { pass(part, context, cloth.state, inter_.points); });
+          timed(cloth.seconds, step.pass, [&] { run_on_part(step.pass, part, context, cloth.state); });
         });
       }
       for_parts([&](const InterPart&, Cloth& cloth, const cpu::Threads& threads) {
@@ -334,11 +341,24 @@ class CpuBackend final : public SolverBackend {
         cloth);
   }
 
+  void run_between(Pass pass) {
+    if (by_sweeps()) return inter_self_->run_between(pass, inter_params_, threads_, inter_.points);
+    cpu::run_inter_pass(pass, inter_params_, threads_, inter_.points);
+  }
+  void run_on_part(Pass pass, const InterPart& part, const cpu::PassContext& context, cpu::ClothState& state) {
+    if (pass == Pass::inter_gather) return cpu::inter_gather(part, context, state, inter_.points);
+    if (by_sweeps()) return inter_self_->move_part(part, context, state, inter_.points);
+    cpu::inter_move(part, context, state, inter_.points);
+  }
+
   /// Pass by pass is the reference.
   [[nodiscard]] bool by_sweeps() const { return data_.path != SolverPath::plain; }
 
   void run(const PassStep& step, const cpu::PassContext& context, Cloth& cloth) const {
-    timed(cloth.seconds, step.pass, [&] { cpu::run_pass(step, context, cloth.state, cloth.measures); });
+    timed(cloth.seconds, step.pass, [&] {
+      if (by_sweeps() && is_of_self_collision(step.pass)) return cloth.self->run(step.pass, context, cloth.state);
+      cpu::run_pass(step, context, cloth.state, cloth.measures);
+    });
   }
   void run_all(const std::vector<PassStep>& steps, const cpu::PassContext& context, Cloth& cloth) const {
     for (const PassStep& step : steps) run(step, context, cloth);
@@ -386,6 +406,7 @@ class CpuBackend final : public SolverBackend {
   cpu::PlanPool plans_;
   std::vector<Cloth> cloths_;
   InterData inter_;
+  std::optional<cpu::SelfRunner> inter_self_;
   shader::ClothParams inter_params_{};  ///< for the passes between cloths
   std::vector<bool> meets_others_;      ///< by cloth
   PassSeconds inter_seconds_{};

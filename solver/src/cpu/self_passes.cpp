@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <functional>
 
 #include "cpu/self_set.h"
 
@@ -35,14 +36,6 @@ struct SelfWork {
   }
 };
 
-template <class Better>
-void raise(uint32_t& word, uint32_t value, const Better& better) {
-  std::atomic_ref<uint32_t> atomic(word);
-  uint32_t current = atomic.load(std::memory_order_relaxed);
-  while (better(value, current) && !atomic.compare_exchange_weak(current, value, std::memory_order_relaxed)) {
-  }
-}
-
 void widen(shader::uvec2& range, const shader::uvec2& other) {
   range = {std::min(range.x, other.x), std::max(range.y, other.y)};
 }
@@ -58,13 +51,7 @@ void drift(const SelfWork& work) {
       widen(all.y, own.y);
       widen(all.z, own.z);
     }
-    uint32_t* const words = set.data->words.data();
-    uint32_t axis = 0;
-    for (const shader::uvec2& range : {all.x, all.y, all.z}) {
-      raise(words[kSelfLow + axis], range.x, [](uint32_t a, uint32_t b) { return a < b; });
-      raise(words[kSelfHigh + axis], range.y, [](uint32_t a, uint32_t b) { return a > b; });
-      ++axis;
-    }
+    widen_drift(set, all);
   });
 }
 
@@ -128,8 +115,21 @@ void move(const SelfWork& work) {
   });
 }
 
+}  // namespace
+
+void widen_drift(const SelfSet& set, const shader::SelfDrift& drift) {
+  uint32_t* const words = set.data->words.data();
+  uint32_t axis = 0;
+  for (const shader::uvec2& range : {drift.x, drift.y, drift.z}) {
+    improve(words[kSelfLow + axis], range.x, std::less<>());
+    improve(words[kSelfHigh + axis], range.y, std::greater<>());
+    ++axis;
+  }
+}
+
 /// Those between cloths are the same over the points of all.
-void run_over_points(Pass pass, const SelfWork& work) {
+void run_over_points(Pass pass, const SelfSet& set, const SelfRoom& room, const Threads& threads) {
+  const SelfWork work{set, room, threads};
   switch (pass) {
     case Pass::self_drift:
     case Pass::inter_drift:
@@ -151,14 +151,12 @@ void run_over_points(Pass pass, const SelfWork& work) {
   }
 }
 
-}  // namespace
-
 void run_self_pass(Pass pass, const PassContext& context, ClothState& state) {
-  run_over_points(pass, {{&state, &state.data.self, false}, shader::self_room(context.cloth.params), context.threads});
+  run_over_points(pass, {&state, &state.data.self, false}, shader::self_room(context.cloth.params), context.threads);
 }
 
 void run_inter_pass(Pass pass, const shader::ClothParams& params, const Threads& threads, SelfData& points) {
-  run_over_points(pass, {{nullptr, &points, true}, shader::self_room(params), threads});
+  run_over_points(pass, {nullptr, &points, true}, shader::self_room(params), threads);
 }
 
 void inter_gather(const InterPart& part, const PassContext& context, ClothState& state, SelfData& points) {

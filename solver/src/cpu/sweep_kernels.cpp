@@ -27,6 +27,7 @@
 #include "cpu/lines_inl.h"
 #include "cpu/normals_inl.h"
 #include "cpu/predict_inl.h"
+#include "cpu/self_inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace geocloth::cpu::HWY_NAMESPACE {
@@ -39,6 +40,12 @@ void run_normals_here(uint32_t, ClothState& state, std::span<const Run> runs) {
 }
 void run_cells_here(uint32_t, const SweepFrame&, uint32_t, uint32_t, RowRange) {}
 void run_lines_here(uint32_t, ClothState&, const LineStream&, uint32_t, uint32_t, uint32_t, float*) {}
+void self_drift_here(SelfArrays&, const shader::SelfSet&, const shader::SelfRoom&, uint32_t, uint32_t,
+                     shader::SelfDrift&) {}
+void self_cells_here(SelfArrays&, const shader::SelfSet&, const shader::SelfRoom&, uint32_t, uint32_t,
+                     PointGrid::Bounds&) {}
+void self_find_here(const SelfArrays&, const shader::SelfSet&, const shader::SelfRoom&, uint32_t, uint32_t) {}
+void self_push_here(SelfArrays&, const shader::SelfSet&, const shader::SelfRoom&, uint32_t, uint32_t) {}
 uint32_t lanes_here() {
   return 1;
 }
@@ -209,6 +216,24 @@ void run_lines_here(uint32_t lanes, ClothState& state, const LineStream& stream,
   });
 }
 
+using AllOfVector = hn::ScalableTag<float>;
+void self_drift_here(SelfArrays& arrays, const shader::SelfSet& set, const shader::SelfRoom& room, uint32_t first,
+                     uint32_t last, shader::SelfDrift& all) {
+  self_drift(AllOfVector(), arrays, set, room, first, last, all);
+}
+void self_cells_here(SelfArrays& arrays, const shader::SelfSet& set, const shader::SelfRoom& room, uint32_t first,
+                     uint32_t last, PointGrid::Bounds& bounds) {
+  self_cells(AllOfVector(), arrays, set, room, first, last, bounds);
+}
+void self_find_here(const SelfArrays& arrays, const shader::SelfSet& set, const shader::SelfRoom& room,
+                    uint32_t first_cell, uint32_t last_cell) {
+  self_find(AllOfVector(), arrays, set, room, first_cell, last_cell);
+}
+void self_push_here(SelfArrays& arrays, const shader::SelfSet& set, const shader::SelfRoom& room, uint32_t first,
+                    uint32_t last) {
+  self_push(AllOfVector(), arrays, set, room, first, last);
+}
+
 uint32_t lanes_here() {
   return static_cast<uint32_t>(hn::Lanes(hn::ScalableTag<float>()));
 }
@@ -228,6 +253,10 @@ HWY_EXPORT(run_sweep_here);
 HWY_EXPORT(run_normals_here);
 HWY_EXPORT(run_cells_here);
 HWY_EXPORT(run_lines_here);
+HWY_EXPORT(self_drift_here);
+HWY_EXPORT(self_cells_here);
+HWY_EXPORT(self_find_here);
+HWY_EXPORT(self_push_here);
 HWY_EXPORT(lanes_here);
 HWY_EXPORT(target_here);
 
@@ -243,6 +272,22 @@ void run_cells(uint32_t lanes, const SweepFrame& frame, uint32_t substep, uint32
 void run_lines(uint32_t lanes, ClothState& state, const LineStream& stream, uint32_t group, uint32_t first,
                uint32_t last, float* kept) {
   HWY_DYNAMIC_DISPATCH(run_lines_here)(lanes, state, stream, group, first, last, kept);
+}
+void run_self_drift(SelfArrays& arrays, const shader::SelfSet& set, const shader::SelfRoom& room, uint32_t first,
+                    uint32_t last, shader::SelfDrift& all) {
+  HWY_DYNAMIC_DISPATCH(self_drift_here)(arrays, set, room, first, last, all);
+}
+void run_self_cells(SelfArrays& arrays, const shader::SelfSet& set, const shader::SelfRoom& room, uint32_t first,
+                    uint32_t last, PointGrid::Bounds& bounds) {
+  HWY_DYNAMIC_DISPATCH(self_cells_here)(arrays, set, room, first, last, bounds);
+}
+void run_self_find(const SelfArrays& arrays, const shader::SelfSet& set, const shader::SelfRoom& room,
+                   uint32_t first_cell, uint32_t last_cell) {
+  HWY_DYNAMIC_DISPATCH(self_find_here)(arrays, set, room, first_cell, last_cell);
+}
+void run_self_push(SelfArrays& arrays, const shader::SelfSet& set, const shader::SelfRoom& room, uint32_t first,
+                   uint32_t last) {
+  HWY_DYNAMIC_DISPATCH(self_push_here)(arrays, set, room, first, last);
 }
 uint32_t vector_lanes() {
   return HWY_DYNAMIC_DISPATCH(lanes_here)();
