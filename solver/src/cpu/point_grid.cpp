@@ -29,6 +29,15 @@ int64_t row_number(const PointGrid::Cells& cells, const PointGrid::Bounds& bound
 
 }  // namespace
 
+/// Frames after the first one allocate nothing.
+PointGrid::PointGrid(size_t points, uint32_t slot)
+    : point_(points + kOverhang, 0), position_(points + kOverhang, slot) {
+  cells_.reserve(points + 1);
+  rows_.reserve(points + 1);
+  keys_.reserve(points);
+  other_keys_.reserve(points);
+}
+
 bool PointGrid::sort(const shader::SelfSet& set, const shader::SelfRoom& room, const Cells& cells, const Bounds& bounds,
                      const Vec3Array& position) {
   const auto point_bits = static_cast<uint32_t>(std::bit_width(room.points));

@@ -28,7 +28,7 @@ class PointGrid {
   /// with itself:
   static constexpr uint32_t kAnyCloth = std::numeric_limits<uint32_t>::max();
 
-  PointGrid(size_t points, uint32_t slot) : point_(points + kOverhang, 0), position_(points + kOverhang, slot) {}
+  PointGrid(size_t points, uint32_t slot);
 
   struct Cells {
     std::vector<int32_t> x, y, z;  ///< of each point; x kNowhere: in none
