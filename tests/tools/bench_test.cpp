@@ -75,6 +75,15 @@ TEST(Bench, AWalkIsPlayed) {
   EXPECT_LT(walk["stretch"]["p99"], 1.5);  // the dress goes with the body
 }
 
+// Finding neighbours once took nine tenths of a heap's time.
+TEST(Bench, AHeapCollidesWithItself) {
+  const json heap = bench({"--scene", "heap", "--size", "24", "--substeps", "4", "--threads", "1"})["results"][0];
+  EXPECT_NEAR(heap["particles"].get<double>(), 24 * 24, 0.2 * 24 * 24);
+  EXPECT_GT(heap["passes_ms"]["self_find"], 0);
+  EXPECT_GT(heap["passes_ms"]["self_push"], 0);
+  EXPECT_LT(heap["stretch"]["p99"], 1.5);
+}
+
 TEST(Bench, CompareSaysHowMuchFasterTheSecondReportIs) {
   const TemporaryFolder folder;
   const json one = bench({"--scene", "zeller", "--size", "16", "--threads", "1"});

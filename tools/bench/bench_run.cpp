@@ -74,7 +74,7 @@ std::vector<double> time_frames(Play& play, const BenchBudget& budget) {
 std::vector<std::pair<std::string, double>> time_passes(const BenchScene& scene, SolverSettings settings) {
   settings.timings = true;
   Play play(scene, settings);
-  const uint32_t frames = scene.colliders_at != nullptr ? kPassFramesOfMotion : kPassFrames;
+  const uint32_t frames = scene.colliders_at != nullptr || scene.falls ? kPassFramesOfMotion : kPassFrames;
   while (play.frames() < frames) play.step();
   std::vector<std::pair<std::string, double>> passes;
   for (const PassTiming& pass : play.solver().statistics().passes) {

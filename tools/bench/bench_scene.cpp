@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The scenes that are measured. Sheets are those of the NvCloth measurements that geocloth compares itself with: N x N
 // points 0.01 m apart, held by their top row, all families of springs projected fully, attachments, no damping. Crowd,
-// garment and walk are made of the default material.
+// garment, walk and heap are made of the default material.
 #include "bench/bench_scene.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <utility>
@@ -152,6 +153,20 @@ BenchScene make_garment(uint32_t size) {
           {{"ball", ball, 0.3F, {}}}};
 }
 
+/// A T-shirt that collides with itself and falls in a heap from a hand's breadth above the floor.
+BenchScene make_heap(uint32_t size) {
+  constexpr float kHeight = 0.1F;  // [m]
+  ClothDesc cloth{make_panels("t_shirt", size), {}, {}};
+  cloth.self_collision = SelfCollision{};
+  cloth.transform.rotate = quat_from_euler_deg({20, 0, 15});
+  float low = std::numeric_limits<float>::max();
+  for (const Vec3& p : cloth.asset->source.position) low = std::min(low, apply(cloth.transform, p).y);
+  cloth.transform.translate = {0, kHeight - low, 0};
+  BenchScene scene{{cloth}, {{}}, {{"floor", Plane{}, 0.5F, {}}}};
+  scene.falls = true;
+  return scene;
+}
+
 /// Capsules of a body that walks along +z at 1.4 m/s from 0.3 s on, with a step of its legs in half a second.
 std::vector<Collider> walker_at(double time) {
   constexpr float kSpeed = 1.4F, kSwing = 35;  // [m/s], [degrees]
@@ -217,6 +232,7 @@ const std::vector<BenchSceneKind>& bench_scene_kinds() {
        make_drape},
       {"garment", "a T-shirt of two panels", {64, 128, 256}, {64}, {4, 8, 16}, {8}, make_garment},
       {"walk", "a dress on capsules that walk", {64, 128}, {64}, {8, 16}, {8}, make_walk},
+      {"heap", "a T-shirt that falls in a heap and collides with itself", {64, 128}, {64}, {8, 16}, {8}, make_heap},
   };
   return kinds;
 }

@@ -19,6 +19,7 @@ struct BenchScene {
   /// Where they are at a time [s]; not set: where they were.
   std::vector<Collider> (*colliders_at)(double time) = nullptr;
   double frame_time = 1.0 / 60;  ///< [s]
+  bool falls = false;            ///< frames differ from each other, as they do where colliders move
 };
 
 /// A scene that can be made in any size.
