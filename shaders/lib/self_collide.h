@@ -370,19 +370,27 @@ inline SelfPush self_add(SelfPush sum, PointState own, PointState other, float s
   return r;
 }
 
-// The same of an entry of a point's list.
-// @param own    the point
-// @param state  where it is and how it got there
-inline SelfPush self_add_neighbor(SelfSet set, SelfRoom room, SelfPush sum, SelfPoint own, PointState state,
-                                  uint neighbor) {
-  uint there = neighbor & ~kSelfThinBit;
-  SelfPoint other = self_point(set, there);
+// What two points push each other by.
+struct SelfPair {
+  uint other;
+  float share;     // of the push that the first one takes
+  float distance;  // [m]
+  float friction;
+};
+
+// @param own       the first one
+// @param neighbor  an entry of its list
+inline SelfPair self_pair(SelfSet set, SelfRoom room, SelfPoint own, uint neighbor) {
+  SelfPair r;
+  r.other = neighbor & ~kSelfThinBit;
+  SelfPoint other = self_point(set, r.other);
   bool thin = (neighbor & kSelfThinBit) != 0u;
-  float distance = thin ? self_rest_distance(own, other) : self_pair_distance(set, room, own, other);
-  float w = self_is_held(set, room, there) ? 0.0f : other.rest.w;
+  r.distance = thin ? self_rest_distance(own, other) : self_pair_distance(set, room, own, other);
+  float w = self_is_held(set, room, r.other) ? 0.0f : other.rest.w;
   precise float share = kSelfShare * own.rest.w * (1.0f / (own.rest.w + w));
-  float friction = self_pair_friction(set, room, own, other);
-  return self_add(sum, state, self_state(set, room, there), share, distance, friction);
+  r.share = share;
+  r.friction = self_pair_friction(set, room, own, other);
+  return r;
 }
 
 // No more than a point can be pushed in a substep.
@@ -409,7 +417,10 @@ inline SelfPush self_push(SelfSet set, SelfRoom room, uint point) {
   for (uint k = 0u; k < count; ++k) {
     uint neighbor = self_word(set, self_neighbor_word(room, point, k));
     vec3 apart = state.position - self_position(set, room, neighbor & ~kSelfThinBit);
-    if (dot3(apart, apart) < distance2) sum = self_add_neighbor(set, room, sum, own, state, neighbor);
+    if (dot3(apart, apart) < distance2) {
+      SelfPair pair = self_pair(set, room, own, neighbor);
+      sum = self_add(sum, state, self_state(set, room, pair.other), pair.share, pair.distance, pair.friction);
+    }
   }
   return self_limited(room, sum);
 }

@@ -100,6 +100,20 @@ HWY_INLINE Vec<D> length(D d, const Points<D>& a) {
   return hn::Sqrt(dot(d, a, a));
 }
 
+/// lib/vector.h: unit_and_length().
+template <class D>
+struct UnitAndLength {
+  Points<D> unit;
+  Vec<D> length;
+};
+template <class D>
+HWY_INLINE UnitAndLength<D> unit_and_length(D d, const Points<D>& a) {
+  const auto l = length(d, a);
+  const auto has_direction = hn::Gt(l, hn::Set(d, 1e-30F));
+  return {scale(d, a, hn::IfThenElseZero(has_direction, hn::Div(hn::Set(d, 1.F), l))),
+          hn::IfThenElseZero(has_direction, l)};
+}
+
 /// Which lanes count: all of a vector, or the first ones at the end of a run.
 struct AllLanes {};
 struct FirstLanes {

@@ -265,38 +265,110 @@ HWY_INLINE Points<FourLanes> load_four(const float* places, const uint32_t* poin
           hn::BitCast(d, hn::InterleaveLower(pairs, z_ab, z_ce))};
 }
 
+/// Pairs of points that touch, of one point after another: few for each of them, but many before they are worked on.
+template <class D>
+class TouchingPairs {
+ public:
+  [[nodiscard]] HWY_INLINE bool has_room() const { return count_ + shader::kSelfMostNeighbors <= kMost; }
+
+  HWY_INLINE void add(uint32_t point, const shader::SelfPair& pair, const shader::PointState& own,
+                      const shader::PointState& other) {
+    point_[count_] = point;
+    set(kApart, own.position - other.position);
+    set(kWay, way_of(own) - way_of(other));
+    number_[kShare][count_] = pair.share;
+    number_[kDistance][count_] = pair.distance;
+    number_[kFriction][count_] = pair.friction;
+    ++count_;
+  }
+
+  /// Pushes the points, and begins anew.
+  HWY_INLINE void push(D d, SelfArrays& arrays, const shader::SelfSet& set, const shader::SelfRoom& room) {
+    for (size_t k = 0; k < count_; k += hn::Lanes(d)) add_up(d, k);
+    for (uint32_t k = 0; k < count_;) {
+      const uint32_t point = point_[k];
+      shader::SelfPush sum = shader::no_push();
+      for (; k < count_ && point_[k] == point; ++k) {
+        sum.shift = sum.shift + at(kShift, k);
+        sum.impulse = sum.impulse + at(kImpulse, k);
+      }
+      shader::set_self_push(set, room, point, shader::self_limited(room, sum));
+      arrays.pushed[point] = shader::self_is_pushed(set, room, point) ? 1 : 0;
+    }
+    count_ = 0;
+  }
+
+ private:
+  static constexpr size_t kMost = 96, kRoom = kMost + hn::MaxLanes(D());
+  enum Number : size_t { kApart, kWay = 3, kShare = 6, kDistance, kFriction, kShift, kImpulse = 12, kNumbers = 15 };
+
+  HWY_INLINE void set(size_t number, const shader::vec3& v) {
+    number_[number][count_] = v.x;
+    number_[number + 1][count_] = v.y;
+    number_[number + 2][count_] = v.z;
+  }
+  [[nodiscard]] HWY_INLINE shader::vec3 at(size_t number, size_t k) const {
+    return {number_[number][k], number_[number + 1][k], number_[number + 2][k]};
+  }
+  HWY_INLINE PointRow row(size_t number, size_t k) {
+    return {&number_[number][k], &number_[number + 1][k], &number_[number + 2][k]};
+  }
+
+  /// self_add() of lib/self_collide.h: what is added.
+  HWY_INLINE void add_up(D d, size_t k) {
+    const auto zero = hn::Zero(d), one = hn::Set(d, 1.F), no_way = hn::Set(d, shader::kSelfNoWay);
+    const Points<D> apart = load(d, row(kApart, k)), way = load(d, row(kWay, k)), before = sub(apart, way);
+    const auto share = hn::LoadU(d, &number_[kShare][k]);
+    const UnitAndLength<D> now = unit_and_length(d, apart), then = unit_and_length(d, before);
+    const auto past = hn::And(hn::Lt(dot(d, apart, before), zero), hn::Gt(then.length, no_way));
+    const Points<D> n = choose<D>(past, then.unit, now.unit);
+    const auto depth = hn::Sub(hn::LoadU(d, &number_[kDistance][k]), dot(d, apart, n));
+    const auto touches = hn::And(hn::Gt(depth, zero), hn::Or(past, hn::Gt(now.length, no_way)));
+    const auto along = dot(d, way, n);
+    const Points<D> sliding = sub(way, scale(d, n, along));
+    const auto slid = length(d, sliding), brake = hn::Mul(hn::LoadU(d, &number_[kFriction][k]), depth);
+    const auto held = hn::IfThenElse(hn::Gt(slid, brake), hn::Mul(brake, hn::Div(one, slid)), one);
+    const Points<D> braked = scale(d, sliding, held);
+    const auto inwards = hn::Min(depth, hn::Max(hn::Neg(along), zero));
+    store(d, only<D>(touches, scale(d, sub(scale(d, n, depth), braked), share)), row(kShift, k));
+    store(d, only<D>(touches, scale(d, sub(scale(d, n, inwards), braked), share)), row(kImpulse, k));
+  }
+
+  std::array<uint32_t, kMost> point_;
+  std::array<std::array<float, kRoom>, kNumbers> number_{};
+  uint32_t count_ = 0;
+};
+
 /// self_push() of lib/self_collide.h. A point has few neighbours, and gathers of them take longer than loads.
 template <class D>
-HWY_NOINLINE void self_push(D /*d*/, SelfArrays& arrays, const shader::SelfSet& set, const shader::SelfRoom& room,
+HWY_NOINLINE void self_push(D d, SelfArrays& arrays, const shader::SelfSet& set, const shader::SelfRoom& room,
                             uint32_t first, uint32_t last) {
-  const FourLanes d;
+  const FourLanes four;
   constexpr uint32_t kAtOnce = 4;
   const uint32_t* const words = set.data->words.data();
   const float* const places = arrays.place.data();
-  const auto distance2 = hn::Set(d, room.distance * room.distance);
+  const auto distance2 = hn::Set(four, room.distance * room.distance);
+  TouchingPairs<D> pairs;
   for (uint32_t point = first; point < last; ++point) {
     const uint32_t count = words[shader::self_count_word(room, point)];
     arrays.pushed[point] = 0;
     if (count == 0 || self_is_held(set, room, point)) continue;
-    const Points<FourLanes> at = in_all_lanes(d, arrays.position.at(point));
+    const Points<FourLanes> at = in_all_lanes(four, arrays.position.at(point));
     const uint32_t* const neighbors = words + shader::self_neighbor_word(room, point, 0);
-    shader::SelfPush sum = shader::no_push();
-    bool any = false;
     for (uint32_t k = 0; k < count; k += kAtOnce) {
       std::array<uint32_t, kAtOnce> some;
       for (uint32_t n = 0; n < kAtOnce; ++n) some[n] = neighbors[std::min(k + n, count - 1)];
       const Points<FourLanes> apart = sub(at, load_four(places, some.data()));
-      const auto touches = hn::And(hn::Lt(dot(d, apart, apart), distance2), hn::FirstN(d, count - k));
-      for (uint32_t bits = bits_of(d, touches); bits != 0; bits &= bits - 1) {
-        any = true;
+      const auto touches = hn::And(hn::Lt(dot(four, apart, apart), distance2), hn::FirstN(four, count - k));
+      for (uint32_t bits = bits_of(four, touches); bits != 0; bits &= bits - 1) {
         const uint32_t neighbor = neighbors[k + static_cast<uint32_t>(std::countr_zero(bits))];
-        sum = self_add_neighbor(set, room, sum, self_point(set, point), self_state(set, room, point), neighbor);
+        const shader::SelfPair pair = self_pair(set, room, self_point(set, point), neighbor);
+        pairs.add(point, pair, self_state(set, room, point), self_state(set, room, pair.other));
       }
     }
-    if (!any) continue;
-    shader::set_self_push(set, room, point, shader::self_limited(room, sum));
-    arrays.pushed[point] = shader::self_is_pushed(set, room, point) ? 1 : 0;
+    if (!pairs.has_room()) pairs.push(d, arrays, set, room);
   }
+  pairs.push(d, arrays, set, room);
 }
 
 #endif

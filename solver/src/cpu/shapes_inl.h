@@ -48,19 +48,6 @@ HWY_INLINE Points<D> sides_of(D d, const Points<D>& p) {
           hn::IfThenElse(hn::Lt(p.z, zero), less, one)};
 }
 
-/// lib/vector.h: unit_and_length().
-template <class D>
-struct UnitAndLength {
-  Points<D> unit;
-  Vec<D> length;
-};
-template <class D>
-HWY_INLINE UnitAndLength<D> unit_and_length(D d, const Points<D>& a) {
-  const auto l = length(d, a);
-  const auto has_direction = hn::Gt(l, hn::Set(d, 1e-30F));
-  return {scale(d, a, hn::IfThenElseZero(has_direction, hn::Div(hn::Set(d, 1.F), l))),
-          hn::IfThenElseZero(has_direction, l)};
-}
 template <class D>
 HWY_INLINE Nearest<D> nearest_along(D d, const UnitAndLength<D>& out, Vec<D> distance) {
   return {distance, choose<D>(hn::Gt(out.length, hn::Zero(d)), out.unit, set(d, 0, 1, 0))};
