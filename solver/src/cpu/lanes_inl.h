@@ -124,7 +124,7 @@ HWY_INLINE hn::Vec<D> load(D d, AllLanes, const T* p) {
   return hn::LoadU(d, p);
 }
 template <class D>
-HWY_INLINE void store(D d, Vec<D> v, AllLanes, float* p) {
+HWY_INLINE void store(D d, Vec<D> v, AllLanes, hn::TFromD<D>* p) {
   hn::StoreU(v, d, p);
 }
 #if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3
@@ -133,7 +133,7 @@ HWY_INLINE hn::Vec<D> load(D d, FirstLanes lanes, const T* p) {
   return hn::MaskedLoad(hn::FirstN(d, lanes.count), d, p);
 }
 template <class D>
-HWY_INLINE void store(D d, Vec<D> v, FirstLanes lanes, float* p) {
+HWY_INLINE void store(D d, Vec<D> v, FirstLanes lanes, hn::TFromD<D>* p) {
   hn::BlendedStore(v, hn::FirstN(d, lanes.count), d, p);
 }
 #else  // there masked access touches all of a vector, and wants it aligned
@@ -144,8 +144,8 @@ HWY_INLINE hn::Vec<D> load(D d, FirstLanes lanes, const T* p) {
   return hn::Load(d, buffer.data());
 }
 template <class D>
-HWY_INLINE void store(D d, Vec<D> v, FirstLanes lanes, float* p) {
-  HWY_ALIGN std::array<float, hn::MaxLanes(D())> buffer;
+HWY_INLINE void store(D d, Vec<D> v, FirstLanes lanes, hn::TFromD<D>* p) {
+  HWY_ALIGN std::array<hn::TFromD<D>, hn::MaxLanes(D())> buffer;
   hn::Store(v, d, buffer.data());
   std::copy_n(buffer.begin(), lanes.count, p);
 }

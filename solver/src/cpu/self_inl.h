@@ -70,37 +70,41 @@ class LaneRange {
   Vec<D> low_, high_;
 };
 
+/// Positions, four numbers for each.
+template <class D>
+HWY_INLINE void put_places(D d, AllLanes, const Points<D>& p, float* to) {
+  hn::StoreInterleaved4(p.x, p.y, p.z, hn::Zero(d), d, to);
+}
+template <class D>
+HWY_INLINE void put_places(D d, FirstLanes lanes, const Points<D>& p, float* to) {
+  constexpr size_t kNumbers = SelfArrays::kPlaceNumbers;
+  std::array<float, kNumbers * hn::MaxLanes(D())> buffer;
+  put_places(d, AllLanes(), p, buffer.data());
+  std::copy_n(buffer.begin(), kNumbers * lanes.count, to);
+}
+
 /// self_drift() of lib/self_collide.h.
 template <class D>
 HWY_NOINLINE void self_drift(D d, SelfArrays& arrays, const shader::SelfSet& set, const shader::SelfRoom& room,
                              uint32_t first, uint32_t last, shader::SelfDrift& all) {
   LaneRange<D> x(d), y(d), z(d);
   bool lost = false;
-  for (uint32_t i = first; i < last; i += static_cast<uint32_t>(hn::Lanes(d))) {
-    const Points<D> position = load(d, arrays.position, i);
+  float* const places = arrays.place.data();
+  for_run(d, {first, last}, [&](uint32_t i, auto lanes) GEOCLOTH_LANES {
+    const Points<D> position = load(d, lanes, at(arrays.position, i));
+    put_places(d, lanes, position, places + size_t{SelfArrays::kPlaceNumbers} * i);
     const Points<D> way = sub(position, seen(d, set, room, i));
-    const auto lanes = hn::And(in_range(d, position), hn::FirstN(d, last - i));
-    const auto known = in_range(d, way);
-    lost = lost || !hn::AllFalse(d, hn::AndNot(known, lanes));
-    const auto both = hn::And(lanes, known);
+    const auto somewhere = hn::And(in_range(d, position), hn::FirstN(d, last - i)), known = in_range(d, way);
+    lost = lost || !hn::AllFalse(d, hn::AndNot(known, somewhere));
+    const auto both = hn::And(somewhere, known);
     x.widen(d, both, way.x);
     y.widen(d, both, way.y);
     z.widen(d, both, way.z);
-  }
+  });
   x.widen_words(d, all.x);
   y.widen_words(d, all.y);
   z.widen_words(d, all.z);
   if (lost) all.x = {0, shader::kSelfNone};
-  float* const places = arrays.place.data();
-  uint32_t i = first;
-  for (; i + hn::Lanes(d) <= last; i += static_cast<uint32_t>(hn::Lanes(d))) {
-    const Points<D> p = load(d, arrays.position, i);
-    hn::StoreInterleaved4(p.x, p.y, p.z, hn::Zero(d), d, places + size_t{SelfArrays::kPlaceNumbers} * i);
-  }
-  for (; i < last; ++i) {
-    const shader::vec3 p = arrays.position.at(i);
-    std::copy_n(std::array{p.x, p.y, p.z}.data(), 3, places + size_t{SelfArrays::kPlaceNumbers} * i);
-  }
 }
 
 /// Number of the cell along an axis, self_cell_of() of lib/self_collide.h.
@@ -111,6 +115,7 @@ HWY_INLINE hn::VFromD<hn::RebindToSigned<D>> cell_of(D d, Vec<D> q) {
   return hn::ConvertTo(hn::RebindToSigned<D>(), cell);
 }
 
+/// See run_self_cells().
 template <class D>
 HWY_NOINLINE void self_cells(D d, SelfArrays& arrays, const shader::SelfSet& set, const shader::SelfRoom& room,
                              uint32_t first, uint32_t last, PointGrid::Bounds& bounds) {
@@ -122,18 +127,19 @@ HWY_NOINLINE void self_cells(D d, SelfArrays& arrays, const shader::SelfSet& set
   PointGrid::Cells& cells = arrays.cells;
   const std::array<int32_t*, 3> numbers{cells.x.data(), cells.y.data(), cells.z.data()};
   const auto inverse = hn::Set(d, 1.F / room.reach);
-  uint32_t i = first;
-  for (; i + hn::Lanes(d) <= last; i += static_cast<uint32_t>(hn::Lanes(d))) {
-    const Points<D> position = load(d, arrays.position, i);
-    const auto lanes = hn::RebindMask(di, in_range(d, position));
-    const Points<D> q = only<D>(in_range(d, position), scale(d, position, inverse));
-    const std::array<hn::VFromD<decltype(di)>, 3> cell{cell_of(d, q.x), cell_of(d, q.y), cell_of(d, q.z)};
+  for_run(d, {first, last}, [&](uint32_t i, auto lanes) GEOCLOTH_LANES {
+    const Points<D> position = load(d, lanes, at(arrays.position, i));
+    const auto somewhere = hn::And(in_range(d, position), hn::FirstN(d, last - i));
+    const Points<D> q = only<D>(somewhere, scale(d, position, inverse));
+    const std::array cell{cell_of(d, q.x), cell_of(d, q.y), cell_of(d, q.z)};
     for (size_t axis = 0; axis < 3; ++axis) {
-      low[axis] = hn::Min(low[axis], hn::IfThenElse(lanes, cell[axis], low[axis]));
-      high[axis] = hn::Max(high[axis], hn::IfThenElse(lanes, cell[axis], nowhere));
-      hn::StoreU(hn::IfThenElse(lanes, cell[axis], nowhere), di, numbers[axis] + i);
+      const auto counts = hn::RebindMask(di, somewhere);
+      const auto number = hn::IfThenElse(counts, cell[axis], nowhere);
+      low[axis] = hn::Min(low[axis], hn::IfThenElse(counts, cell[axis], low[axis]));
+      high[axis] = hn::Max(high[axis], number);
+      store(di, number, lanes, numbers[axis] + i);
     }
-  }
+  });
   std::array<int32_t, hn::MaxLanes(D())> lane;
   for (size_t axis = 0; axis < 3; ++axis) {
     hn::StoreU(low[axis], di, lane.data());
@@ -141,20 +147,7 @@ HWY_NOINLINE void self_cells(D d, SelfArrays& arrays, const shader::SelfSet& set
     hn::StoreU(high[axis], di, lane.data());
     bounds.high[axis] = std::max(bounds.high[axis], *std::max_element(lane.begin(), lane.end()));
   }
-  for (; i < last; ++i) {
-    const shader::vec3 position = arrays.position.at(i);
-    const bool somewhere = shader::self_in_range(position);
-    const shader::SelfCell cell = somewhere ? shader::self_cell(room, position) : shader::SelfCell{};
-    const std::array<int32_t, 3> number{static_cast<int32_t>(cell.x), static_cast<int32_t>(cell.y),
-                                        static_cast<int32_t>(cell.z)};
-    for (size_t axis = 0; axis < 3; ++axis) {
-      numbers[axis][i] = somewhere ? number[axis] : PointGrid::kNowhere;
-      if (!somewhere) continue;
-      bounds.low[axis] = std::min(bounds.low[axis], number[axis]);
-      bounds.high[axis] = std::max(bounds.high[axis], number[axis]);
-    }
-  }
-  for (i = first; i < last; ++i) {
+  for (uint32_t i = first; i < last; ++i) {
     shader::set_self_vector(set, shader::self_seen_word(room, i), arrays.position.at(i));
     if (cells.x[i] == PointGrid::kNowhere) set_self_word(set, shader::self_count_word(room, i), 0);
   }
@@ -163,6 +156,7 @@ HWY_NOINLINE void self_cells(D d, SelfArrays& arrays, const shader::SelfSet& set
 /// Lanes of a mask as bits, the first lane's the lowest.
 template <class D>
 HWY_INLINE uint32_t bits_of(D d, hn::Mask<D> lanes) {
+  static_assert(hn::MaxLanes(D()) <= 16);
   std::array<uint8_t, 8> bytes{};
   hn::StoreMaskBits(d, lanes, bytes.data());
   return bytes[0] | uint32_t{bytes[1]} << 8U;
