@@ -258,11 +258,7 @@ std::vector<Cloth> cloths() {
   return all;
 }
 
-class Bands : public testing::TestWithParam<int64_t> {
- protected:
-  void SetUp() override { hwy::SetSupportedTargetsForTest(GetParam()); }
-  void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
-};
+using Bands = test::OnVectorTarget;
 
 TEST_P(Bands, DoNothingAtOnceThatMeets) {
   uint32_t shared = 0;

@@ -100,12 +100,7 @@ uint64_t hash_after(const Placing& placing, bool between, SolverPath path, uint3
   return hash;
 }
 
-/// Back to the best instruction set after the test.
-class SelfVectors : public testing::TestWithParam<int64_t> {
- protected:
-  void SetUp() override { hwy::SetSupportedTargetsForTest(GetParam()); }
-  void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
-};
+using SelfVectors = OnVectorTarget;
 
 TEST_P(SelfVectors, FindTheNeighboursOfThePlainPath) {
   for (const Placing& placing : placings()) {

@@ -328,12 +328,7 @@ TEST(Sweep, HasTheBitsOfThePlainPathForAnyNumberOfThreads) {
   }
 }
 
-/// Back to the best instruction set after the test.
-class Targets : public testing::TestWithParam<int64_t> {
- protected:
-  void SetUp() override { hwy::SetSupportedTargetsForTest(GetParam()); }
-  void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
-};
+using Targets = test::OnVectorTarget;
 
 TEST_P(Targets, HaveTheBitsOfThePlainPath) {
   for (const Case& c : cases()) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include <gtest/gtest.h>
 #include <hwy/targets.h>
 
 namespace geocloth::test {
@@ -21,5 +22,12 @@ inline std::vector<int64_t> vector_targets() {
     if ((hwy::SupportedTargets() & target) != 0) list.push_back(target);
   return list;
 }
+
+/// Runs with each of them, and after that with the best one again.
+class OnVectorTarget : public testing::TestWithParam<int64_t> {
+ protected:
+  void SetUp() override { hwy::SetSupportedTargetsForTest(GetParam()); }
+  void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
+};
 
 }  // namespace geocloth::test
