@@ -65,6 +65,31 @@ size_t sweeps_of(const cpu::SweepPlan& plan) {
   return count;
 }
 
+/// Cloth falls onto itself, or one onto another, so that ever more cells and neighbours are looked up.
+TEST(Cost, CollisionsOfClothAllocateNothingOnceTheyRun) {
+  for (const bool between : {false, true}) {
+    std::vector<ClothDesc> cloths(2, test::describe(test::make_sheet({.nx = 40, .ny = 40, .center = {0, 0.6F, 0}})));
+    for (ClothDesc& cloth : cloths) {
+      cloth.transform.rotate = quat_from_euler_deg({10, 0, 5});
+      if (between) {
+        cloth.inter_collision = InterCollision{};
+      } else {
+        cloth.self_collision = SelfCollision{};
+      }
+    }
+    cloths.back().transform.translate.z = between ? 0.05F : 3.F;
+    SolverSettings settings;
+    settings.backend = Backend::cpu;
+    Solver solver(cloths, settings);
+    const Collider floor{.name = "floor", .shape = Plane{}};
+    solver.set_colliders({&floor, 1});
+    test::run(solver, 3);
+    const uint64_t before = test::count_allocations();
+    test::run(solver, 40);
+    EXPECT_EQ(test::count_allocations() - before, 0U) << (between ? "between cloths" : "of each");
+  }
+}
+
 TEST(Cost, ASubstepOfUncutClothGoesThroughMemoryOnce) {
   const auto plan = plan_of(make_scene({.nx = 256, .ny = 256}, attached()));
   if (!plan) GTEST_SKIP() << "no vectors on this machine";
