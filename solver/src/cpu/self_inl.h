@@ -162,6 +162,34 @@ HWY_INLINE uint32_t bits_of(D d, hn::Mask<D> lanes) {
   return bytes[0] | uint32_t{bytes[1]} << 8U;
 }
 
+/// For all masks of so many lanes: which lanes are set, one after the other.
+template <size_t kLanes>
+struct SetLanes {
+  std::array<std::array<int32_t, kLanes>, size_t{1} << kLanes> of{};
+  constexpr SetLanes() {
+    for (size_t bits = 0; bits < of.size(); ++bits) {
+      size_t count = 0;
+      for (size_t lane = 0; lane < kLanes; ++lane)
+        if ((bits >> lane & 1U) != 0) of[bits][count++] = static_cast<int32_t>(lane);
+    }
+  }
+};
+template <size_t kLanes>
+inline constexpr SetLanes<kLanes> kSetLanes;
+
+/// Puts those lanes first whose bits are set. Highway's own copies a table to the stack each time where it needs one.
+template <class DT, class V>
+HWY_INLINE V set_lanes_first(DT d, V v, uint32_t bits) {
+  constexpr size_t kLanes = hn::MaxLanes(DT());
+  if constexpr (kLanes <= 8) {
+    const auto lanes = hn::LoadU(hn::RebindToSigned<DT>(), kSetLanes<kLanes>.of[bits].data());
+    return hn::TableLookupLanes(v, hn::IndicesFromVec(d, lanes));
+  } else {
+    const std::array<uint8_t, 8> bytes{static_cast<uint8_t>(bits), static_cast<uint8_t>(bits >> 8U)};
+    return hn::Compress(v, hn::LoadMaskBits(d, bytes.data()));
+  }
+}
+
 /// Points near another one, as many as fit: which they are, and how far.
 template <class D>
 class NearPoints {
@@ -169,9 +197,10 @@ class NearPoints {
   /// Adds those lanes that are nearer.
   HWY_INLINE void add(D d, Mask<D> nearer, const uint32_t* points, Vec<D> distance2) {
     const hn::RebindToUnsigned<D> du;
-    hn::StoreU(hn::Compress(hn::LoadU(du, points), hn::RebindMask(du, nearer)), du, point_.data() + count_);
-    hn::StoreU(hn::Compress(distance2, nearer), d, distance2_.data() + count_);
-    count_ += static_cast<uint32_t>(hn::CountTrue(d, nearer));
+    const uint32_t bits = bits_of(d, nearer);
+    hn::StoreU(set_lanes_first(du, hn::LoadU(du, points), bits), du, point_.data() + count_);
+    hn::StoreU(set_lanes_first(d, distance2, bits), d, distance2_.data() + count_);
+    count_ += static_cast<uint32_t>(std::popcount(bits));
   }
   [[nodiscard]] HWY_INLINE bool is_full() const { return count_ > kMost; }
 
