@@ -45,19 +45,14 @@ struct Schedules {
 /// One cloth with what goes with it.
 struct Cloth {
   Cloth(const ClothData& data, bool accumulate, bool fine, cpu::PlanPool& plans)
-      : rows(data.width), state(rows.widened(data), accumulate, fine), sweep(state, plans) {
-    take_self_points();
-  }
-
-  /// Once its points have changed.
-  void take_self_points() { self.emplace(state.data.self, state.pixel_count()); }
+      : rows(data.width), state(rows.widened(data), accumulate, fine), sweep(state, plans) {}
 
   cpu::WideRows rows;
   cpu::ClothState state;
   ClothFrame frame;  ///< with wide rows
   cpu::SweepRunner sweep;
-  std::optional<cpu::SelfRunner> self;
-  bool sweeps = false;  ///< the frame that runs goes by sweeps
+  std::optional<cpu::SelfRunner> self;  ///< made for the points as they are
+  bool sweeps = false;                  ///< the frame that runs goes by sweeps
   ScheduleOptions options;
   Schedules schedules;
   bool normals_stale = true;  ///< the positions have changed since
@@ -70,7 +65,7 @@ class CpuBackend final : public SolverBackend {
   CpuBackend(SimulationData data, uint32_t threads) : data_(std::move(data)), threads_(threads) {
     cloths_.reserve(data_.cloths.size());
     for (ClothData& cloth : data_.cloths) {
-      cloths_.emplace_back(cloth, data_.relaxation_steps > 1, data_.fine, plans_);
+      take_self_points(cloths_.emplace_back(cloth, data_.relaxation_steps > 1, data_.fine, plans_));
       cloth.position = {};
       cloth.self = {};
       cloth.springs = {};
@@ -175,7 +170,7 @@ class CpuBackend final : public SolverBackend {
     data_.cloths[cloth].springs = {};
     data_.cloths[cloth].self = {};
     cloths_[cloth].state.set_topology(cloths_[cloth].rows.widened(data));
-    cloths_[cloth].take_self_points();
+    take_self_points(cloths_[cloth]);
     cloths_[cloth].sweep.forget_plan();
     cloths_[cloth].normals_stale = true;
   }
@@ -198,7 +193,7 @@ class CpuBackend final : public SolverBackend {
         pixel = rows.pixel(pixel);
       }
     }
-    inter_self_.emplace(inter_.points, 0);
+    inter_self_.emplace(inter_.points, 0, by_sweeps());
   }
 
   float longest_way(uint32_t cloth, uint32_t word) override { return cloths_[cloth].measures.longest_way[word]; }
@@ -275,12 +270,16 @@ class CpuBackend final : public SolverBackend {
       });
       for (const PassStep& step : inter_schedule()) {
         if (is_between_cloths(step.pass)) {
-          timed(inter_seconds_, step.pass, [&] { run_between(step.pass); });
+          timed(inter_seconds_, step.pass,
+                [&] { inter_self_->run_between(step.pass, inter_params_, threads_, inter_.points); });
           continue;
         }
         for_parts([&](const InterPart& part, Cloth& cloth, const cpu::Threads& threads) {
           const cpu::PassContext context{frame, cloth.frame, threads, s, data_.relaxation_steps};
-          timed(cloth.seconds, step.pass, [&] { run_on_part(step.pass, part, context, cloth.state); });
+          timed(cloth.seconds, step.pass, [&] {
+            if (step.pass == Pass::inter_gather) return cpu::inter_gather(part, context, cloth.state, inter_.points);
+            inter_self_->move_part(part, context, cloth.state, inter_.points);
+          });
         });
       }
       for_parts([&](const InterPart&, Cloth& cloth, const cpu::Threads& threads) {
@@ -341,14 +340,8 @@ class CpuBackend final : public SolverBackend {
         cloth);
   }
 
-  void run_between(Pass pass) {
-    if (by_sweeps()) return inter_self_->run_between(pass, inter_params_, threads_, inter_.points);
-    cpu::run_inter_pass(pass, inter_params_, threads_, inter_.points);
-  }
-  void run_on_part(Pass pass, const InterPart& part, const cpu::PassContext& context, cpu::ClothState& state) {
-    if (pass == Pass::inter_gather) return cpu::inter_gather(part, context, state, inter_.points);
-    if (by_sweeps()) return inter_self_->move_part(part, context, state, inter_.points);
-    cpu::inter_move(part, context, state, inter_.points);
+  void take_self_points(Cloth& cloth) const {
+    cloth.self.emplace(cloth.state.data.self, cloth.state.pixel_count(), by_sweeps());
   }
 
   /// Pass by pass is the reference.
@@ -356,7 +349,7 @@ class CpuBackend final : public SolverBackend {
 
   void run(const PassStep& step, const cpu::PassContext& context, Cloth& cloth) const {
     timed(cloth.seconds, step.pass, [&] {
-      if (by_sweeps() && is_of_self_collision(step.pass)) return cloth.self->run(step.pass, context, cloth.state);
+      if (is_of_self_collision(step.pass)) return cloth.self->run(step.pass, context, cloth.state);
       cpu::run_pass(step, context, cloth.state, cloth.measures);
     });
   }

@@ -10,7 +10,6 @@
 #include "cpu/collider_set.h"
 #include "cpu/curvature.h"
 #include "cpu/lines.h"
-#include "cpu/self_passes.h"
 #include "cpu/spans.h"
 #include "cpu/springs.h"
 #include "lib/cell_groups.h"
@@ -373,9 +372,8 @@ void run_pass(const PassStep& step, const PassContext& context, ClothState& stat
     case Pass::self_insert:
     case Pass::self_find:
     case Pass::self_push:
-    case Pass::self_move:
-      return run_self_pass(step.pass, context, state);
-    case Pass::inter_gather:  // of several cloths, see inter_schedule()
+    case Pass::self_move:  // see SelfRunner
+    case Pass::inter_gather:
     case Pass::inter_drift:
     case Pass::inter_clear:
     case Pass::inter_insert:

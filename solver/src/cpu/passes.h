@@ -67,7 +67,7 @@ inline void move_corner(const shader::ClothParams& params, ClothState& state, ui
   state.previous.set(pixel, start);
 }
 
-/// Runs one entry of a schedule over one cloth.
+/// Runs one entry of a schedule over one cloth, but for those of collision between cloth, which SelfRunner runs.
 void run_pass(const PassStep& step, const PassContext& context, ClothState& state, Measures& measures);
 
 }  // namespace geocloth::cpu

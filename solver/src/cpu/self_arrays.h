@@ -16,7 +16,6 @@ struct SelfArrays {
   static constexpr uint32_t kPlaceNumbers = 4;
 
   explicit SelfArrays(size_t points)
-
       : position(points + kOverhang, 0),
         place(make_floats(kPlaceNumbers * points, 3)),
         cells{counts(points), counts(points), counts(points)},

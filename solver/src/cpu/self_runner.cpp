@@ -6,8 +6,8 @@
 #include "cpu/self_runner.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cstring>
+#include <functional>
 #include <limits>
 
 #include "cpu/self_passes.h"
@@ -37,9 +37,9 @@ void take_push(ClothState& state, const SelfSet& set, const SelfRoom& room, uint
 
 }  // namespace
 
-SelfRunner::SelfRunner(const SelfData& points, size_t pixels)
-    : arrays_(suits_vectors(points) ? points.points.size() : 0), bounds_(no_bounds()) {
-  if (pixels == 0 || !suits_vectors(points)) return;
+SelfRunner::SelfRunner(const SelfData& points, size_t pixels, bool vectors)
+    : arrays_(vectors && suits_vectors(points) ? points.points.size() : 0), bounds_(no_bounds()) {
+  if (pixels == 0 || arrays_.pushed.empty()) return;
   const auto count = static_cast<uint32_t>(points.points.size());
   for (uint32_t k = 0; k < count; ++k) {
     const uint32_t pixel = points.points[k].pixel;
@@ -54,17 +54,16 @@ SelfRunner::SelfRunner(const SelfData& points, size_t pixels)
 }
 
 void SelfRunner::run(Pass pass, const PassContext& context, ClothState& state) {
+  if (arrays_.pushed.empty()) return run_self_pass(pass, context, state);
   const SelfRoom room = shader::self_room(context.cloth.params);
   const SelfSet set{&state, &state.data.self, false};
-  if (arrays_.pushed.empty()) return run_over_points(pass, set, room, context.threads);
   if (pass == Pass::self_move) return move(set, room, context.threads);
   run_in_vectors(pass, set, room, context.threads);
 }
 
 void SelfRunner::run_between(Pass pass, const shader::ClothParams& params, const Threads& threads, SelfData& points) {
-  const SelfSet set{nullptr, &points, true};
-  if (arrays_.pushed.empty()) return run_over_points(pass, set, shader::self_room(params), threads);
-  run_in_vectors(pass, set, shader::self_room(params), threads);
+  if (arrays_.pushed.empty()) return run_inter_pass(pass, params, threads, points);
+  run_in_vectors(pass, {nullptr, &points, true}, shader::self_room(params), threads);
 }
 
 void SelfRunner::run_in_vectors(Pass pass, const SelfSet& set, const SelfRoom& room, const Threads& threads) {

@@ -9,12 +9,13 @@
 
 namespace geocloth::cpu {
 
-/// The passes of self_passes.h in vectors, with the same bits.
+/// The passes of self_passes.h: in vectors with the same bits where points suit them, else as they are.
 class SelfRunner {
  public:
-  /// @param points  of a cloth, or of several that collide with each other; none: there is nothing to run
-  /// @param pixels  of the cloth's image; 0: of several
-  SelfRunner(const SelfData& points, size_t pixels);
+  /// @param points   of a cloth, or of several that collide with each other; none: there is nothing to run
+  /// @param pixels   of the cloth's image; 0: of several
+  /// @param vectors  whether they may be used
+  SelfRunner(const SelfData& points, size_t pixels, bool vectors);
 
   /// One of the passes self_drift .. self_move of the cloth.
   void run(Pass pass, const PassContext& context, ClothState& state);
