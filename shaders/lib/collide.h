@@ -23,7 +23,8 @@ const uint kSweepSteps = 32u;
 const float kSweepClose = 1e-3f;  // [m] nearer than this to the surface the sweep has arrived
 const uint kContactRounds = 12u;
 const uint kSlidingRound = 5u;      // the first one of slides_out()
-const float kContactSlack = 1e-6f;  // [m] overlap between colliders that is not worth another round
+const float kContactSlack = 1e-6f;  // [m] overlap that is not worth a push in a later round
+const float kSettled = 0.0625f;     // thicknesses: a push that is no longer leaves too little for another round
 const float kNarrowest = 0.02f;     // squared sine between two colliders' surfaces: in a narrower wedge none slides
 const float kFarthestOut = 32.0f;   // in depths: how far a point is moved when nothing else helped
 const uint kNormalsOfCleft = 24u;
@@ -151,6 +152,13 @@ inline Contact find_contact(ColliderSet set, ColliderShape shape, vec3 p0, vec3 
 // surface of the one that it was pushed out of before. Not sooner: what is moved far trembles.
 inline bool slides_out(uint round) {
   return round >= kSlidingRound && (round & 1u) == 1u;
+}
+
+// [m] How deep a contact must be for another round. A push leaves at most what it was itself, where it led into another
+// collider, and of a field, which is not quite a distance, a part of that. Later what has come out is left alone: in
+// clefts that are narrower than two thicknesses no round would be the last.
+inline float worth_a_round(ClothParams params, uint round) {
+  return max(kContactSlack, round < kSlidingRound ? kSettled * params.thickness : params.thickness);
 }
 
 // @param last  normal of the collider that the point was pushed out of before, 0: of none
@@ -310,6 +318,7 @@ inline PointState push_out(ColliderSet set, ClothParams params, uint substep, Po
   bool again = params.collider_count > 0u;
   for (uint round = 0u; round < kContactRounds && again; ++round) {
     again = false;
+    float deep = worth_a_round(params, round);
     float way = length3(state.position - start);
     for (uint i = 0u; i < params.collider_count; ++i) {
       ColliderShape shape = collider_shape(set, i);
@@ -329,7 +338,7 @@ inline PointState push_out(ColliderSet set, ClothParams params, uint substep, Po
         state = respond(set, shape, state, before, after, local, contact, n, out_of_it, friction, grip);
         last = n;
         way = length3(state.position - start);
-        again = params.collider_count > 1u || shape.kind == kShapeMesh;  // its field is not quite a distance
+        again = again || ((params.collider_count > 1u || shape.kind == kShapeMesh) && contact.depth > deep);
       }
     }
   }

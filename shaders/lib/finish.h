@@ -34,6 +34,7 @@ inline vec3 kept_out(ColliderSet set, ClothParams params, uint substep, vec3 sta
   bool again = params.collider_count > 0u;
   for (uint round = 0u; round < kContactRounds && again; ++round) {
     again = false;
+    float deep = worth_a_round(params, round);
     for (uint i = 0u; i < params.collider_count; ++i) {
       ColliderShape shape = collider_shape(set, i);
       ColliderPose pose = collider_pose(set, substep + 1u, i);
@@ -47,7 +48,7 @@ inline vec3 kept_out(ColliderSet set, ClothParams params, uint substep, vec3 sta
           position + way_out(n, contact.depth, params.thickness, slides_out(round) ? last : vec3(0.0f, 0.0f, 0.0f));
       position = out_of_it;
       last = n;
-      again = params.collider_count > 1u || shape.kind == kShapeMesh;  // its field is not quite a distance
+      again = again || ((params.collider_count > 1u || shape.kind == kShapeMesh) && contact.depth > deep);
     }
   }
   return again ? start : position;

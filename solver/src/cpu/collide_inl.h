@@ -291,6 +291,7 @@ HWY_INLINE void push_out(D d, const Meeting& meeting, Mask<D> lanes, PointStates
   Points<D> last = set(d, 0, 0, 0);
   Mask<D> again = lanes;
   for (uint32_t round = 0; round < shader::kContactRounds && !hn::AllFalse(d, again); ++round) {
+    const auto deep = hn::Set(d, shader::worth_a_round(meeting.params, round));
     Mask<D> touched = hn::Gt(hn::Zero(d), hn::Zero(d));
     auto way = length(d, sub(points.position, start));
     for (size_t i = 0; i < count; ++i) {
@@ -316,7 +317,8 @@ HWY_INLINE void push_out(D d, const Meeting& meeting, Mask<D> lanes, PointStates
               hn::Set(d, shader::largest_grip(meeting.params, shape)));
       replace(contact.touches, n, last);
       way = length(d, sub(points.position, start));
-      if (count > 1 || shape.kind == shader::kShapeMesh) touched = hn::Or(touched, contact.touches);
+      if (count > 1 || shape.kind == shader::kShapeMesh)
+        touched = hn::Or(touched, hn::And(contact.touches, hn::Gt(contact.depth, deep)));
     }
     again = touched;
   }

@@ -36,6 +36,7 @@ HWY_INLINE void keep_out(D d, const Meeting& meeting, Mask<D> lanes, const Point
   Points<D> position = moved, last = none;
   Mask<D> again = lanes;
   for (uint32_t round = 0; round < shader::kContactRounds && !hn::AllFalse(d, again); ++round) {
+    const auto deep = hn::Set(d, shader::worth_a_round(meeting.params, round));
     Mask<D> touched = hn::Gt(hn::Zero(d), hn::Zero(d));
     for (size_t i = 0; i < count; ++i) {
       const auto way = length(d, sub(position, start));
@@ -55,7 +56,8 @@ HWY_INLINE void keep_out(D d, const Meeting& meeting, Mask<D> lanes, const Point
           touches, add(position, way_out(d, n, contact.depth, thickness, shader::slides_out(round) ? last : none)),
           position);
       last = choose<D>(touches, n, last);
-      if (count > 1 || shape.kind == shader::kShapeMesh) touched = hn::Or(touched, touches);
+      if (count > 1 || shape.kind == shader::kShapeMesh)
+        touched = hn::Or(touched, hn::And(touches, hn::Gt(contact.depth, deep)));
     }
     again = touched;
   }
