@@ -234,10 +234,10 @@ struct Meeting {
   }
 };
 
-/// out_of_reach() of lib/collide.h.
+/// out_of_reach() of lib/collide.h: larger gaps than that are.
 template <class D>
-HWY_INLINE Mask<D> out_of_reach(D d, const shader::ColliderShape& shape, Vec<D> gap, Vec<D> way) {
-  return hn::Gt(gap, hn::Mul(hn::Set(d, 2.F), hn::Add(way, hn::Set(d, shape.way))));
+HWY_INLINE Vec<D> reach_of(D d, const shader::ColliderShape& shape, Vec<D> way) {
+  return hn::Mul(hn::Set(d, 2.F), hn::Add(way, hn::Set(d, shape.way)));
 }
 
 /// find_contact() of lib/collide.h for points that may have met the collider.
@@ -281,11 +281,13 @@ HWY_NOINLINE Points<D> out_of_cleft(D d, const Meeting& meeting, Mask<D> lanes, 
   return load(d, row);
 }
 
+constexpr float kRoomForRounding = 1.00001F;
+
 /// push_out() of lib/collide.h.
 template <bool kMayDeform, class D>
 HWY_INLINE void push_out(D d, const Meeting& meeting, Mask<D> lanes, PointStates<D>& points) {
   const size_t count = meeting.frame.shapes.size();
-  const auto thickness = hn::Set(d, meeting.params.thickness);
+  const auto thickness = hn::Set(d, meeting.params.thickness), room = hn::Set(d, kRoomForRounding);
   const Points<D> start{points.previous.x, points.previous.y, points.previous.z};
   const Points<D> none = set(d, 0, 0, 0);
   Points<D> last = set(d, 0, 0, 0);
@@ -300,9 +302,10 @@ HWY_INLINE void push_out(D d, const Meeting& meeting, Mask<D> lanes, PointStates
       const shader::ColliderShape& shape = meeting.frame.shapes[i];
       const auto before = meeting.begun<kMayDeform>(i), after = meeting.ended<kMayDeform>(i);
       const Points<D> local = to_local(d, after, points.position);
-      const Nearest<D> near = nearest_of_shape(d, meeting.numbers, shape, local);
+      const auto reach = reach_of(d, shape, way), beyond = hn::Mul(hn::Add(thickness, reach), room);
+      const Nearest<D> near = nearest_of_shape(d, meeting.numbers, shape, local, beyond);
       const auto gap = hn::Sub(near.distance, thickness);
-      const auto in_reach = hn::AndNot(out_of_reach(d, shape, gap, way), again);
+      const auto in_reach = hn::AndNot(hn::Gt(gap, reach), again);
       if (hn::AllFalse(d, in_reach)) continue;
       const bool swept = round == 0 && !before.deforms();
       Contacts<D> contact =
@@ -540,7 +543,7 @@ HWY_NOINLINE float depth_of(D d, const SweepFrame& frame, uint32_t substep, uint
     const auto near = hn::And(free, Guards::near(d, meeting.guards.guards[c], position, hn::Zero(d)));
     if (hn::AllFalse(d, near)) continue;
     const Points<D> local = to_local(d, meeting.ended(c), position);
-    const auto own = hn::Neg(nearest_of_shape(d, meeting.numbers, meeting.frame.shapes[c], local).distance);
+    const auto own = hn::Neg(distance_to_shape(d, meeting.numbers, meeting.frame.shapes[c], local));
     depth = max_of(d, depth, hn::IfThenElseZero(free, own));
   }
   return hn::GetLane(hn::MaxOfLanes(d, depth));

@@ -77,7 +77,7 @@ HWY_INLINE Mask<D> left_near(D d, const Meeting& meeting, const Points<D>& start
     for (const Points<D>* point : {&start, &moved}) {
       if (hn::AllFalse(d, Guards::near(d, meeting.guards.guards[i], *point, leave))) continue;
       const Points<D> local = to_local(d, meeting.ended(i), *point);
-      left = hn::Or(left, hn::Lt(nearest_of_shape(d, meeting.numbers, shape, local).distance, reach));
+      left = hn::Or(left, hn::Lt(distance_to_shape(d, meeting.numbers, shape, local), reach));
     }
   }
   return left;
@@ -99,7 +99,7 @@ HWY_INLINE Vec<D> held_by_friction(D d, const Meeting& meeting, const Points<D>&
     if (hn::AllFalse(d, hn::And(more, Guards::near(d, meeting.guards.guards[i], start, zero)))) continue;
     const Posed after = meeting.ended(i);
     const Points<D> local = to_local(d, after, start);
-    const auto lies = hn::Mul(per_gap, hn::Sub(reach, nearest_of_shape(d, meeting.numbers, shape, local).distance));
+    const auto lies = hn::Mul(per_gap, hn::Sub(reach, distance_to_shape(d, meeting.numbers, shape, local)));
     const auto touches = hn::And(more, hn::Gt(lies, zero));
     if (hn::AllFalse(d, touches)) continue;
     const Points<D> carried = sub(to_world(d, after, local), to_world(d, meeting.begun(i), local));

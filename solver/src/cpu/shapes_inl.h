@@ -7,6 +7,9 @@
 #define GEOCLOTH_CPU_SHAPES_INL_H
 #endif
 
+#include <array>
+#include <limits>
+
 #include "cpu/collider_set.h"
 #include "cpu/lanes_inl.h"
 
@@ -186,70 +189,124 @@ HWY_INLINE GridPlaces<D> place_in_grid(D d, const shader::ColliderShape& shape, 
   return {node, sub(q, cell)};
 }
 
+/// Numbers of a grid at the corners of each lane's cell.
 template <class D>
-HWY_NOINLINE Nearest<D> nearest_mesh(D d, const float* numbers, const shader::ColliderShape& shape,
-                                     const Points<D>& p) {
+struct CellCorners {
+  Vec<D> n000, n100, n010, n110, n001, n101, n011, n111;
+};
+/// A block of four numbers for each lane from `lane` on that is so many times four from it.
+template <class D, class Block>
+HWY_INLINE Vec<D> every_fourth(D d, size_t lane, const Block& block) {
+  if constexpr (hn::MaxLanes(D()) == 4) {
+    return block(lane);
+  } else {
+    const hn::Half<D> half;
+    return hn::Combine(d, every_fourth(half, lane + hn::MaxLanes(half), block), every_fourth(half, lane, block));
+  }
+}
+/// Blocks of four numbers, one for each lane, as four vectors: the first numbers of all, the second ones ...
+/// @param v  of the lanes 0, 4, 8 ... those of 1, 5, 9 ... and so on
+template <class D>
+HWY_INLINE std::array<Vec<D>, 4> transposed(D d, const std::array<Vec<D>, 4>& v) {
+  const hn::RepartitionToWide<D> pair;
+  const auto low01 = hn::BitCast(pair, hn::InterleaveLower(d, v[0], v[1]));
+  const auto low23 = hn::BitCast(pair, hn::InterleaveLower(d, v[2], v[3]));
+  const auto high01 = hn::BitCast(pair, hn::InterleaveUpper(d, v[0], v[1]));
+  const auto high23 = hn::BitCast(pair, hn::InterleaveUpper(d, v[2], v[3]));
+  return {hn::BitCast(d, hn::InterleaveLower(pair, low01, low23)),
+          hn::BitCast(d, hn::InterleaveUpper(pair, low01, low23)),
+          hn::BitCast(d, hn::InterleaveLower(pair, high01, high23)),
+          hn::BitCast(d, hn::InterleaveUpper(pair, high01, high23))};
+}
+
+/// Two corners lie next to each other: four loads of two for each lane take less time than eight gathers.
+/// @param node  the first corner of each lane's cell
+template <class D>
+HWY_INLINE CellCorners<D> corners_of_cells(D d, const float* grid, hn::VFromD<hn::RebindToSigned<D>> node, size_t row,
+                                           size_t layer) {
+  const hn::RebindToSigned<D> di;
+  const hn::FixedTag<float, 2> d2;
+  const hn::FixedTag<float, 4> d4;
+  alignas(64) std::array<int32_t, hn::MaxLanes(D())> first;  // all are written before they are read
+  hn::Store(node, di, first.data());
+  const auto side_of_cell = [&](size_t lane, const float* corners) GEOCLOTH_LANES {
+    const float* const corner = corners + first[lane];
+    return hn::Combine(d4, hn::LoadU(d2, corner + row), hn::LoadU(d2, corner));
+  };
+  const auto sides = [&](const float* corners) GEOCLOTH_LANES {
+    const auto side = [&](size_t lane) GEOCLOTH_LANES { return side_of_cell(lane, corners); };
+    return transposed<D>(d, {every_fourth(d, 0, side), every_fourth(d, 1, side), every_fourth(d, 2, side),
+                             every_fourth(d, 3, side)});
+  };
+  const auto near = sides(grid), far = sides(grid + layer);
+  return {near[0], near[1], near[2], near[3], far[0], far[1], far[2], far[3]};
+}
+
+/// @param reach  where all lanes are farther off than that, no normal is looked for
+template <class D>
+HWY_NOINLINE Nearest<D> nearest_mesh(D d, const float* numbers, const shader::ColliderShape& shape, const Points<D>& p,
+                                     Vec<D> reach) {
   const auto zero = hn::Zero(d);
-  const auto row = static_cast<int32_t>(shape.data.y), layer = row * static_cast<int32_t>(shape.data.z);
+  const size_t row = shape.data.y, layer = row * shape.data.z;
   const Points<D> g = in_grid(d, shape, p), side = grid_sides(d, shape), q = clamped_to(d, g, side);
-  const UnitAndLength<D> out_of = unit_and_length(d, scale(d, sub(g, q), hn::Set(d, shape.a.w)));
+  const auto off_grid = hn::Or(hn::Ne(g.x, q.x), hn::Or(hn::Ne(g.y, q.y), hn::Ne(g.z, q.z)));
+  UnitAndLength<D> out_of{set(d, 0, 1, 0), zero};
+  if (!hn::AllFalse(d, off_grid)) out_of = unit_and_length(d, scale(d, sub(g, q), hn::Set(d, shape.a.w)));
   const auto outside = hn::Gt(out_of.length, zero);
   const auto bound = hn::Add(out_of.length, hn::Set(d, shape.b.y));
   if (hn::AllTrue(d, outside)) return {bound, out_of.unit};
 
   const GridPlaces<D> place = place_in_grid(d, shape, q, side);
   const Points<D>& t = place.t;
-  const float* const field = numbers + shape.data.x;
-  const auto at = [&](int32_t by) GEOCLOTH_LANES { return hn::GatherIndex(d, field + by, place.node); };
-  const auto d000 = at(0), d100 = at(1), d010 = at(row), d110 = at(row + 1);
-  const auto d001 = at(layer), d101 = at(layer + 1), d011 = at(layer + row), d111 = at(layer + row + 1);
+  const auto [d000, d100, d010, d110, d001, d101, d011, d111] =
+      corners_of_cells(d, numbers + shape.data.x, place.node, row, layer);
   const auto d00 = mix(d, d000, d100, t.x), d10 = mix(d, d010, d110, t.x);
   const auto d01 = mix(d, d001, d101, t.x), d11 = mix(d, d011, d111, t.x);
   const auto d0 = mix(d, d00, d10, t.y), d1 = mix(d, d01, d11, t.y);
+  const auto distance = hn::IfThenElse(outside, bound, mix(d, d0, d1, t.z));
+  if (hn::AllTrue(d, hn::Gt(distance, reach))) return {distance, out_of.unit};
+
   const auto along_x = mix(d, mix(d, hn::Sub(d100, d000), hn::Sub(d110, d010), t.y),
                            mix(d, hn::Sub(d101, d001), hn::Sub(d111, d011), t.y), t.z);
   const auto along_y = mix(d, hn::Sub(d10, d00), hn::Sub(d11, d01), t.z);
   const UnitAndLength<D> gradient = unit_and_length(d, Points<D>{along_x, along_y, hn::Sub(d1, d0)});
-  const Nearest<D> near = nearest_along(d, gradient, mix(d, d0, d1, t.z));
-  return {hn::IfThenElse(outside, bound, near.distance), choose<D>(outside, out_of.unit, near.normal)};
+  return {distance, choose<D>(outside, out_of.unit, nearest_along(d, gradient, distance).normal)};
 }
 
-/// deforming_way() of lib/shapes.h. The ways of a node lie next to each other: a load for each point and corner takes
-/// less time than gathers of single numbers.
+/// deforming_way() of lib/shapes.h. The ways of a node lie next to each other: they are mixed as they lie.
 template <class D>
 HWY_INLINE Points<D> deforming_way(D d, const float* numbers, const shader::ColliderShape& shape, const Points<D>& p) {
   const hn::RebindToSigned<D> di;
   const hn::FixedTag<float, shader::kWayNumbers> dw;
+  static_assert(shader::kWayNumbers == 4);
   const Points<D> side = grid_sides(d, shape);
   const GridPlaces<D> place = place_in_grid(d, shape, clamped_to(d, in_grid(d, shape, p), side), side);
-  constexpr size_t kLanes = hn::MaxLanes(D());
-  alignas(64) std::array<int32_t, kLanes> node;  // all are written before they are read
-  alignas(64) std::array<float, kLanes> x, y, z;
-  alignas(64) std::array<float, shader::kWayNumbers * kLanes> mixed;
+  alignas(64) std::array<int32_t, hn::MaxLanes(D())> node;  // all are written before they are read
   hn::Store(place.node, di, node.data());
-  hn::Store(place.t.x, d, x.data());
-  hn::Store(place.t.y, d, y.data());
-  hn::Store(place.t.z, d, z.data());
   const size_t row = shader::kWayNumbers * size_t{shape.data.y}, layer = row * shape.data.z;
   const float* const ways = numbers + shape.data.x + layer / shader::kWayNumbers * shape.data.w;
-  for (size_t k = 0; k < hn::Lanes(d); ++k) {
-    const float* const first = ways + shader::kWayNumbers * static_cast<size_t>(node[k]);
-    const auto tx = hn::Set(dw, x[k]), ty = hn::Set(dw, y[k]), tz = hn::Set(dw, z[k]);
-    const auto along = [&](size_t by) GEOCLOTH_LANES {
-      return mix(dw, hn::LoadU(dw, first + by), hn::LoadU(dw, first + by + shader::kWayNumbers), tx);
+  const auto mixed = [&](size_t lane, Vec<D> tx, Vec<D> ty, Vec<D> tz) GEOCLOTH_LANES {
+    const auto at = [&](size_t by) GEOCLOTH_LANES {
+      return every_fourth(d, lane, [&](size_t k) GEOCLOTH_LANES {
+        return hn::LoadU(dw, ways + shader::kWayNumbers * static_cast<size_t>(node[k]) + by);
+      });
     };
-    const auto w0 = mix(dw, along(0), along(row), ty), w1 = mix(dw, along(layer), along(layer + row), ty);
-    hn::StoreU(mix(dw, w0, w1, tz), dw, &mixed[shader::kWayNumbers * k]);
-  }
-  Points<D> way;
-  Vec<D> unused;
-  hn::LoadInterleaved4(d, mixed.data(), way.x, way.y, way.z, unused);
-  return way;
+    const auto along = [&](size_t by) GEOCLOTH_LANES { return mix(d, at(by), at(by + shader::kWayNumbers), tx); };
+    return mix(d, mix(d, along(0), along(row), ty), mix(d, along(layer), along(layer + row), ty), tz);
+  };
+  const Points<D>& t = place.t;
+  const auto way = transposed<D>(
+      d, {mixed(0, hn::Broadcast<0>(t.x), hn::Broadcast<0>(t.y), hn::Broadcast<0>(t.z)),
+          mixed(1, hn::Broadcast<1>(t.x), hn::Broadcast<1>(t.y), hn::Broadcast<1>(t.z)),
+          mixed(2, hn::Broadcast<2>(t.x), hn::Broadcast<2>(t.y), hn::Broadcast<2>(t.z)),
+          mixed(3, hn::Broadcast<3>(t.x), hn::Broadcast<3>(t.y), hn::Broadcast<3>(t.z))});
+  return {way[0], way[1], way[2]};
 }
 
+/// @param reach  where all lanes are farther off than that, their normals may be any
 template <class D>
 HWY_INLINE Nearest<D> nearest_of_shape(D d, const float* numbers, const shader::ColliderShape& shape,
-                                       const Points<D>& p) {
+                                       const Points<D>& p, Vec<D> reach) {
   switch (shape.kind) {
     case shader::kShapePlane:
       return {p.y, set(d, 0, 1, 0)};
@@ -262,10 +319,20 @@ HWY_INLINE Nearest<D> nearest_of_shape(D d, const float* numbers, const shader::
     case shader::kShapeConvex:
       return nearest_convex(d, numbers, shape, p);
     case shader::kShapeMesh:
-      return nearest_mesh(d, numbers, shape, p);
+      return nearest_mesh(d, numbers, shape, p, reach);
     default:
       return nearest_ellipsoid_in_reach(d, shape, p);
   }
+}
+
+template <class D>
+HWY_INLINE Nearest<D> nearest_of_shape(D d, const float* numbers, const shader::ColliderShape& shape,
+                                       const Points<D>& p) {
+  return nearest_of_shape(d, numbers, shape, p, hn::Set(d, std::numeric_limits<float>::infinity()));
+}
+template <class D>
+HWY_INLINE Vec<D> distance_to_shape(D d, const float* numbers, const shader::ColliderShape& shape, const Points<D>& p) {
+  return nearest_of_shape(d, numbers, shape, p, hn::Set(d, -std::numeric_limits<float>::infinity())).distance;
 }
 
 #endif

@@ -160,7 +160,7 @@ HWY_NOINLINE Mask<D> flat_below(D d, const float* numbers, const shader::Collide
                                 const Nearest<D>& near, Vec<D> side) {
   const Points<D> middle = at_weights(d, t, thirds(d));
   const auto bent_at = [&](const Points<D>& p) GEOCLOTH_LANES {
-    const auto distance = nearest_of_shape(d, numbers, shape, p).distance;
+    const auto distance = distance_to_shape(d, numbers, shape, p);
     return hn::Abs(hn::Sub(hn::Sub(distance, dot(d, sub(p, middle), near.normal)), near.distance));
   };
   const auto bent = max_of(d, max_of(d, bent_at(t.a), bent_at(t.b)), bent_at(t.c));
@@ -185,12 +185,12 @@ HWY_NOINLINE Mask<D> collide_triangles(D d, const Meeting& meeting, Mask<D> lane
     const shader::ColliderPose& pose = poses.after.pose;
     const Points<D> middle = set(d, pose.row0.w, pose.row1.w, pose.row2.w);
     const auto far = hn::Sub(hn::Sub(length(d, sub(t.now.a, middle)), hn::Set(d, shape.b.w)), side);
-    met = hn::AndNot(out_of_reach(d, shape, far, way), met);
+    met = hn::AndNot(hn::Gt(far, reach_of(d, shape, way)), met);
     if (hn::AllFalse(d, met)) continue;
     const Corners<D> last = corners_to_local(d, poses.after, t.now);
     const Nearest<D> near = nearest_of_shape(d, meeting.numbers, shape, at_weights(d, last, thirds(d)));
     const auto gap = least_gap(d, shape, last, near, side);
-    met = hn::AndNot(out_of_reach(d, shape, gap, way), met);
+    met = hn::AndNot(hn::Gt(gap, reach_of(d, shape, way)), met);
     if (hn::AllFalse(d, met)) continue;
     const Corners<D> first = corners_to_local(d, poses.before, t.start);
     const auto seen_way = way_of_corners(d, first, last);
