@@ -8,15 +8,18 @@
 #include <limits>
 #include <numbers>
 #include <random>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "colliders/closest.h"
+#include "colliders/nearest_nodes.h"
 #include "geocloth/asset/error.h"
 #include "geocloth/solver/collider.h"
 #include "geocloth/solver/solid.h"
 #include "support/ball_surface.h"
+#include "support/vector_targets.h"
 
 namespace geocloth {
 namespace {
@@ -263,6 +266,35 @@ TEST(DistanceField, WhatEnclosesNothingIsRefused) {
   EXPECT_THROW(static_cast<void>(make_distance_field({{{0, 0, 0}}, {{0, 1, 2}}}, 1000)), Error);
   EXPECT_THROW(static_cast<void>(make_distance_field({}, 1000)), Error);
 }
+
+// A replay on another machine would part from the first one where a body touches the cloth.
+using Field = test::OnVectorTarget;
+TEST_P(Field, HasTheSameBitsWithEveryInstructionSet) {
+  const TriangleSurface body = torus(48);
+  std::vector<Vec3> before = body.position;
+  for (Vec3& p : before) p = 0.99F * p;
+  const DistanceField own = make_deforming_field(body, before, 0.02F);
+  hwy::SetSupportedTargetsForTest(0);  // the best one
+  const DistanceField best = make_deforming_field(body, before, 0.02F);
+  EXPECT_EQ(own.distance, best.distance);
+  EXPECT_EQ(own.way, best.way);
+}
+TEST_P(Field, OfFewNodesInARowFindsTheNearestTriangle) {
+  const NodeGrid grid{{5, 9, 9}, {0, 0, 0}, 1};  // fewer than are measured at once
+  const std::vector<TriangleCorners> triangles{{{2, 3, 3}, {3, 5.5, 4}, {2, 4, 6}},
+                                               {{1, 2, 7}, {1, 7, 7}, {4, 4, 6.5}}};
+  const NearestPoints near = nearest_points(grid, triangles, std::vector<char>(grid.count()), 20);
+  for (uint32_t node = 0; node < grid.count(); ++node) {
+    const Vec3d p = grid.place(node % 5, node / 5 % 9, node / 45);
+    const auto distance = [&](const TriangleCorners& t) { return length(p - closest_on_triangle(t, p)); };
+    ASSERT_LT(near.triangle[node], 2);
+    const NearestPoints::Off& off = near.off[node];
+    EXPECT_NEAR(length(Vec3d{off.x, off.y, off.z}), distance(triangles[near.triangle[node]]), 1e-5);
+    EXPECT_NEAR(length(Vec3d{off.x, off.y, off.z}), std::min(distance(triangles[0]), distance(triangles[1])), 0.2);
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Every, Field, testing::ValuesIn(test::vector_targets()),
+                         [](const auto& run) { return std::string(hwy::TargetName(run.param)); });
 
 }  // namespace
 }  // namespace geocloth

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -128,8 +129,8 @@ class Filler {
     // A body that deforms is measured anew in every frame, near its surface only: farther outside a lower bound of the
     // distance will do.
     const double band = before_.empty() ? std::numeric_limits<double>::infinity() : kBand;
-    nearest_ = nearest_triangles(grid_, corners, inside_, band);
-    for (uint32_t& n : nearest_) n = n == kNoTriangle ? n : shown[n];
+    nearest_ = nearest_points(grid_, corners, inside_, band);
+    for (uint32_t& n : nearest_.triangle) n = n == kNoTriangle ? n : shown[n];
     measure();
     if (!before_.empty()) carry_ways();
   }
@@ -145,15 +146,18 @@ class Filler {
   /// surface to push cloth to, unless nothing else is.
   [[nodiscard]] std::vector<uint32_t> shown_triangles() {
     std::vector<char> hidden(field_.surface.triangle.size());
+    std::vector<uint32_t> doubtful;
+    std::vector<TriangleCorners> corners;
     for (uint32_t i = 0; i < hidden.size(); ++i) {
       const TriangleCorners t = corners_at(i);
-      hidden[i] = all_inside_around((1.0 / 3) * (t.a + t.b + t.c)) ? 1 : 0;
+      if (!all_inside_around((1.0 / 3) * (t.a + t.b + t.c), 0)) continue;
+      doubtful.push_back(i);
+      corners.push_back(t);
     }
-    if (std::ranges::any_of(hidden, [](char h) { return h != 0; })) {
-      enclosure_.index();
-      tbb::parallel_for(size_t{0}, hidden.size(), [&](size_t i) {
-        hidden[i] = hidden[i] != 0 && is_hidden(corners_at(static_cast<uint32_t>(i))) ? 1 : 0;
-      });
+    if (!doubtful.empty()) {
+      enclosure_.index(corners);
+      tbb::parallel_for(size_t{0}, doubtful.size(),
+                        [&](size_t k) { hidden[doubtful[k]] = is_hidden(corners[k]) ? 1 : 0; });
     }
     const bool all = std::ranges::none_of(hidden, [](char h) { return h == 0; });
     std::vector<uint32_t> shown;
@@ -164,15 +168,21 @@ class Filler {
     return shown;
   }
 
-  /// Whether all nodes of the cell around a point are inside.
-  [[nodiscard]] bool all_inside_around(const Vec3d& p) const {
-    const auto cell = [&](double at, double low, uint32_t size) {
-      return static_cast<uint32_t>(std::clamp((at - low) / grid_.spacing, 0.0, static_cast<double>(size - 2)));
+  /// Whether all nodes of the cell around a point are inside, and so many layers of nodes around it.
+  [[nodiscard]] bool all_inside_around(const Vec3d& p, uint32_t layers) const {
+    const auto range = [&](double at, double low, uint32_t size) {
+      const auto cell =
+          static_cast<uint32_t>(std::clamp((at - low) / grid_.spacing, 0.0, static_cast<double>(size - 2)));
+      return std::pair(cell - std::min(cell, layers), std::min(cell + 2 + layers, size));
     };
-    const uint32_t x = cell(p.x, grid_.low.x, grid_.size[0]), y = cell(p.y, grid_.low.y, grid_.size[1]),
-                   z = cell(p.z, grid_.low.z, grid_.size[2]);
-    for (uint32_t k = 0; k < 8; ++k) {
-      if (inside_[grid_.at(x + (k & 1), y + (k >> 1 & 1), z + (k >> 2))] == 0) return false;
+    const auto [x0, x1] = range(p.x, grid_.low.x, grid_.size[0]);
+    const auto [y0, y1] = range(p.y, grid_.low.y, grid_.size[1]);
+    const auto [z0, z1] = range(p.z, grid_.low.z, grid_.size[2]);
+    for (uint32_t z = z0; z < z1; ++z) {
+      for (uint32_t y = y0; y < y1; ++y) {
+        const char* const row = &inside_[grid_.at(x0, y, z)];
+        if (std::any_of(row, row + (x1 - x0), [](char inside) { return inside == 0; })) return false;
+      }
     }
     return true;
   }
@@ -185,7 +195,9 @@ class Filler {
     const double size = length(normal);
     if (!(size > 0)) return true;  // its neighbours have all of its points
     const Vec3d off = (kOff * grid_.spacing / size) * normal, middle = (1.0 / 3) * (t.a + t.b + t.c);
-    const auto covered = [&](const Vec3d& p) { return enclosure_.encloses(p + off) && enclosure_.encloses(p - off); };
+    const auto covered = [&](const Vec3d& p) {
+      return all_inside_around(p, 1) || (enclosure_.encloses(p + off) && enclosure_.encloses(p - off));
+    };
     const auto near = [&](const Vec3d& corner) { return covered(kNear * corner + (1 - kNear) * middle); };
     return covered(middle) && near(t.a) && near(t.b) && near(t.c);
   }
@@ -209,15 +221,16 @@ class Filler {
   }
 
   void measure_node(size_t node, const Vec3d& p) {
-    if (nearest_[node] == kNoTriangle) {
+    const uint32_t triangle = nearest_.triangle[node];
+    if (triangle == kNoTriangle) {
       field_.distance[node] = static_cast<float>(kBand * grid_.spacing);
       return;
     }
-    const TriangleCorners t = corners_at(nearest_[node]);
-    const Vec3d at = closest_on_triangle(t, p);
-    const double d = length(p - at);
+    const auto [x, y, z] = nearest_.off[node];
+    const Vec3d off = grid_.spacing * Vec3d{x, y, z};
+    const double d = length(off);
     field_.distance[node] = static_cast<float>(inside_[node] != 0 ? -d : d);
-    if (!before_.empty()) field_.way[node] = way_of(nearest_[node], corner_shares(t, at));
+    if (!before_.empty()) field_.way[node] = way_of(triangle, corner_shares(corners_at(triangle), p + off));
   }
 
   /// How far a point of a triangle went.
@@ -247,11 +260,11 @@ class Filler {
   bool carry_along(size_t first) {
     const size_t end = first + grid_.size[0];
     size_t from = first;
-    while (from < end && nearest_[from] == kNoTriangle) ++from;
+    while (from < end && nearest_.triangle[from] == kNoTriangle) ++from;
     if (from == end) return false;
     std::fill(&field_.way[first], &field_.way[from], field_.way[from]);
     for (size_t node = from + 1; node < end; ++node) {
-      if (nearest_[node] == kNoTriangle) field_.way[node] = field_.way[node - 1];
+      if (nearest_.triangle[node] == kNoTriangle) field_.way[node] = field_.way[node - 1];
     }
     return true;
   }
@@ -273,8 +286,8 @@ class Filler {
   std::span<const Vec3> before_;
   NodeGrid grid_;
   Enclosure enclosure_;
-  std::vector<char> inside_;       ///< by node
-  std::vector<uint32_t> nearest_;  ///< triangle of each node that was measured
+  std::vector<char> inside_;  ///< by node
+  NearestPoints nearest_;
 };
 
 }  // namespace

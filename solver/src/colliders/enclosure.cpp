@@ -18,8 +18,9 @@
 namespace geocloth {
 namespace {
 
-constexpr int64_t kSteps = 1024;        ///< of the lattice from node to node
-constexpr size_t kColumnsOfFacet = 16;  ///< as a mean
+constexpr int64_t kSteps = 1024;          ///< of the lattice from node to node
+constexpr size_t kColumnsOfFacet = 16;    ///< as a mean
+constexpr int64_t kBeside = kSteps / 16;  ///< how far beside a triangle points of it may be
 
 /// Twice the area, seen along x, of the triangle over an edge from a to b.
 template <class Point>
@@ -217,43 +218,56 @@ void Enclosure::count_turns(uint32_t first_layer, uint32_t last_layer, std::vect
   }
 }
 
-/// Sorts the facets into columns along x, as wide as it takes for large triangles not to lie in too many.
-void Enclosure::index() {
+/// Sorts the facets into columns along x, as wide as it takes for large triangles not to lie in too many, but only
+/// where something will be asked for.
+void Enclosure::index(std::span<const TriangleCorners> triangles) {
   if (tree_) return;
-  struct Range {
-    int64_t y0, y1, z0, z1;
-  };
-  const auto columns_of = [&](const Facet& f) {
-    const auto [y0, y1] = std::minmax({f.a.y, f.b.y, f.c.y});
-    const auto [z0, z1] = std::minmax({f.a.z, f.b.z, f.c.z});
-    return Range{y0 / column_, y1 / column_, z0 / column_, z1 / column_};
-  };
-  const auto entries = [&] {
-    size_t count = 0;
-    for (const Facet& f : facets_) {
-      const Range r = columns_of(f);
-      count += static_cast<size_t>((r.y1 - r.y0 + 1) * (r.z1 - r.z0 + 1));
-    }
-    return count;
-  };
-  size_t count = entries();
-  for (; count > kColumnsOfFacet * facets_.size(); count = entries()) column_ *= 2;
-  const auto along = [&](uint32_t nodes) { return static_cast<uint32_t>(nodes * kSteps / column_ + 1); };
-  columns_along_y_ = along(grid_.size[1]);
-  const auto for_columns = [&](const auto& body) {
-    for (uint32_t k = 0; k < facets_.size(); ++k) {
-      const Range r = columns_of(facets_[k]);
-      for (int64_t z = r.z0; z <= r.z1; ++z) {
-        for (int64_t y = r.y0; y <= r.y1; ++y) body(static_cast<size_t>(z * columns_along_y_ + y), k);
-      }
+  std::vector<FacetBox> asked;
+  asked.reserve(triangles.size());
+  for (const TriangleCorners& t : triangles)
+    asked.push_back(box_of({on_lattice(t.a), on_lattice(t.b), on_lattice(t.c), 0}));
+  std::vector<FacetBox> boxes;
+  boxes.reserve(facets_.size());
+  for (const Facet& f : facets_) boxes.push_back(box_of(f));
+  for (uint32_t k = 0; k < boxes.size(); ++k) boxes[k].facet = k;
+
+  std::vector<char> is_asked;
+  const auto for_columns = [&](const FacetBox& box, int64_t more, const auto& body) {
+    const auto column = [&](int64_t at) { return static_cast<uint32_t>(std::max<int64_t>(at, 0) / column_); };
+    const uint32_t y1 = std::min(column(box.y1 + more), columns_along_y_ - 1);
+    const uint32_t z1 = std::min(column(box.z1 + more), columns_along_z_ - 1);
+    for (uint32_t z = column(box.z0 - more); z <= z1; ++z) {
+      for (uint32_t y = column(box.y0 - more); y <= y1; ++y) body(size_t{z} * columns_along_y_ + y);
     }
   };
-  column_first_.assign(size_t{columns_along_y_} * along(grid_.size[2]) + 1, 0);
-  for_columns([&](size_t column, uint32_t) { ++column_first_[column + 1]; });
+  const auto for_entries = [&](const auto& body) {
+    for (const FacetBox& box : boxes) {
+      for_columns(box, 0, [&](size_t column) {
+        if (is_asked[column] != 0) body(column, box);
+      });
+    }
+  };
+  const auto count_entries = [&] {
+    const auto along = [&](uint32_t nodes) { return static_cast<uint32_t>(nodes * kSteps / column_ + 1); };
+    columns_along_y_ = along(grid_.size[1]);
+    columns_along_z_ = along(grid_.size[2]);
+    is_asked.assign(size_t{columns_along_y_} * columns_along_z_, 0);
+    for (const FacetBox& box : asked) for_columns(box, kBeside, [&](size_t column) { is_asked[column] = 1; });
+    column_first_.assign(is_asked.size() + 1, 0);
+    for_entries([&](size_t column, const FacetBox&) { ++column_first_[column + 1]; });
+    return std::accumulate(column_first_.begin(), column_first_.end(), size_t{0});
+  };
+  while (count_entries() > kColumnsOfFacet * facets_.size()) column_ *= 2;
   std::partial_sum(column_first_.begin(), column_first_.end(), column_first_.begin());
-  in_column_.resize(count);
+  in_column_.resize(column_first_.back());
   std::vector<uint32_t> next = column_first_;
-  for_columns([&](size_t column, uint32_t facet) { in_column_[next[column]++] = facet; });
+  for_entries([&](size_t column, const FacetBox& box) { in_column_[next[column]++] = box; });
+}
+
+Enclosure::FacetBox Enclosure::box_of(const Facet& f) {
+  const auto [y0, y1] = std::minmax({f.a.y, f.b.y, f.c.y});
+  const auto [z0, z1] = std::minmax({f.a.z, f.b.z, f.c.z});
+  return {std::min({f.a.x, f.b.x, f.c.x}), y0, y1, z0, z1, 0};
 }
 
 bool Enclosure::encloses(const Vec3d& p) const {
@@ -265,7 +279,9 @@ int32_t Enclosure::turns_at(const LatticePoint& p) const {
   const auto column = static_cast<size_t>(p.z / column_ * columns_along_y_ + p.y / column_);
   int32_t turns = 0;
   for (uint32_t k = column_first_[column]; k < column_first_[column + 1]; ++k) {
-    const Facet& f = facets_[in_column_[k]];
+    const FacetBox& box = in_column_[k];
+    if (box.x0 >= p.x || p.y < box.y0 || p.y > box.y1 || p.z < box.z0 || p.z > box.z1) continue;
+    const Facet& f = facets_[box.facet];
     const int64_t twice = side_of(f.a, f.b, f.c.y, f.c.z);
     if (twice == 0) continue;
     const std::optional<double> x = crossing(f, twice, p.y, p.z);

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "colliders/node_grid.h"
@@ -25,8 +26,8 @@ class Enclosure {
   /// For each node of the grid whether it is inside.
   [[nodiscard]] std::vector<char> nodes_inside() const;
 
-  /// Before points are asked for.
-  void index();
+  /// Before points are asked for. @param triangles  no point is farther than 1 / 16 of a spacing from all of them
+  void index(std::span<const TriangleCorners> triangles);
   /// A point in the grid, to a lattice of 1 / 1024 of a spacing.
   [[nodiscard]] bool encloses(const Vec3d& p) const;
 
@@ -40,6 +41,11 @@ class Enclosure {
     LatticePoint a, b, c;
     int32_t times;
   };
+  /// Where a facet is: rows along x that are beside it, and points before it, have nothing to do with it.
+  struct FacetBox {
+    int64_t x0, y0, y1, z0, z1;  ///< [steps]
+    uint32_t facet;
+  };
   /// An edge that has so many more triangles on its left than on its right.
   struct BorderEdge {
     uint32_t from, to;
@@ -52,6 +58,7 @@ class Enclosure {
   [[nodiscard]] LatticePoint on_lattice(const Vec3d& p) const;
   [[nodiscard]] Vec3d place(const LatticePoint& p) const;
   void count_turns(uint32_t first_layer, uint32_t last_layer, std::vector<int32_t>& turns) const;
+  static FacetBox box_of(const Facet& f);
   [[nodiscard]] int32_t turns_at(const LatticePoint& p) const;
 
   NodeGrid grid_;
@@ -60,8 +67,9 @@ class Enclosure {
   std::optional<WindingTree> tree_;  ///< of a soup
   // Columns along x with the facets in them, after index():
   int64_t column_ = 256;  ///< [steps] their sides
-  uint32_t columns_along_y_ = 0;
-  std::vector<uint32_t> column_first_, in_column_;
+  uint32_t columns_along_y_ = 0, columns_along_z_ = 0;
+  std::vector<uint32_t> column_first_;
+  std::vector<FacetBox> in_column_;
 };
 
 }  // namespace geocloth

@@ -1,99 +1,42 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every triangle is measured from the nodes close by; from there on nodes take the nearest triangles of the nodes
-// beside them, in the order of their distances, as in Danielsson 1980, "Euclidean distance mapping".
+// Every triangle is measured from the nodes close by; from there on nodes take over where the nodes beside them have
+// their nearest points, in the order of their distances, as in Danielsson 1980, "Euclidean distance mapping", and look
+// on the triangle there.
 
 #include "colliders/nearest_nodes.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <numeric>
 #include <utility>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include "colliders/triangle_rows.h"
+
 namespace geocloth {
 namespace {
 
-constexpr double kNear = 1.75;     ///< [spacings] that triangles are measured from; above the square root of 3
-constexpr double kShellsEach = 2;  ///< to a spacing
-constexpr size_t kGrain = 256;     ///< nodes
-
-/// Squared distances to a triangle from some nodes in a row, without a branch.
-class TriangleFromRows {
- public:
-  static constexpr uint32_t kNodes = 8;
-  using Squares = std::array<float, kNodes>;
-
-  explicit TriangleFromRows(const TriangleCorners& t) : a_(t.a) {
-    const std::array<Vec3d, 3> corner{t.a, t.b, t.c};
-    const Vec3d n = cross(t.b - t.a, t.c - t.a);
-    const double area = length(n);
-    flat_ = !(area > 1e-12);
-    const Vec3d unit = flat_ ? Vec3d{} : (1 / area) * n;
-    normal_ = single(unit);
-    for (size_t k = 0; k < 3; ++k) {
-      const Vec3d edge = corner[(k + 1) % 3] - corner[k];
-      const double square = dot(edge, edge);
-      edges_[k] = {single(corner[k] - t.a), single(edge), single(cross(edge, unit)),
-                   square > 0 ? static_cast<float>(1 / square) : 0.F};
-    }
-  }
-
-  /// From the nodes x, x + 1 ...
-  [[nodiscard]] Squares squares(uint32_t x, uint32_t y, uint32_t z) const {
-    const Single p = single(Vec3d{static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)} - a_);
-    Squares squares{};
-    for (uint32_t k = 0; k < kNodes; ++k) {
-      const float px = p.x + static_cast<float>(k);
-      float least = std::numeric_limits<float>::max(), most_out = flat_ ? 1.F : -1.F;
-      for (const Edge& e : edges_) {
-        const float qx = px - e.from.x, qy = p.y - e.from.y, qz = p.z - e.from.z;
-        const float along = (qx * e.way.x + qy * e.way.y + qz * e.way.z) * e.inverse;
-        const float share = along < 0 ? 0 : along > 1 ? 1 : along;
-        const float dx = qx - share * e.way.x, dy = qy - share * e.way.y, dz = qz - share * e.way.z;
-        const float square = dx * dx + dy * dy + dz * dz;
-        const float out = qx * e.out.x + qy * e.out.y + qz * e.out.z;
-        least = square < least ? square : least;
-        most_out = out > most_out ? out : most_out;
-      }
-      const float above = px * normal_.x + p.y * normal_.y + p.z * normal_.z;
-      squares[k] = most_out > 0 ? least : above * above;
-    }
-    return squares;
-  }
-
- private:
-  struct Single {
-    float x, y, z;
-  };
-  static Single single(const Vec3d& v) {
-    return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-  }
-  struct Edge {
-    Single from, way;
-    Single out;     ///< across it, away from the triangle
-    float inverse;  ///< of its length squared
-  };
-
-  Vec3d a_;
-  Single normal_{};
-  std::array<Edge, 3> edges_{};
-  bool flat_;  ///< without an area, as a segment
-};
+constexpr double kNear = 1.75;  ///< [spacings] that triangles are measured from; above the square root of 3
+constexpr size_t kGrain = 256;  ///< nodes or triangles
 
 enum class State : uint8_t { unknown, touched, front, known };
 
-class NearestTriangles {
+class NearestSurface {
  public:
-  NearestTriangles(const NodeGrid& grid, std::span<const TriangleCorners> triangles, const std::vector<char>& inside,
-                   double band)
+  NearestSurface(const NodeGrid& grid, std::span<const TriangleCorners> triangles, const std::vector<char>& inside,
+                 double band)
       : grid_(grid),
         size_(grid.size),
+        around_(neighbors_in(grid.size)),
         inside_(inside),
         band_(static_cast<float>(band * band)),
         square_(inside.size(), std::numeric_limits<float>::max()),
         nearest_(inside.size(), kNoTriangle),
+        off_(std::make_unique_for_overwrite<Off[]>(inside.size())),
         state_(inside.size(), State::unknown) {
     const auto in_spacings = [&](const Vec3d& p) { return (1 / grid.spacing) * (p - grid.low); };
     triangles_.reserve(triangles.size());
@@ -101,60 +44,85 @@ class NearestTriangles {
       triangles_.push_back({in_spacings(t.a), in_spacings(t.b), in_spacings(t.c)});
   }
 
-  std::vector<uint32_t> find() {
+  NearestPoints find() {
     measure_near();
     spread();
-    for (size_t node = 0; node < nearest_.size(); ++node) {
-      if (state_[node] != State::known) nearest_[node] = kNoTriangle;
-    }
-    return std::move(nearest_);
+    tbb::parallel_for(tbb::blocked_range<size_t>(0, nearest_.size(), kGrain), [&](const auto& nodes) {
+      for (size_t node = nodes.begin(); node < nodes.end(); ++node) {
+        if (state_[node] != State::known) nearest_[node] = kNoTriangle;
+      }
+    });
+    return {std::move(nearest_), std::move(off_)};
   }
 
  private:
+  /// All triangles, each from the nodes near it; then where on its triangle each node's nearest point is.
   void measure_near() {
-    tbb::parallel_for(tbb::blocked_range<uint32_t>(0, size_[2], kLayersAtOnce),
-                      [&](const tbb::blocked_range<uint32_t>& layers) {
-                        for (uint32_t k = 0; k < triangles_.size(); ++k)
-                          measure_around(k, layers.begin(), layers.end());
-                      });
+    std::vector<RowTriangle> rows(triangles_.size());
+    tbb::parallel_for(tbb::blocked_range<size_t>(0, rows.size(), kGrain), [&](const auto& range) {
+      for (size_t k = range.begin(); k < range.end(); ++k) rows[k] = RowTriangle(triangles_[k], kNear, size_);
+    });
+    const uint32_t slabs = (size_[2] + kLayersAtOnce - 1) / kLayersAtOnce;
+    const SlabLists lists = lists_of(rows, slabs);
+    tbb::parallel_for(0U, slabs, [&](uint32_t slab) {
+      const uint32_t first = slab * kLayersAtOnce, last = std::min(first + kLayersAtOnce, size_[2]);
+      for (uint32_t i = lists.first[slab]; i < lists.first[slab + 1]; ++i) {
+        const uint32_t k = lists.triangle[i];
+        measure_triangle(rows[k], k, size_, first, last, square_.data(), nearest_.data());
+      }
+      for (uint32_t z = first; z < last; ++z) find_points(z);
+    });
   }
 
-  void measure_around(uint32_t k, uint32_t first_layer, uint32_t last_layer) {
-    const TriangleCorners& t = triangles_[k];
-    const auto [z0, z1] = nodes_beside(t.a.z, t.b.z, t.c.z, size_[2]);
-    const uint32_t first = std::max(z0, first_layer), last = std::min(z1, last_layer);
-    if (first >= last) return;
-    const auto [y0, y1] = nodes_beside(t.a.y, t.b.y, t.c.y, size_[1]);
-    const auto [x0, x1] = nodes_beside(t.a.x, t.b.x, t.c.x, size_[0]);
-    const TriangleFromRows triangle(t);
-    for (uint32_t z = first; z < last; ++z) {
-      for (uint32_t y = y0; y < y1; ++y) {
-        for (uint32_t x = x0; x < x1; x += TriangleFromRows::kNodes) {
-          const uint32_t count = std::min(TriangleFromRows::kNodes, x1 - x);
-          const TriangleFromRows::Squares squares = triangle.squares(x, y, z);
-          const size_t node = grid_.at(x, y, z);
-          for (uint32_t i = 0; i < count; ++i) offer(node + i, k, squares[i]);
+  /// Which triangles are near each slab of layers.
+  struct SlabLists {
+    std::vector<uint32_t> first, triangle;
+  };
+  static SlabLists lists_of(const std::vector<RowTriangle>& rows, uint32_t slabs) {
+    const auto for_slabs = [&](const auto& body) {
+      for (uint32_t k = 0; k < rows.size(); ++k) {
+        if (rows[k].first[2] >= rows[k].last[2]) continue;
+        const uint32_t last = (rows[k].last[2] - 1) / kLayersAtOnce;
+        for (uint32_t slab = rows[k].first[2] / kLayersAtOnce; slab <= last; ++slab) body(slab, k);
+      }
+    };
+    SlabLists lists{std::vector<uint32_t>(slabs + 1), {}};
+    for_slabs([&](uint32_t slab, uint32_t) { ++lists.first[slab + 1]; });
+    std::partial_sum(lists.first.begin(), lists.first.end(), lists.first.begin());
+    lists.triangle.resize(lists.first.back());
+    std::vector<uint32_t> next = lists.first;
+    for_slabs([&](uint32_t slab, uint32_t k) { lists.triangle[next[slab]++] = k; });
+    return lists;
+  }
+
+  void find_points(uint32_t z) {
+    for (uint32_t y = 0; y < size_[1]; ++y) {
+      for (uint32_t x = 0; x < size_[0]; ++x) {
+        const size_t node = grid_.at(x, y, z);
+        if (nearest_[node] == kNoTriangle) continue;
+        if (square_[node] > kNear * kNear) {  // measured by the way, and not from what may be nearer
+          nearest_[node] = kNoTriangle;
+          square_[node] = std::numeric_limits<float>::max();
+          continue;
         }
+        off_[node] = off_triangle(nearest_[node], x, y, z);
+        square_[node] = square(off_[node]);
       }
     }
   }
 
-  /// The nodes first .. last - 1 along an axis that are as near as kNear to what lies between three points.
-  static std::pair<uint32_t, uint32_t> nodes_beside(double a, double b, double c, uint32_t size) {
-    const auto [low, high] = std::minmax({a, b, c});
-    const auto node = [&](double at) { return static_cast<uint32_t>(std::clamp(at, 0.0, static_cast<double>(size))); };
-    return {node(std::ceil(low - kNear)), node(std::floor(high + kNear) + 1)};
+  using Off = NearestPoints::Off;
+  [[nodiscard]] Off off_triangle(uint32_t triangle, uint32_t x, uint32_t y, uint32_t z) const {
+    const Vec3d p{static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
+    const Vec3d d = closest_on_triangle(triangles_[triangle], p) - p;
+    return {static_cast<float>(d.x), static_cast<float>(d.y), static_cast<float>(d.z)};
   }
+  static float square(const Off& d) { return d.x * d.x + d.y * d.y + d.z * d.z; }
 
-  void offer(size_t node, uint32_t triangle, float square) {
-    if (!(square < square_[node])) return;
-    square_[node] = square;
-    nearest_[node] = triangle;
-  }
-
-  /// Shell by shell: the nodes in one are the front, and those beside it take what is nearest to it.
+  /// Shell by shell, each a spacing wide: the nodes in one are the front, and those beside it take what is nearest to
+  /// it.
   void spread() {
-    constexpr auto kFirst = static_cast<size_t>(kShellsEach * kNear);
+    constexpr auto kFirst = static_cast<size_t>(kNear);
     std::vector<std::vector<uint32_t>> shells(kFirst + 1);
     std::vector<uint32_t> front, touched;
     for (uint32_t node = 0; node < nearest_.size(); ++node) {
@@ -189,33 +157,62 @@ class NearestTriangles {
     }
   }
 
-  [[nodiscard]] size_t shell_of(uint32_t node) const {
-    return static_cast<size_t>(kShellsEach * std::sqrt(double{square_[node]}));
-  }
+  [[nodiscard]] size_t shell_of(uint32_t node) const { return static_cast<size_t>(std::sqrt(square_[node])); }
   void put(uint32_t node, size_t first_shell, std::vector<std::vector<uint32_t>>& shells) const {
     const size_t shell = std::max(first_shell, shell_of(node));
     if (shell >= shells.size()) shells.resize(shell + 1);
     shells[shell].push_back(node);
   }
 
-  /// From those of the 26 nodes around that are in the front.
+  /// Of the 26 nodes around, those in the front: the triangle whose point there is the nearest here.
   void take_nearest(uint32_t node) {
     const auto [x, y, z] = place_of(node);
-    const Vec3d p{static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
-    std::array<uint32_t, 27> seen{nearest_[node]};
-    auto end = seen.begin() + 1;
-    const uint32_t x0 = x - (x > 0 ? 1 : 0), y0 = y - (y > 0 ? 1 : 0), z0 = z - (z > 0 ? 1 : 0);
-    for (uint32_t k = z0; k < std::min(z + 2, size_[2]); ++k) {
-      for (uint32_t j = y0; j < std::min(y + 2, size_[1]); ++j) {
-        for (uint32_t i = x0; i < std::min(x + 2, size_[0]); ++i) {
-          const size_t other = grid_.at(i, j, k);
-          if (state_[other] != State::front || std::find(seen.begin(), end, nearest_[other]) != end) continue;
-          *end++ = nearest_[other];
-          const Vec3d d = p - closest_on_triangle(triangles_[nearest_[other]], p);
-          offer(node, nearest_[other], static_cast<float>(dot(d, d)));
+    const bool is_within = x > 0 && x + 1 < size_[0] && y > 0 && y + 1 < size_[1] && z > 0 && z + 1 < size_[2];
+    float least = std::numeric_limits<float>::max();
+    uint32_t best = kNoTriangle;
+    for (const Neighbor& n : around_) {
+      if (!is_within && !has(x + n.x, y + n.y, z + n.z)) continue;
+      const uint32_t other = node + n.nodes;
+      if (state_[other] != State::front) continue;
+      const Off& off = off_[other];
+      const float own = square({off.x + n.way.x, off.y + n.way.y, off.z + n.way.z});
+      if (!(own < least)) continue;
+      least = own;
+      best = nearest_[other];
+    }
+    if (best == nearest_[node]) return;
+    const Off off = off_triangle(best, x, y, z);
+    if (!(square(off) < square_[node])) return;
+    square_[node] = square(off);
+    nearest_[node] = best;
+    off_[node] = off;
+  }
+
+  /// One of the 26 nodes around a node. Steps back are whole numbers that go around.
+  struct Neighbor {
+    uint32_t nodes, x, y, z;  ///< that it is further on
+    Off way;                  ///< [spacings] to it
+  };
+  static std::array<Neighbor, 26> neighbors_in(const std::array<uint32_t, 3>& size) {
+    std::array<Neighbor, 26> around{};
+    auto next = around.begin();
+    for (int z = -1; z <= 1; ++z) {
+      for (int y = -1; y <= 1; ++y) {
+        for (int x = -1; x <= 1; ++x) {
+          if (x == 0 && y == 0 && z == 0) continue;
+          const auto dx = static_cast<uint32_t>(x), dy = static_cast<uint32_t>(y), dz = static_cast<uint32_t>(z);
+          *next++ = {dx + size[0] * (dy + size[1] * dz),
+                     dx,
+                     dy,
+                     dz,
+                     {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)}};
         }
       }
     }
+    return around;
+  }
+  [[nodiscard]] bool has(uint32_t x, uint32_t y, uint32_t z) const {
+    return x < size_[0] && y < size_[1] && z < size_[2];
   }
 
   [[nodiscard]] std::array<uint32_t, 3> place_of(uint32_t node) const {
@@ -234,20 +231,22 @@ class NearestTriangles {
   }
 
   const NodeGrid& grid_;
-  std::array<uint32_t, 3> size_;            ///< the grid's
+  std::array<uint32_t, 3> size_;  ///< the grid's
+  std::array<Neighbor, 26> around_;
   std::vector<TriangleCorners> triangles_;  ///< in spacings from the first node
   const std::vector<char>& inside_;
   float band_;                 ///< squared
   std::vector<float> square_;  ///< by node, of the distance to the nearest triangle so far
   std::vector<uint32_t> nearest_;
+  std::unique_ptr<Off[]> off_;  ///< where there is a nearest triangle
   std::vector<State> state_;
 };
 
 }  // namespace
 
-std::vector<uint32_t> nearest_triangles(const NodeGrid& grid, std::span<const TriangleCorners> triangles,
-                                        const std::vector<char>& inside, double band) {
-  return NearestTriangles(grid, triangles, inside, band).find();
+NearestPoints nearest_points(const NodeGrid& grid, std::span<const TriangleCorners> triangles,
+                             const std::vector<char>& inside, double band) {
+  return NearestSurface(grid, triangles, inside, band).find();
 }
 
 }  // namespace geocloth
