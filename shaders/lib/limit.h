@@ -17,6 +17,13 @@ inline vec3 attach(vec3 position, vec3 anchor, float longest) {
   return l > longest ? pulled : position;
 }
 
+// Straight out of a ball; up from its middle.
+inline vec3 out_of_ball(vec3 position, vec3 middle, float radius) {
+  vec4 d = unit_and_length(position - middle);
+  if (d.w >= radius) return position;
+  return shifted(middle, d.w > 0.0f ? xyz(d) : vec3(0.0f, 1.0f, 0.0f), radius);
+}
+
 #ifdef __cplusplus
 }  // namespace geocloth::shader
 #endif

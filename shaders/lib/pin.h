@@ -4,7 +4,8 @@
 // both taken implicitly. With A = (w dt)^2, B = 2 w dt (critical damping) its position x after the substep solves
 //   x - predicted = A (goal - x) + B (previous + the goal's step - x)
 // per mass, so the result depends neither on the resolution nor on the step. A leashed one goes where it likes within
-// a distance of its moving target: the motion constraints of NvCloth, the max distance of other engines.
+// a distance of its moving target: the motion constraints of NvCloth, the max distance of other engines. What lies
+// behind its target is a ball that it stays out of: separation constraints there, the backstop of other engines.
 #ifndef GEOCLOTH_LIB_PIN_H
 #define GEOCLOTH_LIB_PIN_H
 
@@ -23,6 +24,10 @@ inline vec3 pinned_position(PinTarget pin, float pin_fraction, float frame_fract
   precise vec3 along = previous + (xyz(pin.target) - xyz(pin.start)) * substep_share;
   precise vec3 r = position + (goal - position) * pin.target.w + (along - position) * pin.start.w;
   if (pin.limit.x > 0.0f) r = attach(r, goal, pin.limit.x);
+  if (pin.behind.w > 0.0f) {
+    vec3 middle = goal + mix3(xyz(pin.behind_start), xyz(pin.behind), frame_fraction);
+    r = out_of_ball(r, middle, pin.behind.w);
+  }
   return r;
 }
 

@@ -155,6 +155,8 @@ struct PinTarget {
   vec4 start;   // xyz: target at the start of the frame; w: B / (1 + A + B)
   uvec4 pixel;  // x
   vec4 limit;   // x [m] that the point may be from its target, 0: any if soft, else it is held
+  vec4 behind;  // xyz [m] from the target to the middle of a ball that the point stays out of; w its radius, 0: none
+  vec4 behind_start;  // xyz: the same at the start of the frame
 };
 
 // Long-range attachment of a pixel: it stays within length * stretch_limit of the anchor, a pinned pixel.
@@ -244,7 +246,7 @@ struct PassConstants {
 static_assert(sizeof(ClothParams) == 400 && offsetof(ClothParams, whole) == 208 &&
               offsetof(ClothParams, gravity_step) == 16 && offsetof(ClothParams, dt) == 96);
 static_assert(sizeof(Wave) == 32 && sizeof(Substep) == 16 + 32 * kWindWaves);
-static_assert(sizeof(PinTarget) == 64 && sizeof(Attachment) == 8 && sizeof(SeamSpring) == 44 &&
+static_assert(sizeof(PinTarget) == 96 && sizeof(Attachment) == 8 && sizeof(SeamSpring) == 44 &&
               sizeof(SelfPoint) == 48);
 static_assert(sizeof(ColliderShape) == 64 && sizeof(ColliderPose) == 64 && sizeof(PassConstants) == 24);
 }  // namespace geocloth::shader

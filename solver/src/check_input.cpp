@@ -181,6 +181,18 @@ void check_pin_hold(double frequency, double max_distance, const std::string& wh
   check_at_least(max_distance, 0, where, "max_distance", kLargestPinDistance);
 }
 
+void check_backstop(const Backstop& backstop, bool held, const std::string& where) {
+  constexpr float kUnit = 1e-3F;
+  if (held)
+    throw Error(ErrorCode::invalid_argument, where +
+                                                 ": a backstop is for points that are not held; give it a "
+                                                 "max_distance");
+  if (!(std::abs(length(backstop.outward) - 1) <= kUnit))
+    throw Error(ErrorCode::invalid_argument, where + ": the normal of its backstop must have the length 1");
+  check_at_least(backstop.distance, 0, where, "the distance of its backstop", kLargestPinDistance);
+  check_above(backstop.radius, 0, where, "the radius of its backstop", kLargestPinDistance);
+}
+
 void check_tear(double stretch, const std::string& where) {
   check_above(stretch, 1, where, "the stretch that it tears at", 1e6);
 }

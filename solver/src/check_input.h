@@ -30,6 +30,8 @@ void check(const Wind& wind, const std::string& where);
 void check_distance(float distance, const std::string& where);
 void check_parent(const Transform& pose, const Vec3& inertia_scale, const std::string& where);
 void check_pin_hold(double frequency, double max_distance, const std::string& where);
+/// @param held  whether its point is
+void check_backstop(const Backstop& backstop, bool held, const std::string& where);
 /// Of springs that tear.
 void check_tear(double stretch, const std::string& where);
 void check_pressure(float pressure, const std::string& where);

@@ -373,8 +373,14 @@ void set_frame_motion(shader::ClothParams& params, const Transform& from, const 
       frame_field(rotate(from.rotate, share(turn)), rotate(from.rotate, share(rotate(back, shift))), shift, center);
 }
 
-shader::PinTarget pin_target(uint32_t pixel, const Vec3& from, const Vec3& to, const PinHold& hold, double dt) {
-  shader::PinTarget target{point4(to, 0), point4(from, 0), {pixel, 0, 0, 0}, {hold.max_distance, 0, 0, 0}};
+shader::PinTarget pin_target(uint32_t pixel, const Vec3& from, const Vec3& to, const PinHold& hold,
+                             const BackBall& back, double dt) {
+  shader::PinTarget target{point4(to, 0),
+                           point4(from, 0),
+                           {pixel, 0, 0, 0},
+                           {hold.max_distance, 0, 0, 0},
+                           point4(back.to, back.radius),
+                           point4(back.from, 0)};
   if (!(hold.frequency > 0)) return target;
   const double turn = 2 * std::numbers::pi * static_cast<double>(hold.frequency) * dt;
   const double a = turn * turn, b = 2 * turn;

@@ -63,9 +63,15 @@ struct PinHold {
   float frequency = 0, max_distance = 0;  ///< [1/s], [m]
   bool operator==(const PinHold&) const = default;
 };
+/// A ball that a pinned point stays out of; see Backstop.
+struct BackBall {
+  Vec3 from, to;     ///< [m] from the target to its middle at the start and at the end of the frame
+  float radius = 0;  ///< [m] 0: none
+  bool operator==(const BackBall&) const = default;
+};
 /// @param from, to  where the target is at the start and at the end of the frame, relative to the origin
 [[nodiscard]] shader::PinTarget pin_target(uint32_t pixel, const Vec3& from, const Vec3& to, const PinHold& hold,
-                                           double dt);
+                                           const BackBall& back, double dt);
 
 /// The motion from one pose to another in steps that are this share of it: displacement field of lib/frame.h, by steps.
 [[nodiscard]] shader::FrameField motion_field(const Transform& from, const Transform& to, float share,

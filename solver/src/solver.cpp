@@ -335,7 +335,12 @@ void Solver::Impl::set_pins(uint32_t cloth, std::span<const Pin> pins) {
     }
     check_position(pin.target, where);
     check_pin_hold(pin.frequency, pin.max_distance, where);
-    const PinState state{pin.target, pin.target, {pin.frequency, pin.max_distance}};
+    PinState state{pin.target, pin.target, {pin.frequency, pin.max_distance}, {}};
+    if (pin.backstop) {
+      check_backstop(*pin.backstop, state.held(), where);
+      const Vec3 middle = -(pin.backstop->distance + pin.backstop->radius) * pin.backstop->outward;
+      state.back = {middle, middle, pin.backstop->radius};
+    }
     const uint32_t row = c.row_of_pixel[pin.pixel];
     if (row == kNoPixel) {
       next.emplace_back(pin.pixel, state);
@@ -354,7 +359,9 @@ void Solver::Impl::set_pins(uint32_t cloth, std::span<const Pin> pins) {
     auto before = c.pins.begin();
     for (auto& [pixel, pin] : next) {
       while (before != c.pins.end() && before->first < pixel) ++before;
-      if (before != c.pins.end() && before->first == pixel) pin.from = before->second.target;
+      if (before == c.pins.end() || before->first != pixel) continue;
+      pin.from = before->second.target;
+      if (before->second.back.radius > 0) pin.back.from = before->second.back.to;
     }
   }
   Cloth& target = cloths_[cloth];
@@ -418,8 +425,10 @@ void Solver::Impl::carry_over() {
     const Transform& from = *c.parent_from;
     const Transform& to = *c.parent_to;
     const Quat turn = to.rotate * conjugate(from.rotate);
-    for (auto& [pixel, pin] : c.pins)
+    for (auto& [pixel, pin] : c.pins) {
       if (pin.from != pin.target) pin.from = rotate(turn, pin.from - from.translate) + to.translate;
+      if (pin.back.from != pin.back.to) pin.back.from = rotate(turn, pin.back.from);
+    }
     for (uint32_t p = 0; p < state.position.size(); ++p) {
       if (!c.asset->valid(p)) continue;
       vec4 &position = state.position[p], &previous = state.previous[p];
@@ -618,7 +627,7 @@ void Solver::Impl::write_state(uint32_t cloth, std::span<const Vec3> positions, 
     written.teleport = false;
     written.parent_from = written.parent_to;
     written.placed_at = time_;
-    for (auto& [pixel, pin] : written.pins) pin.from = pin.target;
+    for (auto& [pixel, pin] : written.pins) pin.arrive();
   }
   backend_->write_state(cloth, position, previous);
 }

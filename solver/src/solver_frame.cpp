@@ -129,8 +129,8 @@ void Solver::Impl::fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const {
   cloth.pin_targets.clear();
   for (auto& [pixel, pin] : cloth.pins) {
     cloth.pin_targets.push_back(pin.target);
-    frame.pins.push_back(pin_target(pixel, pin.from - origin_, pin.target - origin_, pin.hold, clock().dt));
-    pin.from = pin.target;
+    frame.pins.push_back(pin_target(pixel, pin.from - origin_, pin.target - origin_, pin.hold, pin.back, clock().dt));
+    pin.arrive();
   }
   frame.pulled_apart = pull_of_pins(cloth, 0) > frame.params.stretch_limit;
   if (frame.pulled_apart) {

@@ -57,8 +57,16 @@ class Solver::Impl {
   struct PinState {
     Vec3 from, target;  ///< [m, world] at the start and the end of the next frame
     PinHold hold;
+    BackBall back;
     [[nodiscard]] bool held() const { return hold == PinHold(); }
-    [[nodiscard]] bool is_as(const PinState& b) const { return target == b.target && hold == b.hold; }
+    [[nodiscard]] bool is_as(const PinState& b) const {
+      return target == b.target && hold == b.hold && back.to == b.back.to && back.radius == b.back.radius;
+    }
+    /// A frame has begun, or the point has jumped: it comes from where it is.
+    void arrive() {
+      from = target;
+      back.from = back.to;
+    }
   };
   using PixelPin = std::pair<uint32_t, PinState>;
   /// How a fast collider that may carry a cloth moves in a frame.

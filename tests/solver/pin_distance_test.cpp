@@ -120,6 +120,58 @@ TEST(PinDistance, ASoftOneIsDrawnWithinIt) {
   EXPECT_NEAR(way(1, 0), 0.2485F, 5e-3F);
 }
 
+// The ball is round: a point that has gone to the side gets lower than one that lies on its top.
+TEST(PinBackstop, PointsComeToRestOnIt) {
+  const ClothAsset asset = make_sheet({.nx = 21, .ny = 21, .width = 0.5, .height = 0.5, .charts_x = 2});
+  SolverSettings settings = test::cpu_settings();
+  settings.gravity = {0, 0, -9.81F};  // the sheet lies in x and y
+  const auto rests_at = [&](const Backstop& backstop) {
+    Solver solver(std::vector{test::describe(asset)}, settings);
+    std::vector<Pin> pins = leashes(asset, kFar);
+    for (Pin& pin : pins) pin.backstop = backstop;
+    solver.set_pins(0, pins);
+    test::run(solver, 60);
+    float lowest = 0, highest = -1;
+    for (const Pin& pin : pins) {
+      const float z = test::positions_of(solver)[pin.pixel].z;
+      lowest = std::min(lowest, z);
+      highest = std::max(highest, z);
+    }
+    EXPECT_NEAR(lowest, highest, 1e-4F);
+    EXPECT_LT(solver.statistics().copy_gap, 1e-6);
+    return lowest;
+  };
+  EXPECT_NEAR(rests_at({{0, 0, 1}, 0.02F, 0.1F}), -0.02F, 1e-4F);
+  EXPECT_NEAR(rests_at({{0, 0, 1}, 0, 10}), 0, 1e-4F);
+  EXPECT_NEAR(rests_at({{0, 0, 1}, 0.2F, 0.1F}), -kFar, 1e-3F) << "the distance comes first";
+  const float aside = std::sqrt(0.5F);  // 5 cm below its target a point is on the far side of a ball of 2 cm
+  EXPECT_NEAR(rests_at({{aside, 0, aside}, 0.001F, 0.01F}), -kFar, 1e-3F);
+}
+
+TEST(PinBackstop, OneThatIsNoneIsRefused) {
+  const ClothAsset asset = make_sheet(kSheet);
+  Solver solver(std::vector{test::describe(asset)}, test::cpu_settings());
+  const auto said = [&](const Pin& pin) -> std::string {
+    try {
+      solver.set_pins(0, std::vector{pin});
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "nothing";
+  };
+  const auto has = [&](const Pin& pin, const std::string& part) {
+    EXPECT_NE(said(pin).find("pin of pixel 0: " + part), std::string::npos) << said(pin);
+  };
+  const Backstop good{{0, 1, 0}};
+  EXPECT_EQ(said({.pixel = 0, .max_distance = 1, .backstop = good}), "nothing");
+  EXPECT_EQ(said({.pixel = 0, .frequency = 1, .backstop = good}), "nothing");
+  has({.pixel = 0, .backstop = good}, "a backstop is for points that are not held");
+  has({.pixel = 0, .max_distance = 1, .backstop = Backstop{{0, 0, 0}}}, "the normal of its backstop");
+  has({.pixel = 0, .max_distance = 1, .backstop = Backstop{{0, std::nanf(""), 0}}}, "the normal of its backstop");
+  has({.pixel = 0, .max_distance = 1, .backstop = Backstop{{0, 1, 0}, -1}}, "the distance of its backstop");
+  has({.pixel = 0, .max_distance = 1, .backstop = Backstop{{0, 1, 0}, 0, 0}}, "the radius of its backstop");
+}
+
 TEST(PinDistance, OnlyThoseWithoutOneAreHeld) {
   const ClothAsset asset = make_sheet(kSheet);
   Solver solver(std::vector{test::describe(asset)}, test::cpu_settings());

@@ -203,6 +203,59 @@ TEST_F(PlayingBodies, ClothOfASkinThatStandsAsTheFileOpensStaysWhereItIs) {
   EXPECT_EQ(begins, simulation.cloths()[0].asset->rest_position);
 }
 
+// A skirt's skin goes backwards into the legs' way; what the cloth may not get behind turns with it.
+TEST_F(PlayingBodies, ClothStaysInFrontOfItsSkin) {
+  constexpr float kAside = 0.1F;  // [m] at most, and that much lower by the ball's curvature
+  const auto turning = [](const SceneMesh& mesh) {
+    MovingBody body = swaying_box(mesh);
+    body.positions_at = [at_rest = body.positions_at(0)](double time) {
+      std::vector<Vec3> position = at_rest;
+      for (Vec3& p : position) p = rotate(quat_from_euler_deg({0, 90 * static_cast<float>(time), 0}), p);
+      return position;
+    };
+    return body;
+  };
+  // The sheet lies on the box's front side; it is blown backwards.
+  const auto deepest = [&](const std::string& backstop) {
+    const std::string skin = R"(,"transform":{"translate":[0,0,1]},"skin":{"file":"box.glb","animation":0,
+        "transform":{"translate":[0,0,-1]}},"pins":[{"where":{"top":1},"follow":"skin","max_distance":0.1)" +
+                             backstop + "}]";
+    Simulation simulation = play(skin, R"(,"gravity":[0,0,-20])", {.moving = turning});
+    float depth = 0, shallowest = 1;
+    for (int f = 1; f <= 30; ++f) {
+      simulation.step();
+      const Vec3 normal = rotate(quat_from_euler_deg({0, 1.5F * static_cast<float>(f), 0}), {0, 0, 1});
+      for (const Vec3& p : test::positions_of(simulation.solver())) {
+        depth = std::max(depth, 1 - dot(p, normal));
+        if (f == 30) shallowest = std::min(shallowest, 1 - dot(p, normal));
+      }
+    }
+    return std::pair(depth, shallowest);
+  };
+  EXPECT_GT(deepest("").first, 0.09F);
+  EXPECT_LT(deepest(R"(,"backstop":0.02)").first, 0.02F + kAside * kAside / (2 * 0.5F) + 2e-3F);
+  EXPECT_GT(deepest(R"(,"backstop":0.02)").second, 0) << "nothing was blown backwards: the test shows nothing";
+  EXPECT_NEAR(deepest(R"(,"backstop":{"distance":0.05,"radius":100})").first, 0.05F, 2e-3F);
+}
+
+TEST_F(PlayingBodies, ABackstopWantsASurfaceAndADistance) {
+  const auto said = [&](const std::string& pin) -> std::string {
+    try {
+      play(R"(,"pins":[{"where":{"top":1})" + pin + "}]", "", {.moving = swaying_box});
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "nothing";
+  };
+  EXPECT_THAT(said(R"(,"backstop":0.01)"), HasSubstr("cloths[0].pins[0].backstop: is for points that are free"));
+  EXPECT_THAT(said(R"(,"max_distance":0.1,"backstop":0.01)"),
+              HasSubstr("cloths[0].pins[0].backstop: has no surface to be behind"));
+  EXPECT_THAT(said(R"(,"max_distance":0.1,"backstop":-0.01)"), HasSubstr("cloths[0].pins[0].backstop: must be from 0"));
+  EXPECT_THAT(said(R"(,"max_distance":0.1,"backstop":{"distance":0,"radius":0})"),
+              HasSubstr("cloths[0].pins[0].backstop.radius"));
+  EXPECT_THAT(said(R"(,"max_distance":0.1,"backstop":{"radius":1})"), HasSubstr("the key \"distance\" is missing"));
+}
+
 // They are taken where they are then, on the body as it is then.
 TEST_F(PlayingBodies, PinsThatTakeHoldLaterRideFromThere) {
   const std::string box = R"(,"gravity":[0,0,0],"colliders":[{"name":"box","shape":"mesh","file":"box.glb",

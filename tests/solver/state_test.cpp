@@ -119,6 +119,8 @@ std::vector<Pin> swinging_pins(const ClothAsset& asset, int frame) {
   std::vector<Pin> pins = test::pins_at_rest(asset, "top", {0.02F * static_cast<float>(frame), 0, 0});
   pins.back().frequency = 6;
   pins.front().max_distance = 0.01F;
+  const float turn = 0.1F * static_cast<float>(frame);
+  pins.front().backstop = Backstop{{std::sin(turn), std::cos(turn), 0}, 0.002F};
   return pins;
 }
 

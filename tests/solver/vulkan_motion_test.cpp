@@ -45,6 +45,20 @@ TEST_F(VulkanMotionTest, PinsWithADistanceAgree) {
   expect_same_as_cpu(scene);
 }
 
+TEST_F(VulkanMotionTest, BackstopsThatTurnAgree) {
+  Play scene = hanging(kCut);
+  scene.before_frame = [asset = scene.cloths[0].asset](Solver& solver, uint32_t frame) {
+    std::vector<Pin> pins = pins_of_top(kCut, *asset, {0, 0, 0.02F * static_cast<float>(frame)});
+    const Vec3 outward = rotate(quat_from_euler_deg({10 * static_cast<float>(frame), 0, 0}), {0, 1, 0});
+    for (Pin& pin : pins) {
+      pin.max_distance = 0.02F;
+      pin.backstop = Backstop{outward, 0.003F, 0.05F};
+    }
+    solver.set_pins(0, pins);
+  };
+  expect_same_as_cpu(scene);
+}
+
 TEST_F(VulkanMotionTest, PressureAgreesAlsoOverSeams) {
   Play scene = hanging(kCut);
   scene.before_frame = [asset = scene.cloths[0].asset](Solver& solver, uint32_t frame) {

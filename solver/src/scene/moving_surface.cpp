@@ -113,6 +113,11 @@ Vec3 MovingSurface::point_of(const SurfacePlace& place, const std::vector<Vec3>&
                   double{place.off.y} * axes.across + double{place.off.z} * axes.normal);
 }
 
+Vec3 MovingSurface::normal_of(const SurfacePlace& place, const std::vector<Vec3>& position) const {
+  const TriangleCorners t = corners_of(now_.triangle[place.triangle], position);
+  return to_float(unit(cross(t.b - t.a, t.c - t.a), {0, 1, 0}));
+}
+
 MovingCollider::MovingCollider(MovingBody body, const Transform& place)
     : surface_(std::move(body), place),
       field_(std::make_shared<const DistanceField>(make_distance_field(surface_.at_end(), kNodes))) {

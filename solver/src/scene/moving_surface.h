@@ -26,6 +26,9 @@ class MovingSurface {
   [[nodiscard]] std::vector<SurfacePlace> places_of(std::span<const Vec3> points) const;
   [[nodiscard]] Vec3 at_start(const SurfacePlace& place) const { return point_of(place, before_); }
   [[nodiscard]] Vec3 at_end(const SurfacePlace& place) const { return point_of(place, now_.position); }
+  /// Of the triangle there, a unit; up where it has no area.
+  [[nodiscard]] Vec3 normal_at_start(const SurfacePlace& place) const { return normal_of(place, before_); }
+  [[nodiscard]] Vec3 normal_at_end(const SurfacePlace& place) const { return normal_of(place, now_.position); }
   /// Where points beside the surface as the file opens are at its place when the frame began; none where that is how
   /// the file opens.
   [[nodiscard]] std::optional<std::vector<Vec3>> carried_from_opening(std::span<const Vec3> points) const;
@@ -36,6 +39,7 @@ class MovingSurface {
   [[nodiscard]] std::vector<SurfacePlace> places_on(const std::vector<Vec3>& position,
                                                     std::span<const Vec3> points) const;
   [[nodiscard]] Vec3 point_of(const SurfacePlace& place, const std::vector<Vec3>& position) const;
+  [[nodiscard]] Vec3 normal_of(const SurfacePlace& place, const std::vector<Vec3>& position) const;
 
   MovingBody body_;
   Transform place_;

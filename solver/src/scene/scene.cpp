@@ -170,8 +170,17 @@ MaxDistance read_max_distance(const JsonReader& json) {
   return r;
 }
 
+SceneBackstop read_backstop(const JsonReader& json) {
+  if (!json.is_object()) return {.distance = static_cast<float>(in_range(json, 0, kLargestPinDistance))};
+  json.expect_object({"distance", "radius"});
+  SceneBackstop r;
+  r.distance = static_cast<float>(in_range(json.at("distance"), 0, kLargestPinDistance));
+  if (json.has("radius")) r.radius = static_cast<float>(in_range(json.at("radius"), 1e-4, kLargestPinDistance));
+  return r;
+}
+
 ScenePin read_pin(const JsonReader& json) {
-  json.expect_object({"where", "follow", "motion", "from", "until", "frequency", "max_distance"});
+  json.expect_object({"where", "follow", "motion", "from", "until", "frequency", "max_distance", "backstop"});
   ScenePin pin;
   pin.where = read_where(json.at("where"));
   json.read("follow", pin.follow);
@@ -181,6 +190,9 @@ ScenePin read_pin(const JsonReader& json) {
   if (pin.until <= pin.from) json.at("until").fail("must be later than \"from\"");
   if (json.has("frequency")) pin.frequency = static_cast<float>(in_range(json.at("frequency"), 0, 1000));
   if (json.has("max_distance")) pin.max_distance = read_max_distance(json.at("max_distance"));
+  if (json.has("backstop")) pin.backstop = read_backstop(json.at("backstop"));
+  if (pin.backstop && !pin.max_distance)
+    json.at("backstop").fail("is for points that are free within a distance; give the pin a \"max_distance\"");
   return pin;
 }
 

@@ -146,6 +146,12 @@ Simulation::Simulation(Scene scene, SolverSettings settings, const BodyReader& b
       PinSet set{c, pin, selected_pixels(scene_, c, k, *asset, start), {}, {}, false};
       for (const uint32_t p : set.pixels) set.rest.push_back(begins[p]);
       attach(set);
+      if (pin.backstop && set.place.empty() && !set.pixels.empty()) {
+        throw Error(ErrorCode::invalid_data,
+                    element(scene_, "cloths", c) + ".pins[" + std::to_string(k) +
+                        "].backstop: has no surface to be behind; let the pin follow the cloth's \"skin\", or a "
+                        "collider of shape \"mesh\" with an \"animation\"");
+      }
       pins_.push_back(std::move(set));
     }
     measure_distances(c);
@@ -244,6 +250,14 @@ Vec3 Simulation::deformed(const PinSet& set, size_t k, bool at_start) const {
   return apply(carrier.pose, at_start ? carrier.surface->at_start(place) : carrier.surface->at_end(place));
 }
 
+/// Of the surface that it follows, which deforms, where a pin's point lies, before what moves it as a whole.
+Vec3 Simulation::normal_of(const PinSet& set, size_t k, bool at_start) const {
+  const Carrier carrier = moving_carrier(set);
+  const SurfacePlace& place = set.place[k];
+  return rotate(carrier.pose.rotate,
+                at_start ? carrier.surface->normal_at_start(place) : carrier.surface->normal_at_end(place));
+}
+
 float Simulation::farthest_from_skin(uint32_t cloth) const {
   float farthest = 0;
   for (const PinSet& set : pins_) {
@@ -324,12 +338,17 @@ std::vector<Pin> Simulation::pins_of(uint32_t cloth, double start, bool only_jum
     const Transform &carried = place.carried, &own = place.own;
     const Vec3 center = middle(set.rest);
     for (size_t k = 0; k < set.pixels.size(); ++k) {
-      const float most = set.max_distance.empty() ? 0 : set.max_distance[k];
-      if (std::isinf(most)) continue;
+      const bool backed = set.pin.backstop.has_value();
+      float most = set.max_distance.empty() ? 0 : set.max_distance[k];
+      if (std::isinf(most) && !backed) continue;
+      most = std::min(most, static_cast<float>(kLargestPinDistance));
       // Without a motion of its own the point must not even be rounded.
       const Vec3 rest = deformed(set, k, only_jumps);
       const Vec3 moved = set.pin.motion.empty() ? rest : center + rotate(own.rotate, rest - center) + own.translate;
-      pins.push_back({set.pixels[k], apply(carried, moved), set.pin.frequency, most});
+      Pin& pin = pins.emplace_back(Pin{set.pixels[k], apply(carried, moved), set.pin.frequency, most});
+      if (!backed || !(most > 0)) continue;
+      const Vec3 outward = rotate(carried.rotate, rotate(own.rotate, normal_of(set, k, only_jumps)));
+      pin.backstop = Backstop{outward, set.pin.backstop->distance, set.pin.backstop->radius};
     }
   }
   return pins;

@@ -49,6 +49,12 @@ struct MaxDistance {
   float per_metre = 0;  ///< [m] >= 0 more for every metre along the cloth from the nearest point that a pin holds
 };
 
+/// How far the points of a pin may be behind the surface that they follow.
+struct SceneBackstop {
+  float distance = 0;   ///< [m] see Backstop
+  float radius = 0.5F;  ///< [m]
+};
+
 struct ScenePin {
   Where where;
   /// "cloth" (the cloth's motion), "skin" (the cloth's, too), "world" (stays), or a collider's name.
@@ -60,6 +66,8 @@ struct ScenePin {
   /// Set: the points are free within that distance of where they would be held. Points that pins without one have, too,
   /// are left to these, and parts of the cloth without a point that is held to no pin if the distance is per metre.
   std::optional<MaxDistance> max_distance = {};
+  /// Only with a max_distance, and where the pin follows a skin or a collider that an animation deforms.
+  std::optional<SceneBackstop> backstop = {};
 
   [[nodiscard]] bool holds() const { return !(frequency > 0) && !max_distance; }
   /// In a frame [s].
@@ -260,6 +268,7 @@ class Simulation {
   };
   [[nodiscard]] Carrier moving_carrier(const PinSet& set) const;
   [[nodiscard]] Vec3 deformed(const PinSet& set, size_t k, bool at_start) const;
+  [[nodiscard]] Vec3 normal_of(const PinSet& set, size_t k, bool at_start) const;
   void attach(PinSet& set) const;
   /// [s] Of what moves a pin's points.
   struct PinTimes {

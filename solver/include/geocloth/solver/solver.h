@@ -85,6 +85,14 @@ struct SolverSettings {
   bool check_copies = false;  ///< measure the copy gap and the penetration after every substep (slower)
 };
 
+/// What a point that is free within a distance of its target must not get behind, such as the skin that it lies on: a
+/// ball, which costs next to nothing where a collider that deforms has to be measured anew in every frame.
+struct Backstop {
+  Vec3 outward;         ///< unit normal of the surface that the target lies on, as the target is there
+  float distance = 0;   ///< [m] >= 0 from the target down to the ball
+  float radius = 0.5F;  ///< [m] above 0, of the ball: a point that is s aside gets s^2 / 2 radius lower
+};
+
 /// A pinned point: it follows `target`, which is reached at the end of the next frame. Copies are pinned with it. With
 /// neither a frequency nor a largest distance it is held there.
 struct Pin {
@@ -92,6 +100,7 @@ struct Pin {
   Vec3 target = {};        ///< [m]
   float frequency = 0;     ///< [1/s] above 0: soft, drawn by a critically damped spring of this frequency
   float max_distance = 0;  ///< [m] above 0: it moves freely, or softly, as far as that from its target
+  std::optional<Backstop> backstop = {};  ///< not of points that are held
 };
 
 struct PassTiming {
