@@ -69,6 +69,16 @@ Summary summarize(const ClothAsset& asset) {
   return summary;
 }
 
+/// The first ones, for a line.
+std::string group_names(const ClothAsset& asset) {
+  constexpr size_t kMost = 12;
+  std::string names;
+  for (size_t k = 0; k < std::min(kMost, asset.vertex_groups.size()); ++k)
+    names += (k > 0 ? ", " : "") + asset.vertex_groups[k].name;
+  if (asset.vertex_groups.size() > kMost) names += fmt::format(" and {} more", asset.vertex_groups.size() - kMost);
+  return names;
+}
+
 void print_for_people(const InspectArguments& options, const ClothAsset& asset, const Summary& summary) {
   const SourceMesh& source = asset.source;
   fmt::print("{}: \"{}\", layout {}\n", options.asset.string(), asset.name, to_string(asset.layout));
@@ -87,6 +97,7 @@ void print_for_people(const InspectArguments& options, const ClothAsset& asset, 
   fmt::print("  source    {} vertices, {} triangles, {} parts, {} materials, {} images, {} vertex groups\n",
              source.source_vertex_count, source.triangle.size(), source.part.size(), source.material.size(),
              source.image.size(), asset.vertex_groups.size());
+  if (!asset.vertex_groups.empty()) fmt::print("  groups    {}\n", group_names(asset));
 }
 
 nlohmann::ordered_json to_json(const ClothAsset& asset, const Summary& summary) {

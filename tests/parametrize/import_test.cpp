@@ -10,6 +10,9 @@
 #include <numeric>
 #include <random>
 #include <set>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -26,6 +29,8 @@ namespace {
 using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Pair;
 using Json = nlohmann::json;
 
 using test::Gltf;
@@ -69,6 +74,34 @@ TEST_F(Import, ObjKeepsTheNumbersOfItsVertices) {
   EXPECT_THAT(mesh.vertex_groups[1].source_vertex, ElementsAre(0, 2, 3));
   ASSERT_EQ(mesh.uv.size(), 2U);
   EXPECT_EQ(mesh.uv[0][2], (Point2{1, 0}));  // v runs down
+}
+
+// Painted where it is pinned, in any program that paints vertices.
+TEST_F(Import, PaintedVerticesAreGroups) {
+  const auto groups = [&](const char* name, const std::string& bytes) {
+    std::vector<std::pair<std::string, std::vector<uint32_t>>> found;
+    for (const ClothAsset::VertexGroup& group : read(name, bytes).vertex_groups)
+      if (group.name.starts_with("color:")) found.emplace_back(group.name, group.source_vertex);
+    return found;
+  };
+  const auto is = [](const char* name, std::vector<uint32_t> vertices) { return Pair(name, std::move(vertices)); };
+  const std::string triangles = "f 1 2 3\nf 1 3 4\n";
+  EXPECT_THAT(groups("a.obj", "v 0 0 0 1 0 0\nv 1 0 0 0.9 0.1 0\nv 1 1 0 0 0 0\nv 0 1 0 0.2 0.7 0.6\n" + triangles),
+              ElementsAre(is("color:black", {2}), is("color:red", {0, 1}), is("color:cyan", {3})));
+  EXPECT_THAT(groups("b.obj", "v 0 0 0 1 0 0\nv 1 0 0 1\nv 1 1 0\nv 0 1 0 1 0 0 1\n" + triangles),
+              ElementsAre(is("color:red", {0}), is("color:white", {1, 2, 3})));
+  EXPECT_THAT(groups("c.obj", "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 1 1 0 1 0 0\nv 0 1 0 1 0 0\n" + triangles), IsEmpty());
+  EXPECT_THAT(groups("a.ply",
+                     "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+                     "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 1\n"
+                     "property list uchar int vertex_indices\nend_header\n0 0 0 255 0 0\n1 0 0 0 0 255\n0 1 0 250 3 9\n"
+                     "3 0 1 2\n"),
+              ElementsAre(is("color:red", {0, 2}), is("color:blue", {1})));
+  Gltf g = square();
+  const auto color = g.add_accessor<float>({1, 1, 1, 0, 0, 0, 0, 1, 0, 1, 1, 1}, 5126, "VEC3", 3);
+  g.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = color;
+  EXPECT_THAT(groups("a.gltf", g.glb()),
+              ElementsAre(is("color:black", {1}), is("color:green", {2}), is("color:white", {0, 3})));
 }
 
 TEST_F(Import, ObjKeepsDigitsBeyondSinglePrecision) {

@@ -293,6 +293,36 @@ TEST_F(Playing, EverySelectorTakesItsPointsWithAllCopies) {
   EXPECT_THROW(count(WhereVertexGroup{"collar"}), Error);
 }
 
+// Garments of games have triangles twenty pixels long: cloth hung through between the points at its vertices.
+TEST(SelectPixels, OfAGroupTakesWhatLiesBetweenItsVertices) {
+  constexpr uint32_t kSide = 17;
+  const test::SheetOptions options{.nx = kSide, .ny = kSide};
+  ClothAsset asset = make_sheet(options);
+  const auto corner = [&](uint32_t i, uint32_t j) {
+    return test::sheet_pixel(options, i * (kSide - 1), j * (kSide - 1));
+  };
+  const std::array<uint32_t, 4> pixel{corner(0, 0), corner(1, 0), corner(0, 1), corner(1, 1)};
+  asset.source = {};
+  asset.source.source_vertex_count = 4;
+  asset.source.triangle = {{0, 1, 2}, {1, 3, 2}};
+  asset.source.source_vertex = {0, 1, 2, 3};
+  asset.binding.clear();
+  for (const uint32_t p : pixel) {
+    asset.source.position.push_back(asset.rest_position[p]);
+    asset.binding.push_back({{p, p, p}, {1, 0, 0}, {}});
+  }
+  const auto count = [&](const std::vector<uint32_t>& vertices) {
+    asset.vertex_groups = {{"painted", vertices}};
+    return select_pixels(asset, {}, WhereVertexGroup{"painted"}).size();
+  };
+  EXPECT_EQ(count({0}), 1U);
+  EXPECT_EQ(count({0, 3}), 2U);  // no edge joins them
+  EXPECT_EQ(count({0, 1}), kSide);
+  EXPECT_EQ(count({0, 1, 2}), kSide * (kSide + 1) / 2);
+  EXPECT_EQ(count({0, 1, 2, 3}), kSide * kSide);
+  EXPECT_EQ(select_pixels(asset, {}, WhereVertices{{0, 1}}).size(), 2U);  // a list means what it names
+}
+
 // Rounding leaves points of a row on both sides of a face that it lies on: the upper edge of a sheet that is turned
 // hung by one of its 9 points.
 TEST_F(Playing, RowsOnTheFaceOfASelectorAreTakenWhole) {

@@ -5,6 +5,7 @@
 #include "geocloth/parametrize/import.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <charconv>
 #include <cmath>
@@ -207,6 +208,7 @@ class MeshBuilder {
     mesh_.name = file.stem().string();
     if (obj != nullptr) {
       obj_position_ = std::move(obj->position);
+      obj_color_ = std::move(obj->color);
       obj_part_name_ = std::move(obj->part_name);
     }
   }
@@ -225,6 +227,7 @@ class MeshBuilder {
     add_materials();
     if (format_ == Format::obj) add_obj_vertices();
     for (const Placement& placement : placements) add_part(placement);
+    add_color_groups();
     sort_groups();
     return std::move(mesh_);
   }
@@ -265,7 +268,11 @@ class MeshBuilder {
 
   void add_obj_vertices() {
     mesh_.position.reserve(obj_position_.size());
-    for (const Point3& p : obj_position_) add_vertex({scale_ * p[0], scale_ * p[1], scale_ * p[2]});
+    for (size_t v = 0; v < obj_position_.size(); ++v) {
+      const Point3& p = obj_position_[v];
+      painted_[obj_color_[v]].push_back(static_cast<uint32_t>(v));
+      add_vertex({scale_ * p[0], scale_ * p[1], scale_ * p[2]});
+    }
   }
 
   /// Numbers in `position` of the vertices of one placed mesh.
@@ -305,9 +312,10 @@ class MeshBuilder {
     if (count == 0) return;
     const std::string name = name_of(placement);
     mesh_.part.push_back({name, material_[mesh.mMaterialIndex], first, count});
-    // Parts and bones are what a file has for naming points.
+    // Parts, bones and paint are what a file has for naming points.
     add_group(name, number);
     add_bones(mesh, number);
+    add_colors(mesh, number);
   }
 
   void add_polygon(const aiMesh& mesh, const aiFace& face, const std::vector<uint32_t>& number, const Pose& pose) {
@@ -377,6 +385,20 @@ class MeshBuilder {
       }
       add_group(bone.mName.C_Str(), members);
     }
+  }
+
+  /// Vertices that are painted in one of eight colours, or nearly, are a group, where there are several colours.
+  void add_colors(const aiMesh& mesh, const std::vector<uint32_t>& number) {
+    if (format_ == Format::obj) return;  // see add_obj_vertices
+    for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
+      const aiColor4D c = mesh.HasVertexColors(0) ? mesh.mColors[0][v] : aiColor4D(1, 1, 1, 1);
+      painted_[paint_color(c.r, c.g, c.b)].push_back(number[v]);
+    }
+  }
+  void add_color_groups() {
+    constexpr std::array<const char*, 8> kName{"black", "red", "green", "yellow", "blue", "magenta", "cyan", "white"};
+    if (std::ranges::count_if(painted_, [](const auto& members) { return !members.empty(); }) < 2) return;
+    for (size_t k = 0; k < kName.size(); ++k) add_group(std::string("color:") + kName[k], painted_[k]);
   }
 
   void add_group(const std::string& name, const std::vector<uint32_t>& members) {
@@ -484,6 +506,7 @@ class MeshBuilder {
   double scale_;
   ScenePose pose_;
   std::vector<Point3> obj_position_;
+  std::vector<uint8_t> obj_color_;
   std::vector<std::string> obj_part_name_;
   TriangleMesh mesh_;
   bool has_uv_ = false, has_normal_ = false;
@@ -491,6 +514,7 @@ class MeshBuilder {
   std::vector<uint32_t> material_;  ///< per material of the scene: its number in mesh_
   std::map<std::string, std::optional<uint32_t>> image_;
   std::map<std::string, std::size_t> group_;
+  std::array<std::vector<uint32_t>, 8> painted_;  ///< vertices, by paint_color()
   std::vector<Point3> corner_position_;
   std::vector<Triangle> cut_;
 };

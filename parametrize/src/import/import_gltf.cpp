@@ -35,8 +35,8 @@ void rewrite_primitive(GltfData& data, Json& primitive) {
   Json& attributes = primitive["attributes"];
   Json kept = Json::object();
   for (const auto& [name, value] : attributes.items()) {
-    const bool wanted =
-        name == "POSITION" || name == "NORMAL" || name == "TEXCOORD_0" || name == "JOINTS_0" || name == "WEIGHTS_0";
+    const bool wanted = name == "POSITION" || name == "NORMAL" || name == "TEXCOORD_0" || name == "COLOR_0" ||
+                        name == "JOINTS_0" || name == "WEIGHTS_0";
     if (!wanted) continue;
     if (name != "JOINTS_0") make_float(data, value.get<std::size_t>());
     kept[name] = value;

@@ -4,11 +4,15 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <optional>
 #include <utility>
 
+#include "colliders/closest.h"
+#include "colliders/triangle_tree.h"
 #include "geocloth/asset/disjoint_sets.h"
 #include "geocloth/asset/error.h"
 #include "geocloth/asset/grid_mesh.h"
+#include "geocloth/asset/vec3d.h"
 #include "geocloth/solver/scene.h"
 
 namespace geocloth {
@@ -111,7 +115,10 @@ class Selector {
   void operator()(const WhereVertexGroup& where) {
     std::string known;
     for (const auto& group : asset_.vertex_groups) {
-      if (group.name == where.name) return take_vertices(group.source_vertex);
+      if (group.name == where.name) {
+        take_vertices(group.source_vertex);
+        return take_between(group.source_vertex);
+      }
       known += (known.empty() ? "" : ", ") + group.name;
     }
     throw Error(ErrorCode::invalid_data,
@@ -242,6 +249,31 @@ class Selector {
       taken_[binding.pixel[static_cast<size_t>(largest)]] = true;
     }
   }
+
+  /// What lies on triangles and edges between vertices of a group: where those of the mesh are long the pixels at its
+  /// vertices alone would be dots, between which the cloth hangs through.
+  void take_between(const std::vector<uint32_t>& ids) {
+    const SourceMesh& source = asset_.source;
+    std::vector<bool> wanted(source.source_vertex_count);
+    for (const uint32_t id : ids) wanted[id] = true;
+    std::vector<TriangleCorners> corners;
+    corners.reserve(source.triangle.size());
+    for (const Triangle& t : source.triangle) corners.push_back(corners_of(t, source.position));
+    const TriangleTree tree(corners);
+    const double beside = kBesideEdge * double{asset_.spacing};
+    for (uint32_t p = 0; p < asset_.pixel_count(); ++p) {
+      if (!asset_.valid(p) || taken_[p]) continue;
+      const Vec3d x = to_double(asset_.rest_position[p]);
+      const std::optional<uint32_t> nearest = tree.nearest(x);
+      if (!nearest) return;
+      std::vector<Vec3d> of_group;
+      for (const uint32_t v : source.triangle[*nearest])
+        if (wanted[source.source_vertex[v]]) of_group.push_back(to_double(source.position[v]));
+      taken_[p] = of_group.size() == 3 ||
+                  (of_group.size() == 2 && length(x - closest_on_segment(of_group[0], of_group[1], x)) <= beside);
+    }
+  }
+  static constexpr double kBesideEdge = 0.51;  ///< spacings: one pixel at least in every row or column that it crosses
 
   const ClothAsset& asset_;
   const Transform& transform_;

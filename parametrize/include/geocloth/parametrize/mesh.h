@@ -33,7 +33,8 @@ struct TriangleMesh {
   std::vector<SourcePart> part;               ///< ranges of `triangle`, ascending, covering all of it
   std::vector<SourceMaterial> material;
   std::vector<SourceImage> image;
-  /// Vertices of each named part, and those that each bone moves more than anything else.
+  /// Vertices of each named part, those that each bone moves more than anything else, and those painted in one of eight
+  /// colours ("color:red"), where there are several.
   std::vector<ClothAsset::VertexGroup> vertex_groups;
   std::vector<std::string> left_out;  ///< what the file has and this mesh has not, in plain words
 };
