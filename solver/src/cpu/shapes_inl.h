@@ -235,8 +235,8 @@ HWY_INLINE CellCorners<D> corners_of_cells(D d, const float* grid, hn::VFromD<hn
   };
   const auto sides = [&](const float* corners) GEOCLOTH_LANES {
     const auto side = [&](size_t lane) GEOCLOTH_LANES { return side_of_cell(lane, corners); };
-    return transposed<D>(d, {every_fourth(d, 0, side), every_fourth(d, 1, side), every_fourth(d, 2, side),
-                             every_fourth(d, 3, side)});
+    return transposed<D>(
+        d, {every_fourth(d, 0, side), every_fourth(d, 1, side), every_fourth(d, 2, side), every_fourth(d, 3, side)});
   };
   const auto near = sides(grid), far = sides(grid + layer);
   return {near[0], near[1], near[2], near[3], far[0], far[1], far[2], far[3]};
@@ -295,11 +295,10 @@ HWY_INLINE Points<D> deforming_way(D d, const float* numbers, const shader::Coll
     return mix(d, mix(d, along(0), along(row), ty), mix(d, along(layer), along(layer + row), ty), tz);
   };
   const Points<D>& t = place.t;
-  const auto way = transposed<D>(
-      d, {mixed(0, hn::Broadcast<0>(t.x), hn::Broadcast<0>(t.y), hn::Broadcast<0>(t.z)),
-          mixed(1, hn::Broadcast<1>(t.x), hn::Broadcast<1>(t.y), hn::Broadcast<1>(t.z)),
-          mixed(2, hn::Broadcast<2>(t.x), hn::Broadcast<2>(t.y), hn::Broadcast<2>(t.z)),
-          mixed(3, hn::Broadcast<3>(t.x), hn::Broadcast<3>(t.y), hn::Broadcast<3>(t.z))});
+  const auto way = transposed<D>(d, {mixed(0, hn::Broadcast<0>(t.x), hn::Broadcast<0>(t.y), hn::Broadcast<0>(t.z)),
+                                     mixed(1, hn::Broadcast<1>(t.x), hn::Broadcast<1>(t.y), hn::Broadcast<1>(t.z)),
+                                     mixed(2, hn::Broadcast<2>(t.x), hn::Broadcast<2>(t.y), hn::Broadcast<2>(t.z)),
+                                     mixed(3, hn::Broadcast<3>(t.x), hn::Broadcast<3>(t.y), hn::Broadcast<3>(t.z))});
   return {way[0], way[1], way[2]};
 }
 
