@@ -194,7 +194,8 @@ template <class D>
 struct CellCorners {
   Vec<D> n000, n100, n010, n110, n001, n101, n011, n111;
 };
-/// A block of four numbers for each lane from `lane` on that is so many times four from it.
+/// Blocks of four numbers side by side, those of the lanes `lane`, `lane` + 4, `lane` + 8 ...
+/// @param block  gives that of a lane
 template <class D, class Block>
 HWY_INLINE Vec<D> every_fourth(D d, size_t lane, const Block& block) {
   if constexpr (hn::MaxLanes(D()) == 4) {
@@ -208,7 +209,7 @@ HWY_INLINE Vec<D> every_fourth(D d, size_t lane, const Block& block) {
 /// @param v  of the lanes 0, 4, 8 ... those of 1, 5, 9 ... and so on
 template <class D>
 HWY_INLINE std::array<Vec<D>, 4> transposed(D d, const std::array<Vec<D>, 4>& v) {
-  const hn::RepartitionToWide<D> pair;
+  const hn::RepartitionToWide<hn::RebindToUnsigned<D>> pair;
   const auto low01 = hn::BitCast(pair, hn::InterleaveLower(d, v[0], v[1]));
   const auto low23 = hn::BitCast(pair, hn::InterleaveLower(d, v[2], v[3]));
   const auto high01 = hn::BitCast(pair, hn::InterleaveUpper(d, v[0], v[1]));
