@@ -22,6 +22,7 @@ namespace {
 
 constexpr double kNear = 1.75;  ///< [spacings] that triangles are measured from; above the square root of 3
 constexpr size_t kGrain = 256;  ///< nodes or triangles
+constexpr size_t kTrianglesAtOnce = 65'536;  ///< which take 16 MiB
 
 enum class State : uint8_t { unknown, touched, front, known };
 
@@ -58,19 +59,25 @@ class NearestSurface {
  private:
   /// All triangles, each from the nodes near it; then where on its triangle each node's nearest point is.
   void measure_near() {
-    std::vector<RowTriangle> rows(triangles_.size());
+    for (size_t first = 0; first < triangles_.size(); first += kTrianglesAtOnce) measure_from(first);
+    tbb::parallel_for(0U, size_[2], [&](uint32_t z) { find_points(z); });
+  }
+
+  /// The triangles from `first` on that are measured at once.
+  void measure_from(size_t first_triangle) {
+    std::vector<RowTriangle> rows(std::min(kTrianglesAtOnce, triangles_.size() - first_triangle));
     tbb::parallel_for(tbb::blocked_range<size_t>(0, rows.size(), kGrain), [&](const auto& range) {
-      for (size_t k = range.begin(); k < range.end(); ++k) rows[k] = RowTriangle(triangles_[k], kNear, size_);
+      for (size_t k = range.begin(); k < range.end(); ++k)
+        rows[k] = RowTriangle(triangles_[first_triangle + k], kNear, size_);
     });
     const uint32_t slabs = (size_[2] + kLayersAtOnce - 1) / kLayersAtOnce;
     const SlabLists lists = lists_of(rows, slabs);
     tbb::parallel_for(0U, slabs, [&](uint32_t slab) {
       const uint32_t first = slab * kLayersAtOnce, last = std::min(first + kLayersAtOnce, size_[2]);
       for (uint32_t i = lists.first[slab]; i < lists.first[slab + 1]; ++i) {
-        const uint32_t k = lists.triangle[i];
-        measure_triangle(rows[k], k, size_, first, last, square_.data(), nearest_.data());
+        const uint32_t k = lists.triangle[i], number = static_cast<uint32_t>(first_triangle + k);
+        measure_triangle(rows[k], number, size_, first, last, square_.data(), nearest_.data());
       }
-      for (uint32_t z = first; z < last; ++z) find_points(z);
     });
   }
 
