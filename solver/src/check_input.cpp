@@ -189,8 +189,8 @@ void check_backstop(const Backstop& backstop, bool held, const std::string& wher
                                                  "max_distance");
   if (!(std::abs(length(backstop.outward) - 1) <= kUnit))
     throw Error(ErrorCode::invalid_argument, where + ": the normal of its backstop must have the length 1");
-  check_at_least(backstop.distance, 0, where, "the distance of its backstop", kLargestPinDistance);
-  check_above(backstop.radius, 0, where, "the radius of its backstop", kLargestPinDistance);
+  check_at_least(backstop.distance, 0, where, "the distance of its backstop", kLargestBackstop);
+  check_above(backstop.radius, 0, where, "the radius of its backstop", kLargestBackstop);
 }
 
 void check_tear(double stretch, const std::string& where) {

@@ -16,6 +16,7 @@ inline constexpr uint32_t kMostSubsteps = 256;
 
 inline constexpr double kLargestPressure = 1e6;     ///< [Pa] either way
 inline constexpr double kLargestPinDistance = 1e4;  ///< [m]
+inline constexpr double kLargestBackstop = 100;     ///< [m] of a larger ball single precision has no smooth surface
 
 /// Every field in its documented range. `where` begins the message, e.g. "cloth 2" or "colliders[0] \"ball\"".
 /// @throws Error(invalid_argument) naming the field, its value and its range

@@ -595,7 +595,7 @@ void Solver::Impl::check_cloth(SavedCloth& saved, uint32_t index) const {
             ": a pin is where no cloth is, or out of order");
     last = pixel;
     require(finite(pin.from) && finite(pin.back.from) && finite(pin.back.to), where, ": a pin is not finite");
-    require(pin.back.radius >= 0 && pin.back.radius <= kLargestPinDistance, where, ": a pin has no such backstop");
+    require(pin.back.radius >= 0 && pin.back.radius <= kLargestBackstop, where, ": a pin has no such backstop");
     check_position(pin.target, where + ": a pin");
     check_pin_hold(pin.hold.frequency, pin.hold.max_distance, where + ": a pin");
   }

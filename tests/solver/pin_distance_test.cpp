@@ -169,7 +169,8 @@ TEST(PinBackstop, OneThatIsNoneIsRefused) {
   has({.pixel = 0, .max_distance = 1, .backstop = Backstop{{0, 0, 0}}}, "the normal of its backstop");
   has({.pixel = 0, .max_distance = 1, .backstop = Backstop{{0, std::nanf(""), 0}}}, "the normal of its backstop");
   has({.pixel = 0, .max_distance = 1, .backstop = Backstop{{0, 1, 0}, -1}}, "the distance of its backstop");
-  has({.pixel = 0, .max_distance = 1, .backstop = Backstop{{0, 1, 0}, 0, 0}}, "the radius of its backstop");
+  for (const float radius : {0.F, 1000.F, std::nanf("")})
+    has({.pixel = 0, .max_distance = 1, .backstop = Backstop{{0, 1, 0}, 0, radius}}, "the radius of its backstop");
 }
 
 TEST(PinDistance, OnlyThoseWithoutOneAreHeld) {

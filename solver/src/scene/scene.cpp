@@ -171,11 +171,11 @@ MaxDistance read_max_distance(const JsonReader& json) {
 }
 
 SceneBackstop read_backstop(const JsonReader& json) {
-  if (!json.is_object()) return {.distance = static_cast<float>(in_range(json, 0, kLargestPinDistance))};
+  if (!json.is_object()) return {.distance = static_cast<float>(in_range(json, 0, kLargestBackstop))};
   json.expect_object({"distance", "radius"});
   SceneBackstop r;
-  r.distance = static_cast<float>(in_range(json.at("distance"), 0, kLargestPinDistance));
-  if (json.has("radius")) r.radius = static_cast<float>(in_range(json.at("radius"), 1e-4, kLargestPinDistance));
+  r.distance = static_cast<float>(in_range(json.at("distance"), 0, kLargestBackstop));
+  if (json.has("radius")) r.radius = static_cast<float>(in_range(json.at("radius"), 1e-4, kLargestBackstop));
   return r;
 }
 

@@ -89,8 +89,8 @@ struct SolverSettings {
 /// ball, which costs next to nothing where a collider that deforms has to be measured anew in every frame.
 struct Backstop {
   Vec3 outward;         ///< unit normal of the surface that the target lies on, as the target is there
-  float distance = 0;   ///< [m] >= 0 from the target down to the ball
-  float radius = 0.5F;  ///< [m] above 0, of the ball: a point that is s aside gets s^2 / 2 radius lower
+  float distance = 0;   ///< [m] from the target down to the ball; 0 to 100
+  float radius = 0.5F;  ///< [m] of the ball, above 0 and up to 100: a point s aside may be s^2 / (2 radius) lower
 };
 
 /// A pinned point: it follows `target`, which is reached at the end of the next frame. Copies are pinned with it. With
