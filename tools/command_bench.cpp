@@ -81,12 +81,19 @@ std::vector<std::pair<Backend, uint32_t>> backends_of(const BenchArguments& opti
   return backends;
 }
 
+/// None where the scene takes too long for a quick run that did not ask for it.
+std::vector<uint32_t> sizes_of(const BenchSceneKind& kind, const BenchArguments& options) {
+  if (!options.quick) return asked_or(options.size, kind.sizes);
+  if (!kind.quick_sizes.empty()) return asked_or(options.size, kind.quick_sizes);
+  return options.scene.empty() ? std::vector<uint32_t>{} : asked_or(options.size, {kind.sizes.front()});
+}
+
 std::vector<Case> cases_of(const BenchArguments& options) {
   std::vector<Case> cases;
   const auto backends = backends_of(options);
   for (const BenchSceneKind& kind : bench_scene_kinds()) {
     if (!options.scene.empty() && options.scene != kind.name) continue;
-    for (const uint32_t size : asked_or(options.size, options.quick ? kind.quick_sizes : kind.sizes)) {
+    for (const uint32_t size : sizes_of(kind, options)) {
       for (const uint32_t substeps : asked_or(options.substeps, options.quick ? kind.quick_substeps : kind.substeps)) {
         for (const auto& [backend, threads] : backends) cases.push_back({&kind, size, substeps, backend, threads});
       }

@@ -281,7 +281,7 @@ const std::vector<BenchSceneKind>& bench_scene_kinds() {
        make_drape},
       {"garment", "a T-shirt of two panels", {64, 128, 256}, {64}, {4, 8, 16}, {8}, make_garment},
       {"walk", "a dress on capsules that walk", {64, 128}, {64}, {8, 16}, {8}, make_walk},
-      {"body", "a dress on a body of triangles that walks", {64, 128}, {64}, {8, 16}, {8}, make_body},
+      {"body", "a dress on a body of triangles that walks", {64, 128}, {}, {8, 16}, {8}, make_body},
       {"heap", "a T-shirt that falls in a heap and collides with itself", {64, 128}, {64}, {8, 16}, {8}, make_heap},
   };
   return kinds;

@@ -27,7 +27,7 @@ struct BenchSceneKind {
   std::string_view name;
   std::string_view summary;
   std::vector<uint32_t> sizes;        ///< measured when no size is asked for [points a side]
-  std::vector<uint32_t> quick_sizes;  ///< the same with --quick
+  std::vector<uint32_t> quick_sizes;  ///< the same with --quick; none: only where the scene is asked for
   std::vector<uint32_t> substeps;     ///< measured when no number is asked for
   std::vector<uint32_t> quick_substeps;
   BenchScene (*make)(uint32_t size);
