@@ -25,7 +25,7 @@ inline vec3 pinned_position(PinTarget pin, float pin_fraction, float frame_fract
   precise vec3 r = position + (goal - position) * pin.target.w + (along - position) * pin.start.w;
   if (pin.limit.x > 0.0f) r = attach(r, goal, pin.limit.x);
   if (pin.behind.w > 0.0f) {
-    vec3 middle = goal + mix3(xyz(pin.behind_start), xyz(pin.behind), frame_fraction);
+    precise vec3 middle = goal + mix3(xyz(pin.behind_start), xyz(pin.behind), frame_fraction);
     r = out_of_ball(r, middle, pin.behind.w);
   }
   return r;
