@@ -288,9 +288,8 @@ TEST_P(Field, OfFewNodesInARowFindsTheNearestTriangle) {
     const Vec3d p = grid.place(node % 5, node / 5 % 9, node / 45);
     const auto distance = [&](const TriangleCorners& t) { return length(p - closest_on_triangle(t, p)); };
     ASSERT_LT(near.triangle[node], 2);
-    const NearestPoints::Off& off = near.off[node];
-    EXPECT_NEAR(length(Vec3d{off.x, off.y, off.z}), distance(triangles[near.triangle[node]]), 1e-5);
-    EXPECT_NEAR(length(Vec3d{off.x, off.y, off.z}), std::min(distance(triangles[0]), distance(triangles[1])), 0.2);
+    EXPECT_NEAR(length(near.off[node]), distance(triangles[near.triangle[node]]), 1e-5);
+    EXPECT_NEAR(length(near.off[node]), std::min(distance(triangles[0]), distance(triangles[1])), 0.2);
   }
 }
 INSTANTIATE_TEST_SUITE_P(Every, Field, testing::ValuesIn(test::vector_targets()),

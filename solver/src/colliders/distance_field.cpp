@@ -226,8 +226,7 @@ class Filler {
       field_.distance[node] = static_cast<float>(kBand * grid_.spacing);
       return;
     }
-    const auto [x, y, z] = nearest_.off[node];
-    const Vec3d off = grid_.spacing * Vec3d{x, y, z};
+    const Vec3d off = grid_.spacing * to_double(nearest_.off[node]);
     const double d = length(off);
     field_.distance[node] = static_cast<float>(inside_[node] != 0 ? -d : d);
     if (!before_.empty()) field_.way[node] = way_of(triangle, corner_shares(corners_at(triangle), p + off));

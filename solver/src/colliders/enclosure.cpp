@@ -225,11 +225,10 @@ void Enclosure::index(std::span<const TriangleCorners> triangles) {
   std::vector<FacetBox> asked;
   asked.reserve(triangles.size());
   for (const TriangleCorners& t : triangles)
-    asked.push_back(box_of({on_lattice(t.a), on_lattice(t.b), on_lattice(t.c), 0}));
+    asked.push_back(box_of({on_lattice(t.a), on_lattice(t.b), on_lattice(t.c), 0}, 0));
   std::vector<FacetBox> boxes;
   boxes.reserve(facets_.size());
-  for (const Facet& f : facets_) boxes.push_back(box_of(f));
-  for (uint32_t k = 0; k < boxes.size(); ++k) boxes[k].facet = k;
+  for (uint32_t k = 0; k < facets_.size(); ++k) boxes.push_back(box_of(facets_[k], k));
 
   std::vector<char> is_asked;
   const auto for_columns = [&](const FacetBox& box, int64_t more, const auto& body) {
@@ -264,10 +263,10 @@ void Enclosure::index(std::span<const TriangleCorners> triangles) {
   for_entries([&](size_t column, const FacetBox& box) { in_column_[next[column]++] = box; });
 }
 
-Enclosure::FacetBox Enclosure::box_of(const Facet& f) {
+Enclosure::FacetBox Enclosure::box_of(const Facet& f, uint32_t number) {
   const auto [y0, y1] = std::minmax({f.a.y, f.b.y, f.c.y});
   const auto [z0, z1] = std::minmax({f.a.z, f.b.z, f.c.z});
-  return {std::min({f.a.x, f.b.x, f.c.x}), y0, y1, z0, z1, 0};
+  return {std::min({f.a.x, f.b.x, f.c.x}), y0, y1, z0, z1, number};
 }
 
 bool Enclosure::encloses(const Vec3d& p) const {

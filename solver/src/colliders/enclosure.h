@@ -58,7 +58,7 @@ class Enclosure {
   [[nodiscard]] LatticePoint on_lattice(const Vec3d& p) const;
   [[nodiscard]] Vec3d place(const LatticePoint& p) const;
   void count_turns(uint32_t first_layer, uint32_t last_layer, std::vector<int32_t>& turns) const;
-  static FacetBox box_of(const Facet& f);
+  static FacetBox box_of(const Facet& f, uint32_t number);
   [[nodiscard]] int32_t turns_at(const LatticePoint& p) const;
 
   NodeGrid grid_;

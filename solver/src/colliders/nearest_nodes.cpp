@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <numeric>
 #include <utility>
 
@@ -37,7 +36,7 @@ class NearestSurface {
         band_(static_cast<float>(band * band)),
         square_(inside.size(), std::numeric_limits<float>::max()),
         nearest_(inside.size(), kNoTriangle),
-        off_(std::make_unique_for_overwrite<Off[]>(inside.size())),
+        off_(inside.size()),
         state_(inside.size(), State::unknown) {
     const auto in_spacings = [&](const Vec3d& p) { return (1 / grid.spacing) * (p - grid.low); };
     triangles_.reserve(triangles.size());
@@ -118,13 +117,11 @@ class NearestSurface {
     }
   }
 
-  using Off = NearestPoints::Off;
-  [[nodiscard]] Off off_triangle(uint32_t triangle, uint32_t x, uint32_t y, uint32_t z) const {
+  [[nodiscard]] Vec3 off_triangle(uint32_t triangle, uint32_t x, uint32_t y, uint32_t z) const {
     const Vec3d p{static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
-    const Vec3d d = closest_on_triangle(triangles_[triangle], p) - p;
-    return {static_cast<float>(d.x), static_cast<float>(d.y), static_cast<float>(d.z)};
+    return to_float(closest_on_triangle(triangles_[triangle], p) - p);
   }
-  static float square(const Off& d) { return d.x * d.x + d.y * d.y + d.z * d.z; }
+  static float square(const Vec3& d) { return dot(d, d); }
 
   /// Shell by shell, each a spacing wide: the nodes in one are the front, and those beside it take what is nearest to
   /// it.
@@ -181,14 +178,13 @@ class NearestSurface {
       if (!is_within && !has(x + n.x, y + n.y, z + n.z)) continue;
       const uint32_t other = node + n.nodes;
       if (state_[other] != State::front) continue;
-      const Off& off = off_[other];
-      const float own = square({off.x + n.way.x, off.y + n.way.y, off.z + n.way.z});
+      const float own = square(off_[other] + n.way);
       if (!(own < least)) continue;
       least = own;
       best = nearest_[other];
     }
     if (best == nearest_[node]) return;
-    const Off off = off_triangle(best, x, y, z);
+    const Vec3 off = off_triangle(best, x, y, z);
     if (!(square(off) < square_[node])) return;
     square_[node] = square(off);
     nearest_[node] = best;
@@ -198,7 +194,7 @@ class NearestSurface {
   /// One of the 26 nodes around a node. Steps back are whole numbers that go around.
   struct Neighbor {
     uint32_t nodes, x, y, z;  ///< that it is further on
-    Off way;                  ///< [spacings] to it
+    Vec3 way;                 ///< [spacings] to it
   };
   static std::array<Neighbor, 26> neighbors_in(const std::array<uint32_t, 3>& size) {
     std::array<Neighbor, 26> around{};
@@ -245,7 +241,7 @@ class NearestSurface {
   float band_;                 ///< squared
   std::vector<float> square_;  ///< by node, of the distance to the nearest triangle so far
   std::vector<uint32_t> nearest_;
-  std::unique_ptr<Off[]> off_;  ///< where there is a nearest triangle
+  std::vector<Vec3> off_;  ///< where there is a nearest triangle
   std::vector<State> state_;
 };
 

@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <vector>
 
@@ -16,11 +15,8 @@ inline constexpr uint32_t kNoTriangle = 0xFFFFFFFF;
 
 /// The surface that is nearest to each node of a grid.
 struct NearestPoints {
-  struct Off {
-    float x, y, z;
-  };
   std::vector<uint32_t> triangle;  ///< by node; kNoTriangle: not known
-  std::unique_ptr<Off[]> off;      ///< by node, [spacings] from it to the nearest point of its triangle, where known
+  std::vector<Vec3> off;           ///< by node, [spacings] from it to the nearest point of its triangle, where known
 };
 
 /// Finds for each node of a grid the nearest of some triangles, and the point of it.

@@ -15,52 +15,39 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "points_inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace geocloth::HWY_NAMESPACE {
-
-namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr uint32_t kWindow = 8;  ///< nodes of a row that are measured at once, whatever a vector holds
 
 template <class D>
-struct RowPoints {
-  hn::VFromD<D> x, y, z;
-};
-template <class D>
-HWY_INLINE RowPoints<D> spread(D d, const RowTriangle::Single& v) {
-  return {hn::Set(d, v.x), hn::Set(d, v.y), hn::Set(d, v.z)};
-}
-template <class D>
-HWY_INLINE RowPoints<D> from_to(const RowPoints<D>& a, const RowPoints<D>& b) {
-  return {hn::Sub(b.x, a.x), hn::Sub(b.y, a.y), hn::Sub(b.z, a.z)};
-}
-template <class D>
-HWY_INLINE hn::VFromD<D> times(D, const RowPoints<D>& a, const RowPoints<D>& b) {
-  return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
+HWY_INLINE Points<D> set(D d, const Vec3& v) {
+  return set(d, v.x, v.y, v.z);
 }
 
 /// @param p  [spacings] the points, from the first corner
 template <class D>
-HWY_INLINE hn::VFromD<D> squares_of(D d, const RowTriangle& t, const RowPoints<D>& p) {
+HWY_INLINE Vec<D> squares_of(D d, const RowTriangle& t, const Points<D>& p) {
   const auto zero = hn::Zero(d), one = hn::Set(d, 1.F);
   auto least = hn::Set(d, std::numeric_limits<float>::max()), most_out = hn::Set(d, t.flat ? 1.F : -1.F);
   for (const RowTriangle::Edge& e : t.edges) {
-    const RowPoints<D> way = spread(d, e.way), q = from_to<D>(spread(d, e.from), p);
-    const auto share = hn::Min(hn::Max(hn::Mul(times(d, q, way), hn::Set(d, e.inverse)), zero), one);
-    const RowPoints<D> off{hn::Sub(q.x, hn::Mul(share, way.x)), hn::Sub(q.y, hn::Mul(share, way.y)),
-                           hn::Sub(q.z, hn::Mul(share, way.z))};
-    least = hn::Min(least, times(d, off, off));
-    most_out = hn::Max(most_out, times(d, q, spread(d, e.out)));
+    const Points<D> way = set(d, e.way), q = sub(p, set(d, e.from));
+    const auto share = hn::Min(hn::Max(hn::Mul(dot(d, q, way), hn::Set(d, e.inverse)), zero), one);
+    const Points<D> off = sub(q, scale(d, way, share));
+    least = hn::Min(least, dot(d, off, off));
+    most_out = hn::Max(most_out, dot(d, q, set(d, e.out)));
   }
-  const auto above = times(d, p, spread(d, t.normal));
+  const auto above = dot(d, p, set(d, t.normal));
   return hn::IfThenElse(hn::Gt(most_out, zero), least, hn::Mul(above, above));
 }
 
 /// Nodes that lie one after another in a row.
 /// @param p  [spacings] the first one, from the triangle's first corner
 template <class D>
-HWY_INLINE void measure_row(D d, const RowTriangle& t, uint32_t number, const RowTriangle::Single& p, uint32_t count,
-                            float* square, uint32_t* nearest) {
+HWY_INLINE void measure_row(D d, const RowTriangle& t, uint32_t number, const Vec3& p, uint32_t count, float* square,
+                            uint32_t* nearest) {
   const hn::RebindToUnsigned<D> du;
   const auto own = hn::Set(du, number);
   const auto steps = hn::Iota(d, 0.F);
@@ -92,8 +79,7 @@ HWY_INLINE void measure_layers(D d, uint32_t window, const RowTriangle& t, uint3
       if (off_y * off_y + off_z * off_z > t.reach * t.reach) continue;
       for (uint32_t from = t.first[0]; from < t.last[0]; from += window) {
         const uint32_t x = std::min(from, size[0] - window);  // the last window measures some twice
-        const RowTriangle::Single p{static_cast<float>(x - t.a.x), static_cast<float>(y - t.a.y),
-                                    static_cast<float>(z - t.a.z)};
+        const Vec3 p{static_cast<float>(x - t.a.x), static_cast<float>(y - t.a.y), static_cast<float>(z - t.a.z)};
         const size_t node = (size_t{z} * size[1] + y) * size[0] + x;
         measure_row(d, t, number, p, window, square + node, nearest + node);
       }
@@ -117,13 +103,6 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace geocloth {
-namespace {
-
-RowTriangle::Single single(const Vec3d& v) {
-  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-}
-
-}  // namespace
 
 RowTriangle::RowTriangle(const TriangleCorners& t, double reach_of_it, const std::array<uint32_t, 3>& size)
     : a(t.a), reach(reach_of_it) {
@@ -132,11 +111,11 @@ RowTriangle::RowTriangle(const TriangleCorners& t, double reach_of_it, const std
   const double area = length(n);
   flat = !(area > 1e-12);
   const Vec3d unit = flat ? Vec3d{} : (1 / area) * n;
-  normal = single(unit);
+  normal = to_float(unit);
   for (size_t k = 0; k < 3; ++k) {
     const Vec3d edge = corner[(k + 1) % 3] - corner[k];
     const double square = dot(edge, edge);
-    edges[k] = {single(corner[k] - t.a), single(edge), single(cross(edge, unit)),
+    edges[k] = {to_float(corner[k] - t.a), to_float(edge), to_float(cross(edge, unit)),
                 square > 0 ? static_cast<float>(1 / square) : 0.F};
   }
   low = {std::min({t.a.x, t.b.x, t.c.x}), std::min({t.a.y, t.b.y, t.c.y}), std::min({t.a.z, t.b.z, t.c.z})};

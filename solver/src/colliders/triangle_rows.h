@@ -10,13 +10,10 @@ namespace geocloth {
 
 /// A triangle among the nodes of a grid, made ready to be measured from many of them.
 struct RowTriangle {
-  struct Single {
-    float x, y, z;
-  };
   struct Edge {
-    Single from, way;  ///< [spacings] from the first corner
-    Single out;        ///< across it, away from the triangle
-    float inverse;     ///< of its length squared; 0: it has none
+    Vec3 from, way;     ///< [spacings] from the first corner
+    Vec3 out;           ///< across it, away from the triangle
+    float inverse = 0;  ///< of its length squared; 0: it has none
   };
 
   RowTriangle() = default;
@@ -28,7 +25,7 @@ struct RowTriangle {
   Vec3d a;
   Vec3d low, high;  ///< [spacings] the box around it
   double reach = 0;
-  Single normal{};
+  Vec3 normal;
   std::array<Edge, 3> edges{};
   bool flat = true;                         ///< without an area, as a segment
   std::array<uint32_t, 3> first{}, last{};  ///< nodes along x, y and z that are near: first .. last - 1

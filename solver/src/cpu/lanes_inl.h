@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Points of a cloth in vectors, lane by lane: loads, stores and the algebra of lib/vector.h, operation by operation.
+// Points of a cloth in vectors, lane by lane: loads, stores and choices beside the algebra of points_inl.h.
 #if defined(GEOCLOTH_CPU_LANES_INL_H) == defined(HWY_TARGET_TOGGLE)  // once for each instruction set
 #ifdef GEOCLOTH_CPU_LANES_INL_H
 #undef GEOCLOTH_CPU_LANES_INL_H
@@ -13,6 +13,7 @@
 #include <hwy/highway.h>
 
 #include "cpu/sweep.h"
+#include "points_inl.h"
 
 /// Of a lambda with vectors: for the instruction set at hand, and part of whoever calls it. A call would take every
 /// vector through memory.
@@ -26,8 +27,16 @@ namespace geocloth::cpu::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-template <class D>
-using Vec = hn::VFromD<D>;
+using geocloth::HWY_NAMESPACE::add;
+using geocloth::HWY_NAMESPACE::dot;
+using geocloth::HWY_NAMESPACE::length;
+using geocloth::HWY_NAMESPACE::Points;
+using geocloth::HWY_NAMESPACE::scale;
+using geocloth::HWY_NAMESPACE::set;
+using geocloth::HWY_NAMESPACE::shifted;
+using geocloth::HWY_NAMESPACE::sub;
+using geocloth::HWY_NAMESPACE::Vec;
+
 template <class D>
 using Mask = hn::Mask<D>;
 
@@ -39,12 +48,6 @@ HWY_INLINE size_t anew(size_t i) {
 #endif
   return i;
 }
-
-/// Three components of as many points as a vector has lanes.
-template <class D>
-struct Points {
-  Vec<D> x, y, z;
-};
 
 /// Coordinates in memory.
 struct PointRow {
@@ -70,34 +73,6 @@ HWY_INLINE void store(D d, const Points<D>& v, const PointRow& p) {
   hn::StoreU(v.x, d, p.x);
   hn::StoreU(v.y, d, p.y);
   hn::StoreU(v.z, d, p.z);
-}
-template <class D>
-HWY_INLINE Points<D> set(D d, float x, float y, float z) {
-  return {hn::Set(d, x), hn::Set(d, y), hn::Set(d, z)};
-}
-template <class D>
-HWY_INLINE Points<D> add(const Points<D>& a, const Points<D>& b) {
-  return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};
-}
-template <class D>
-HWY_INLINE Points<D> sub(const Points<D>& a, const Points<D>& b) {
-  return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
-}
-template <class D>
-HWY_INLINE Points<D> scale(D, const Points<D>& a, Vec<D> s) {
-  return {hn::Mul(a.x, s), hn::Mul(a.y, s), hn::Mul(a.z, s)};
-}
-template <class D>
-HWY_INLINE Points<D> shifted(D d, const Points<D>& p, const Points<D>& step, Vec<D> s) {
-  return add(p, scale(d, step, s));
-}
-template <class D>
-HWY_INLINE Vec<D> dot(D, const Points<D>& a, const Points<D>& b) {
-  return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
-}
-template <class D>
-HWY_INLINE Vec<D> length(D d, const Points<D>& a) {
-  return hn::Sqrt(dot(d, a, a));
 }
 
 /// lib/vector.h: unit_and_length().
