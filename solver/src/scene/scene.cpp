@@ -170,10 +170,10 @@ MaxDistance read_max_distance(const JsonReader& json) {
   return r;
 }
 
-SceneBackstop read_backstop(const JsonReader& json) {
+Backstop read_backstop(const JsonReader& json) {
   if (!json.is_object()) return {.distance = static_cast<float>(in_range(json, 0, kLargestBackstop))};
   json.expect_object({"distance", "radius"});
-  SceneBackstop r;
+  Backstop r;
   r.distance = static_cast<float>(in_range(json.at("distance"), 0, kLargestBackstop));
   if (json.has("radius")) r.radius = static_cast<float>(in_range(json.at("radius"), 1e-4, kLargestBackstop));
   return r;

@@ -347,8 +347,8 @@ std::vector<Pin> Simulation::pins_of(uint32_t cloth, double start, bool only_jum
       const Vec3 moved = set.pin.motion.empty() ? rest : center + rotate(own.rotate, rest - center) + own.translate;
       Pin& pin = pins.emplace_back(Pin{set.pixels[k], apply(carried, moved), set.pin.frequency, most});
       if (!backed || !(most > 0)) continue;
-      const Vec3 outward = rotate(carried.rotate, rotate(own.rotate, normal_of(set, k, only_jumps)));
-      pin.backstop = Backstop{outward, set.pin.backstop->distance, set.pin.backstop->radius};
+      pin.backstop = set.pin.backstop;
+      pin.backstop->outward = rotate(carried.rotate, rotate(own.rotate, normal_of(set, k, only_jumps)));
     }
   }
   return pins;

@@ -49,12 +49,6 @@ struct MaxDistance {
   float per_metre = 0;  ///< [m] >= 0 more for every metre along the cloth from the nearest point that a pin holds
 };
 
-/// How far the points of a pin may be behind the surface that they follow.
-struct SceneBackstop {
-  float distance = 0;   ///< [m] see Backstop
-  float radius = 0.5F;  ///< [m]
-};
-
 struct ScenePin {
   Where where;
   /// "cloth" (the cloth's motion), "skin" (the cloth's, too), "world" (stays), or a collider's name.
@@ -66,8 +60,9 @@ struct ScenePin {
   /// Set: the points are free within that distance of where they would be held. Points that pins without one have, too,
   /// are left to these, and parts of the cloth without a point that is held to no pin if the distance is per metre.
   std::optional<MaxDistance> max_distance = {};
-  /// Only with a max_distance, and where the pin follows a skin or a collider that an animation deforms.
-  std::optional<SceneBackstop> backstop = {};
+  /// Only with a max_distance, and where the pin follows a skin or a collider that an animation deforms: outward is as
+  /// its surface is there.
+  std::optional<Backstop> backstop = {};
 
   [[nodiscard]] bool holds() const { return !(frequency > 0) && !max_distance; }
   /// In a frame [s].

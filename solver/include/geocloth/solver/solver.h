@@ -88,7 +88,7 @@ struct SolverSettings {
 /// What a point that is free within a distance of its target must not get behind, such as the skin that it lies on: a
 /// ball, which costs next to nothing where a collider that deforms has to be measured anew in every frame.
 struct Backstop {
-  Vec3 outward;         ///< unit normal of the surface that the target lies on, as the target is there
+  Vec3 outward = {};    ///< unit normal of the surface that the target lies on, as the target is there
   float distance = 0;   ///< [m] from the target down to the ball; 0 to 100
   float radius = 0.5F;  ///< [m] of the ball, above 0 and up to 100: a point s aside may be s^2 / (2 radius) lower
 };
