@@ -6,13 +6,16 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <map>
 #include <memory>
 #include <new>
+#include <numeric>
 
 #include <assimp/GltfMaterial.h>
 #include <assimp/IOStream.hpp>
@@ -208,7 +211,7 @@ class MeshBuilder {
     mesh_.name = file.stem().string();
     if (obj != nullptr) {
       obj_position_ = std::move(obj->position);
-      obj_color_ = std::move(obj->color);
+      paint_ = std::move(obj->paint);
       obj_part_name_ = std::move(obj->part_name);
     }
   }
@@ -268,11 +271,7 @@ class MeshBuilder {
 
   void add_obj_vertices() {
     mesh_.position.reserve(obj_position_.size());
-    for (size_t v = 0; v < obj_position_.size(); ++v) {
-      const Point3& p = obj_position_[v];
-      painted_[obj_color_[v]].push_back(static_cast<uint32_t>(v));
-      add_vertex({scale_ * p[0], scale_ * p[1], scale_ * p[2]});
-    }
+    for (const Point3& p : obj_position_) add_vertex({scale_ * p[0], scale_ * p[1], scale_ * p[2]});
   }
 
   /// Numbers in `position` of the vertices of one placed mesh.
@@ -315,7 +314,7 @@ class MeshBuilder {
     // Parts, bones and paint are what a file has for naming points.
     add_group(name, number);
     add_bones(mesh, number);
-    add_colors(mesh, number);
+    add_paint(mesh, number);
   }
 
   void add_polygon(const aiMesh& mesh, const aiFace& face, const std::vector<uint32_t>& number, const Pose& pose) {
@@ -387,18 +386,26 @@ class MeshBuilder {
     }
   }
 
-  /// Vertices that are painted in one of eight colours, or nearly, are a group, where there are several colours.
-  void add_colors(const aiMesh& mesh, const std::vector<uint32_t>& number) {
-    if (format_ == Format::obj) return;  // see add_obj_vertices
+  void add_paint(const aiMesh& mesh, const std::vector<uint32_t>& number) {
+    if (format_ == Format::obj) return;  // read_obj has it
+    paint_.resize(mesh_.position.size());
     for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
-      const aiColor4D c = mesh.HasVertexColors(0) ? mesh.mColors[0][v] : aiColor4D(1, 1, 1, 1);
-      painted_[paint_color(c.r, c.g, c.b)].push_back(number[v]);
+      const aiColor4D* const c = mesh.HasVertexColors(0) ? &mesh.mColors[0][v] : nullptr;
+      paint_[number[v]] |= c != nullptr ? paint_of(c->r, c->g, c->b) : kWhite;
     }
   }
+
+  /// Vertices that are painted in one of eight colours, or nearly, are a group, where there are several colours.
   void add_color_groups() {
     constexpr std::array<const char*, 8> kName{"black", "red", "green", "yellow", "blue", "magenta", "cyan", "white"};
-    if (std::ranges::count_if(painted_, [](const auto& members) { return !members.empty(); }) < 2) return;
-    for (size_t k = 0; k < kName.size(); ++k) add_group(std::string("color:") + kName[k], painted_[k]);
+    const unsigned all = std::accumulate(paint_.begin(), paint_.end(), 0U, std::bit_or<unsigned>());
+    if (std::popcount(all) < 2) return;
+    for (size_t k = 0; k < kName.size(); ++k) {
+      std::vector<uint32_t> members;
+      for (uint32_t v = 0; v < paint_.size(); ++v)
+        if ((paint_[v] >> k & 1U) != 0) members.push_back(v);
+      add_group(std::string("color:") + kName[k], members);
+    }
   }
 
   void add_group(const std::string& name, const std::vector<uint32_t>& members) {
@@ -506,7 +513,6 @@ class MeshBuilder {
   double scale_;
   ScenePose pose_;
   std::vector<Point3> obj_position_;
-  std::vector<uint8_t> obj_color_;
   std::vector<std::string> obj_part_name_;
   TriangleMesh mesh_;
   bool has_uv_ = false, has_normal_ = false;
@@ -514,7 +520,7 @@ class MeshBuilder {
   std::vector<uint32_t> material_;  ///< per material of the scene: its number in mesh_
   std::map<std::string, std::optional<uint32_t>> image_;
   std::map<std::string, std::size_t> group_;
-  std::array<std::vector<uint32_t>, 8> painted_;  ///< vertices, by paint_color()
+  std::vector<uint8_t> paint_;  ///< by vertex, see paint_of(); several where its faces differ
   std::vector<Point3> corner_position_;
   std::vector<Triangle> cut_;
 };

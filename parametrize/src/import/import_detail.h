@@ -43,15 +43,17 @@ inline constexpr double kPoseAtRest = 1e-4;
 /// back from assimp, which makes a vertex of its own for every face corner.
 struct ObjText {
   std::vector<Point3> position;        ///< of the `v` records, in the file's order
-  std::vector<uint8_t> color;          ///< of each as paint_color() has it; white where the file says none
+  std::vector<uint8_t> paint;          ///< of each, see paint_of(); white where the file says none
   std::string coded;                   ///< its groups are called by the numbers of the parts
   std::vector<std::string> part_name;  ///< after the object or group, without either after the material
 };
-/// Which of eight colours a vertex is painted in, nearly: bit 0 red, 1 green, 2 blue; 7 is white.
-[[nodiscard]] inline uint8_t paint_color(double red, double green, double blue) {
-  const auto bit = [](double share, int at) { return share > 0.5 ? 1 << at : 0; };
-  return static_cast<uint8_t>(bit(red, 0) | bit(green, 1) | bit(blue, 2));
+/// The one of eight colours that a vertex is painted in, nearly, as a bit: bit r + 2 g + 4 b with red, green and blue 0
+/// or 1.
+[[nodiscard]] inline uint8_t paint_of(double red, double green, double blue) {
+  const int color = (red > 0.5 ? 1 : 0) + (green > 0.5 ? 2 : 0) + (blue > 0.5 ? 4 : 0);
+  return static_cast<uint8_t>(1U << color);
 }
+inline constexpr uint8_t kWhite = 1U << 7U;
 
 [[nodiscard]] ObjText read_obj(const std::filesystem::path& file, std::string_view text);
 /// The vertex number that read_obj wrote as a position.

@@ -155,17 +155,17 @@ class ObjReader {
     if (out_.position.size() >= kMaxElements) fail(file_, ErrorCode::limit, "more than 100 million vertices");
     const auto number = static_cast<uint32_t>(out_.position.size());
     out_.position.push_back(p);
-    out_.color.push_back(read_color(line));
+    out_.paint.push_back(read_paint(line));
     out_.coded.append("v ").append(std::to_string(number & 0xFFFFU)).append(" ");
     out_.coded.append(std::to_string(number >> 16U)).append(" 0\n");
   }
 
   /// Of a `v` record: three numbers after the coordinates, which many programs write though the format has none.
-  static uint8_t read_color(std::string_view line) {
-    std::array<double, 3> share{1, 1, 1};
+  static uint8_t read_paint(std::string_view line) {
+    std::array<double, 3> share{};
     for (double& s : share)
-      if (!read_number(next_word(line), s)) return paint_color(1, 1, 1);
-    return next_word(line).empty() ? paint_color(share[0], share[1], share[2]) : paint_color(1, 1, 1);
+      if (!read_number(next_word(line), s)) return kWhite;
+    return next_word(line).empty() ? paint_of(share[0], share[1], share[2]) : kWhite;
   }
 
   void read_values(std::string_view keyword, std::string_view line, int least, int written, std::size_t& count) {
