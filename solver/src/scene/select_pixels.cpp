@@ -110,17 +110,17 @@ class Selector {
     for_valid([&](uint32_t p, const Vec3& x) { taken_[p] = length(x - where.center) <= radius; });
   }
 
-  void operator()(const WhereVertices& where) { take_vertices(where.source_vertex); }
+  void operator()(const WhereVertices& where) { take_vertices(marked(where.source_vertex)); }
 
   void operator()(const WhereVertexGroup& where) {
-    std::string known;
-    for (const auto& group : asset_.vertex_groups) {
-      if (group.name == where.name) {
-        take_vertices(group.source_vertex);
-        return take_between(group.source_vertex);
-      }
-      known += (known.empty() ? "" : ", ") + group.name;
+    const auto group = std::ranges::find(asset_.vertex_groups, where.name, &ClothAsset::VertexGroup::name);
+    if (group != asset_.vertex_groups.end()) {
+      const std::vector<bool> wanted = marked(group->source_vertex);
+      take_vertices(wanted);
+      return take_between(wanted);
     }
+    std::string known;
+    for (const auto& other : asset_.vertex_groups) known += (known.empty() ? "" : ", ") + other.name;
     throw Error(ErrorCode::invalid_data,
                 name() + "there is no vertex group \"" + where.name + "\"; it has " + (known.empty() ? "none" : known));
   }
@@ -233,7 +233,8 @@ class Selector {
   }
 
   /// A source vertex takes the pixel that has the largest share of it.
-  void take_vertices(const std::vector<uint32_t>& ids) {
+  /// By source vertex, which are listed.
+  [[nodiscard]] std::vector<bool> marked(const std::vector<uint32_t>& ids) const {
     std::vector<bool> wanted(asset_.source.source_vertex_count);
     for (const uint32_t id : ids) {
       if (id >= wanted.size()) {
@@ -242,6 +243,10 @@ class Selector {
       }
       wanted[id] = true;
     }
+    return wanted;
+  }
+
+  void take_vertices(const std::vector<bool>& wanted) {
     for (size_t v = 0; v < asset_.binding.size(); ++v) {
       if (!wanted[asset_.source.source_vertex[v]]) continue;
       const Binding& binding = asset_.binding[v];
@@ -252,10 +257,8 @@ class Selector {
 
   /// What lies on triangles and edges between vertices of a group: where those of the mesh are long the pixels at its
   /// vertices alone would be dots, between which the cloth hangs through.
-  void take_between(const std::vector<uint32_t>& ids) {
+  void take_between(const std::vector<bool>& wanted) {
     const SourceMesh& source = asset_.source;
-    std::vector<bool> wanted(source.source_vertex_count);
-    for (const uint32_t id : ids) wanted[id] = true;
     std::vector<TriangleCorners> corners;
     corners.reserve(source.triangle.size());
     for (const Triangle& t : source.triangle) corners.push_back(corners_of(t, source.position));
