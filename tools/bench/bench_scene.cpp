@@ -12,10 +12,10 @@
 #include <utility>
 
 #include "geocloth/asset/error.h"
-#include "geocloth/asset/vec3d.h"
 #include "geocloth/parametrize/convert.h"
 #include "geocloth/solver/scene.h"
 #include "meshes/mesh_file.h"
+#include "render/solid_mesh.h"
 #include "support/make_sheet.h"
 
 namespace geocloth {
@@ -189,41 +189,17 @@ std::vector<Collider> walker_at(double time) {
   return body;
 }
 
-/// Triangles around a capsule in its pose.
-void add_capsule(const Capsule& capsule, const Transform& pose, TriangleSurface& surface) {
-  constexpr uint32_t kAround = 24, kCap = 6, kSide = 16;  // triangles around, along an end and along the side
-  const Vec3d axis = unit(to_double(capsule.b) - to_double(capsule.a), {0, 1, 0});
-  const Vec3d across = any_across(axis), third = cross(axis, across);
-  const auto first = static_cast<uint32_t>(surface.position.size());
-  const auto add_ring = [&](double along, double angle) {  // share of the axis; from its equator towards b
-    const Vec3d middle = (1 - along) * to_double(capsule.a) + along * to_double(capsule.b);
-    const double radius = (1 - along) * double{capsule.radius_a} + along * double{capsule.radius_b};
-    for (uint32_t k = 0; k < kAround; ++k) {
-      const double turn = 2 * std::numbers::pi * k / kAround;
-      const Vec3d out = std::cos(turn) * across + std::sin(turn) * third;
-      const Vec3d p = middle + radius * (std::cos(angle) * out + std::sin(angle) * axis);
-      surface.position.push_back(apply(pose, to_float(p)));
-    }
-  };
-  constexpr double kQuarter = std::numbers::pi / 2;
-  for (uint32_t k = 0; k < kCap; ++k) add_ring(0, kQuarter * k / kCap - kQuarter);
-  for (uint32_t k = 0; k <= kSide; ++k) add_ring(1.0 / kSide * k, 0);
-  for (uint32_t k = 1; k <= kCap; ++k) add_ring(1, kQuarter * k / kCap);
-  for (uint32_t ring = 0; ring < 2 * kCap + kSide; ++ring) {
-    for (uint32_t k = 0; k < kAround; ++k) {
-      const uint32_t a = first + ring * kAround + k, b = first + ring * kAround + (k + 1) % kAround;
-      surface.triangle.push_back({a, b, b + kAround});
-      surface.triangle.push_back({a, b + kAround, a + kAround});
-    }
-  }
-}
-
 /// The body that walks, of triangles: measured anew for every frame, which counts in its time.
 std::vector<Collider> body_at(double time) {
   constexpr float kNodes = 0.0175F;  // [m] from one to the next: 120,000 to 350,000, as the legs swing
   const auto surface_at = [](double at) {
     TriangleSurface surface;
-    for (const Collider& c : walker_at(at)) add_capsule(std::get<Capsule>(c.shape), c.pose, surface);
+    for (const Collider& c : walker_at(at)) {
+      const auto first = static_cast<uint32_t>(surface.position.size());
+      const SolidMesh piece = solid_mesh(c.shape);
+      for (const Vec3& p : piece.position) surface.position.push_back(apply(c.pose, p));
+      for (const Triangle& t : piece.triangle) surface.triangle.push_back({first + t[0], first + t[1], first + t[2]});
+    }
     return surface;
   };
   const std::vector<Vec3> before = surface_at(time - 1.0 / 60).position;
