@@ -403,7 +403,7 @@ class MeshBuilder {
     for (size_t k = 0; k < kName.size(); ++k) {
       std::vector<uint32_t> members;
       for (uint32_t v = 0; v < paint_.size(); ++v)
-        if ((paint_[v] >> k & 1U) != 0) members.push_back(v);
+        if ((static_cast<unsigned>(paint_[v]) >> k & 1U) != 0) members.push_back(v);
       add_group(std::string("color:") + kName[k], members);
     }
   }
