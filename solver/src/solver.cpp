@@ -321,10 +321,29 @@ void Solver::Impl::set_time_step(double frame_time, uint32_t substeps) {
   calm_step_ = step;
 }
 
+/// Sorts by pixel; of several on one the last one counts. Mostly they are a few lists that ascend, one after another.
+void Solver::Impl::keep_last_of_each(std::vector<PixelPin>& pins) {
+  constexpr int kFew = 8;
+  const auto sorted_from = [&](auto first) {
+    return std::ranges::is_sorted_until(first, pins.end(), {}, &PixelPin::first);
+  };
+  auto sorted = sorted_from(pins.begin());
+  for (int merged = 0; sorted != pins.end() && merged < kFew; ++merged) {
+    const auto next = sorted_from(sorted);
+    std::ranges::inplace_merge(pins.begin(), sorted, next, {}, &PixelPin::first);
+    sorted = next;
+  }
+  if (sorted != pins.end()) std::ranges::stable_sort(pins, {}, &PixelPin::first);
+  size_t kept = 0;
+  for (size_t k = 0; k < pins.size(); ++k)
+    if (k + 1 == pins.size() || pins[k].first != pins[k + 1].first) pins[kept++] = pins[k];
+  pins.resize(kept);
+}
+
 void Solver::Impl::set_pins(uint32_t cloth, std::span<const Pin> pins) {
   const Cloth& c = cloth_at(cloth);
-  std::vector<PixelPin> next;
-  next.reserve(pins.size());
+  std::vector<PixelPin>& next = next_pins_;
+  next.clear();
   std::string where = cloth_name(cloth) + ": pin of pixel ";
   const size_t before_pixel = where.size();
   for (const Pin& pin : pins) {
@@ -349,12 +368,7 @@ void Solver::Impl::set_pins(uint32_t cloth, std::span<const Pin> pins) {
     const SplitVertexTable& splits = c.asset->splits;
     for (uint32_t k = splits.offset[row]; k < splits.offset[row + 1]; ++k) next.emplace_back(splits.pixel[k], state);
   }
-  // Of several on a point the last one counts.
-  std::ranges::reverse(next);
-  std::ranges::stable_sort(next, {}, &PixelPin::first);
-  next.erase(
-      std::unique(next.begin(), next.end(), [](const PixelPin& a, const PixelPin& b) { return a.first == b.first; }),
-      next.end());
+  keep_last_of_each(next);
   if (c.placed_at != time_) {
     auto before = c.pins.begin();
     for (auto& [pixel, pin] : next) {
@@ -373,7 +387,7 @@ void Solver::Impl::set_pins(uint32_t cloth, std::span<const Pin> pins) {
                                                      [](const auto& a, const auto& b) {
                                                        return a.first == b.first && a.second.is_as(b.second);
                                                      });
-  target.pins = std::move(next);
+  std::swap(target.pins, next);
 }
 
 std::vector<uint32_t> Solver::Impl::held_pixels(uint32_t cloth) const {

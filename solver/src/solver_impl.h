@@ -154,6 +154,7 @@ class Solver::Impl {
   [[nodiscard]] uint64_t mark_of_field(const std::shared_ptr<const DistanceField>& field);
 
   [[nodiscard]] const Cloth& cloth_at(uint32_t cloth) const;
+  static void keep_last_of_each(std::vector<PixelPin>& pins);
   void fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const;
   void ease_limit(Cloth& cloth, ClothFrame& frame) const;
   void change_pins(Cloth& cloth, ClothFrame& frame) const;
@@ -204,6 +205,7 @@ class Solver::Impl {
   Vec3 origin_;                    ///< [m] whole metres, near the cloths
   std::vector<Vec3> places_seen_;  ///< [m] of the colliders when cloth was looked for
   std::vector<Cloth> cloths_;
+  std::vector<PixelPin> next_pins_;                             ///< memory of set_pins()
   SelfNumbers inter_;                                           ///< of the cloths that collide with each other
   Vec3 inter_origin_;                                           ///< [m] origin_ when it was made
   std::vector<Collider> colliders_to_;                          ///< at the end of the next frame

@@ -63,12 +63,6 @@ Quat conjugate(const Quat& q) {
   return {-q.x, -q.y, -q.z, q.w};
 }
 
-Vec3 rotate(const Quat& q, const Vec3& v) {
-  const Vec3 u{q.x, q.y, q.z};
-  const Vec3 t = 2.F * cross(u, v);
-  return v + q.w * t + cross(u, t);
-}
-
 Quat quat_from_euler_deg(const Vec3& degrees) {
   return about_axes(degrees.x, degrees.y, degrees.z);
 }
@@ -82,10 +76,6 @@ Quat slerp(const Quat& a, const Quat& b, float t) {
   const double wa = sine > 1e-9 ? std::sin((1.0 - t) * angle) / sine : 1.0 - t;
   const double wb = sign * (sine > 1e-9 ? std::sin(t * angle) / sine : t);
   return to_unit({wa * a.x + wb * b.x, wa * a.y + wb * b.y, wa * a.z + wb * b.z, wa * a.w + wb * b.w});
-}
-
-Vec3 apply(const Transform& t, const Vec3& p) {
-  return t.translate + rotate(t.rotate, t.scale * p);
 }
 
 Transform compose(const Transform& a, const Transform& b) {

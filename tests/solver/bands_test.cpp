@@ -77,7 +77,6 @@ class Touched {
     const cpu::RowStream& stream = *op.stream;
     switch (op.kernel) {
       case RowKernel::bends_along:
-      case RowKernel::pins:  // each its own pixel, within the row that it is listed for
         return;
       case RowKernel::normals:
         for (size_t i = stream.runs[k].first; i < stream.runs[k].last; ++i) {

@@ -29,6 +29,7 @@ struct Case {
   bool on_parent = false;
   float pin_frequency = 0;
   float pin_distance = 0;       ///< [m]
+  bool every_pin = false;       ///< on most of the points, of every kind
   float pressure = 0;           ///< [Pa]
   float collider_step = 0.01F;  ///< [m] of all colliders in a frame
 };
@@ -37,6 +38,28 @@ struct State {
   std::vector<Vec3> positions, velocities, normals;
   SolverStatistics statistics;
 };
+
+/// Runs of pins of any length, of kinds that change within them; they move from frame to frame.
+std::vector<Pin> pins_of_every_kind(const ClothAsset& asset, uint32_t frame) {
+  std::mt19937 random(11);
+  const Vec3 way = static_cast<float>(frame) * Vec3{0.004F, 0.01F, -0.006F};
+  std::vector<Pin> pins;
+  for (uint32_t p = 0; p < asset.pixel_count(); ++p) {
+    const uint32_t kind = random() % 16;
+    const bool in_a_gap = p / 37 % 3 == 0 && kind < 4;
+    if (!asset.valid(p) || in_a_gap) continue;
+    Pin pin{.pixel = p, .target = asset.rest_position[p] + way};
+    if (kind == 5) {  // held
+      pins.push_back(pin);
+      continue;
+    }
+    if (kind % 3 == 0) pin.frequency = 2 + static_cast<float>(kind);
+    if (kind % 3 != 0 || kind > 8) pin.max_distance = 0.005F * static_cast<float>(1 + kind % 5);
+    if (kind % 2 == 0) pin.backstop = Backstop{{0.6F, 0, 0.8F}, 0.002F, kind > 6 ? 0.5F : 0.02F};
+    pins.push_back(pin);
+  }
+  return pins;
+}
 
 State state_after(const Case& c, bool plain, uint32_t threads, uint32_t frames) {
   SolverSettings settings = c.settings;
@@ -56,8 +79,9 @@ State state_after(const Case& c, bool plain, uint32_t threads, uint32_t frames) 
     std::vector<Collider> colliders = c.colliders;
     for (Collider& collider : colliders) collider.pose.translate = {0, 0, c.collider_step * static_cast<float>(f)};
     solver.set_colliders(colliders);
+    if (c.every_pin) solver.set_pins(0, pins_of_every_kind(c.asset, f));
     // Halfway one corner is let go and the other is pulled.
-    if (f == frames / 2) {
+    if (f == frames / 2 && !c.every_pin) {
       std::vector<Pin> pins = test::pins_at_rest(c.asset, c.pinned, {0, 0.05F, 0.02F});
       pins.resize((pins.size() + 1) / 2);
       for (size_t k = 0; k < pins.size(); k += 2) {  // others are still held
@@ -256,6 +280,11 @@ std::vector<Case> cases() {
   list.push_back({"pins with a distance", make_sheet({.nx = 60, .ny = 30, .charts_x = 2}), attached(), few_substeps(),
                   all_shapes(), breeze, "top"});
   list.back().pin_distance = 0.01F;
+  for (const uint32_t charts : {1U, 3U}) {
+    list.push_back({"pins of every kind", make_sheet({.nx = 85, .ny = 40, .charts_x = charts, .jitter = 0.2F}),
+                    attached(), few_substeps(), all_shapes(), breeze});
+    list.back().every_pin = true;
+  }
   list.push_back({"body and thin colliders", make_sheet({.nx = 33, .ny = 20, .charts_x = 2}), attached(),
                   few_substeps(), body_and_wire(), breeze, "top"});
   list.push_back({"thin colliders and holes", with_holes(make_sheet({.nx = 53, .ny = 15}), 0.15), attached(),

@@ -125,8 +125,19 @@ void rescale(const PassContext& context, ClothState& state) {
 }
 
 void pins(const PassContext& context, ClothState& state) {
-  context.threads.for_range(static_cast<uint32_t>(context.cloth.pins.size()), kRowGrain,
-                            [&](uint32_t first, uint32_t last) { move_pins(context, state, first, last); });
+  const auto move = [&](const shader::PinTarget& pin) {
+    const uint32_t i = pin.pixel.x;
+    if (context.cloth.params.fine == shader::kFineOff) {
+      state.position.set(i, pinned_position(context, pin, state.position.at(i), state.previous.at(i)));
+    } else {
+      const shader::PinTarget seen = shader::pin_from(pin, state.previous.at(i));
+      state.offset.set(i, pinned_position(context, seen, state.offset.at(i), state.carry.at(i)));
+    }
+  };
+  const std::vector<shader::PinTarget>& all = context.cloth.pins;
+  context.threads.for_range(static_cast<uint32_t>(all.size()), kRowGrain, [&](uint32_t first, uint32_t last) {
+    std::for_each(all.begin() + first, all.begin() + last, move);
+  });
 }
 
 void stitch(const PassContext& context, ClothState& state) {
@@ -315,19 +326,6 @@ void normal_pixels(ClothState& state, uint32_t first, uint32_t last) {
     const vec4 n = shader::unit_and_length(sum);
     state.normal.set(i, shader::xyz(n));
     state.normal_length[i] = n.w;
-  }
-}
-
-void move_pins(const PassContext& context, ClothState& state, uint32_t first, uint32_t last) {
-  for (uint32_t k = first; k < last; ++k) {
-    const shader::PinTarget& pin = context.cloth.pins[k];
-    const uint32_t i = pin.pixel.x;
-    if (context.cloth.params.fine == shader::kFineOff) {
-      state.position.set(i, pinned_position(context, pin, state.position.at(i), state.previous.at(i)));
-    } else {
-      const shader::PinTarget seen = shader::pin_from(pin, state.previous.at(i));
-      state.offset.set(i, pinned_position(context, seen, state.offset.at(i), state.carry.at(i)));
-    }
   }
 }
 

@@ -33,7 +33,6 @@ struct PassContext {
 };
 
 /// Parts of passes, for whoever goes through a cloth in another order: the result is the same.
-void move_pins(const PassContext& context, ClothState& state, uint32_t first, uint32_t last);  ///< entries of the list
 /// out_of_cleft() of lib/collide.h, which few points need.
 [[nodiscard]] shader::vec3 out_of_cleft(const PassContext& context, const shader::vec3& start,
                                         const shader::vec3& position);

@@ -18,7 +18,7 @@ namespace geocloth::cpu {
 enum class RowKernel : uint8_t {
   normals,            ///< runs
   predict,            ///< runs of whole vectors
-  pins,               ///< pins of the row
+  pins,               ///< runs of a vector at most
   springs_across,     ///< blocks: rest, inverse, compliance
   springs_along,      ///< two halves over every second column and its neighbour: rest, inverse, compliance
   ties_across,        ///< as springs_across, pulling only, also spans over rows: longest, inverse
@@ -57,7 +57,7 @@ struct Run {
 /// constants lie in the order of the lanes, so that nothing is gathered. Lanes without a constraint have the inverse 0.
 /// Compliances are only there with several relaxation steps.
 struct RowStream {
-  std::vector<uint32_t> row_first;  ///< height + 1 entries: the row's blocks, runs or pins
+  std::vector<uint32_t> row_first;  ///< height + 1 entries: the row's blocks or runs
   std::vector<uint32_t>
       group_first;              ///< bends_along: for each group as row_first, which counts the blocks of all three
   std::vector<uint32_t> pixel;  ///< first pixel of a block
@@ -129,7 +129,7 @@ struct SweepOp {
   bool read_multipliers = false, write_multipliers = false;
 };
 
-/// What a pass does before the next one goes on: some rows, and their blocks, runs or pins first .. last - 1.
+/// What a pass does before the next one goes on: some rows, and their blocks or runs first .. last - 1.
 struct SweepTurn {
   uint32_t op;
   RowRange rows;
@@ -190,6 +190,7 @@ struct SweepFrame {
   const Sweep* sweep = nullptr;
   const float* anchors = nullptr;         ///< for each substep x, y, z of every anchor, each `anchor_line` long
   uint32_t anchor_line = 0;               ///< whole lines of the cache
+  const float* pins = nullptr;            ///< of this frame, see pin_rows.h
   const ColliderGuard* guards = nullptr;  ///< for each substep one for each collider
   bool collide_all = false;               ///< no point is certainly untouched, or points change without being touched
   float* penetration = nullptr;           ///< [m] of each substep, raised by check_colliders

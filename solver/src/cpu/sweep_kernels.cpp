@@ -18,6 +18,7 @@
 #include "cpu/finish_inl.h"
 #include "cpu/lines_inl.h"
 #include "cpu/normals_inl.h"
+#include "cpu/pins_inl.h"
 #include "cpu/predict_inl.h"
 #include "cpu/self_inl.h"
 
@@ -90,7 +91,7 @@ HWY_INLINE void run_turn(D d, const SweepFrame& frame, uint32_t substep, const S
       break;
     }
     case RowKernel::pins:
-      move_pins(frame.contexts[substep], state, first, last);
+      pins(d, frame, substep, stream.runs, first, last);
       break;
     case RowKernel::springs_across:
       with_kind(op, yields(), [&](auto kind) GEOCLOTH_LANES {

@@ -13,6 +13,7 @@
 #include "cpu/bend_rows.h"
 #include "cpu/limit_rows.h"
 #include "cpu/line_stream.h"
+#include "cpu/pin_rows.h"
 #include "cpu/spring_rows.h"
 #include "lib/bend_groups.h"
 
@@ -272,7 +273,9 @@ class SweepPlanner {
 
   SweepOp pins() {
     RowStream& stream = new_stream();
-    first_of_rows(stream, source_.cloth.pins.size(), [&](size_t k) { return source_.cloth.pins[k].pixel.x; });
+    stream.runs = pin_blocks(source_.cloth.pins, source_.width, source_.lanes);
+    first_of_rows(stream, stream.runs.size(), [&](size_t k) { return stream.runs[k].first; });
+    plan_->pins_ = &stream;
     return {.kernel = RowKernel::pins, .stream = &stream};
   }
 
@@ -358,8 +361,10 @@ size_t SweepPlan::memory_bytes() const {
 size_t SweepPlan::bytes_per_substep() const {
   constexpr size_t kPoint = 3 * sizeof(float);
   size_t pixels = 0;
-  for (const auto& s : streams_)
+  for (const auto& s : streams_) {
+    if (s.get() == pins_) continue;
     for (const Run& run : s->runs) pixels += run.last - run.first;
+  }
   size_t sum = 0;
   for (const Part& part : parts_) {
     if (!std::holds_alternative<Sweep>(part)) continue;
@@ -369,6 +374,7 @@ size_t SweepPlan::bytes_per_substep() const {
                       op.kernel == RowKernel::hold_way;
       sum += sizeof(float) * (op.stream->constants.size() + op.stream->anchors.size()) +
              sizeof(uint32_t) * (op.stream->pixel.size() + op.stream->second.size());
+      if (op.kernel == RowKernel::pins) sum += op.stream->runs.size() * kPinFloats * lanes_ * sizeof(float);
       if (op.kernel == RowKernel::normals) sum += pixels * (sizeof(uint32_t) + kPoint + sizeof(float));
     }
     sum += pixels * (2 * kPoint + sizeof(float));         // position both ways, inverse mass

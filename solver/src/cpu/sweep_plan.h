@@ -3,6 +3,7 @@
 
 #include <array>
 #include <memory>
+#include <span>
 #include <variant>
 #include <vector>
 
@@ -27,6 +28,8 @@ class SweepPlan {
   /// Of the pass lines, along rows and along columns; empty without it.
   [[nodiscard]] const LineStream& lines(uint32_t group) const { return lines_[group]; }
   [[nodiscard]] const SeamStream& seams() const { return seams_; }
+  /// Blocks of pins, see pin_rows.h; none without pins.
+  [[nodiscard]] std::span<const Run> pins() const { return pins_ == nullptr ? std::span<const Run>() : pins_->runs; }
   /// Place of each pin among the anchors; none without attachments.
   [[nodiscard]] const std::vector<uint32_t>& anchor_of_pin() const { return anchor_of_pin_; }
   /// Whether a cloth that the other one was made for may work by this one: they are equal, and nothing is written
@@ -43,6 +46,7 @@ class SweepPlan {
   std::vector<Part> parts_;
   std::array<LineStream, 2> lines_;
   SeamStream seams_;
+  const RowStream* pins_ = nullptr;  ///< one of the streams
   std::vector<uint32_t> anchor_of_pin_;
 };
 

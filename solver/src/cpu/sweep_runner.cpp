@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "cpu/collider_guards.h"
+#include "cpu/pin_rows.h"
 #include "lib/cell_groups.h"
 
 namespace geocloth::cpu {
@@ -66,7 +67,7 @@ void SweepRunner::make_scratch(uint32_t threads) {
 }
 
 void SweepRunner::forget() {
-  for (Floats* values : {&scratch_, &line_scratch_, &anchors_}) std::fill(values->begin(), values->end(), 0.F);
+  for (Floats* values : {&scratch_, &line_scratch_, &anchors_, &pins_}) std::fill(values->begin(), values->end(), 0.F);
 }
 
 void SweepRunner::run_cell_rows(const SweepFrame& frame, const PassContext& context, uint32_t group) const {
@@ -223,14 +224,10 @@ bool SweepRunner::begin(const FrameInput& frame, const ClothFrame& cloth, const 
   contexts_.clear();
   for (uint32_t s = 0; s < substeps; ++s) contexts_.push_back({frame, cloth, threads, s, options.relaxation_steps});
   const uint32_t anchor_line = place_anchors(state);
+  lay_out_pins(cloth.pins, substep_.sweeps->pins(), substep_.sweeps->lanes(), pins_);
   guard_colliders(frame, cloth.params, guards_);
-  frame_ = {contexts_.data(),
-            &state,
-            nullptr,
-            anchors_.data(),
-            anchor_line,
-            guards_.data(),
-            cloth.params.max_step > 0 || cloth.params.moving != 0};
+  frame_ = {contexts_.data(), &state,       nullptr,        anchors_.data(),
+            anchor_line,      pins_.data(), guards_.data(), cloth.params.max_step > 0 || cloth.params.moving != 0};
   return true;
 }
 

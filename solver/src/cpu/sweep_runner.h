@@ -42,7 +42,7 @@ class SweepRunner {
   void normals(const Threads& threads, ClothState& state) const;
 
   /// Without the plans, which are the pool's.
-  [[nodiscard]] size_t memory_bytes() const { return line_scratch_.capacity() * sizeof(float); }
+  [[nodiscard]] size_t memory_bytes() const { return (line_scratch_.capacity() + pins_.capacity()) * sizeof(float); }
   /// Forgets all that frames have left: lanes beside the cloth are worked on too, and a number that is not finite stays
   /// one there.
   void forget();
@@ -88,7 +88,7 @@ class SweepRunner {
   Threads alone_{1};
   SweepFrame frame_;  ///< of the frame that runs
   std::vector<PassContext> contexts_;
-  Floats anchors_;  ///< see SweepFrame
+  Floats anchors_, pins_;  ///< see SweepFrame
   std::vector<ColliderGuard> guards_;
   std::vector<float> penetration_;
   Floats scratch_;  ///< see SweepFrame, for each thread

@@ -242,22 +242,6 @@ void Simulation::attach(PinSet& set) const {
   set.place = carrier.surface->places_of(points);
 }
 
-/// Where the surface that it follows has taken a pin's point by deforming, before all that moves it as a whole.
-Vec3 Simulation::deformed(const PinSet& set, size_t k, bool at_start) const {
-  const Carrier carrier = moving_carrier(set);
-  if (carrier.surface == nullptr) return set.rest[k];
-  const SurfacePlace& place = set.place[k];
-  return apply(carrier.pose, at_start ? carrier.surface->at_start(place) : carrier.surface->at_end(place));
-}
-
-/// Of the surface that it follows, which deforms, where a pin's point lies, before what moves it as a whole.
-Vec3 Simulation::normal_of(const PinSet& set, size_t k, bool at_start) const {
-  const Carrier carrier = moving_carrier(set);
-  const SurfacePlace& place = set.place[k];
-  return rotate(carrier.pose.rotate,
-                at_start ? carrier.surface->normal_at_start(place) : carrier.surface->normal_at_end(place));
-}
-
 float Simulation::farthest_from_skin(uint32_t cloth) const {
   float farthest = 0;
   for (const PinSet& set : pins_) {
@@ -335,23 +319,34 @@ std::vector<Pin> Simulation::pins_of(uint32_t cloth, double start, bool only_jum
   for (const PinSet& set : pins_) {
     if (set.cloth != cloth || !set.pin.acts(start, time())) continue;
     const PinPlace place = place_of(set, only_jumps ? times_of_jump(set, start) : PinTimes{time(), time()});
-    const Transform &carried = place.carried, &own = place.own;
-    const Vec3 center = middle(set.rest);
-    for (size_t k = 0; k < set.pixels.size(); ++k) {
-      const bool backed = set.pin.backstop.has_value();
-      float most = set.max_distance.empty() ? 0 : set.max_distance[k];
-      if (std::isinf(most) && !backed) continue;
-      most = std::min(most, static_cast<float>(kLargestPinDistance));
-      // Without a motion of its own the point must not even be rounded.
-      const Vec3 rest = deformed(set, k, only_jumps);
-      const Vec3 moved = set.pin.motion.empty() ? rest : center + rotate(own.rotate, rest - center) + own.translate;
-      Pin& pin = pins.emplace_back(Pin{set.pixels[k], apply(carried, moved), set.pin.frequency, most});
-      if (!backed || !(most > 0)) continue;
-      pin.backstop = set.pin.backstop;
-      pin.backstop->outward = rotate(carried.rotate, rotate(own.rotate, normal_of(set, k, only_jumps)));
-    }
+    add_pins(set, place, only_jumps, pins);
   }
   return pins;
+}
+
+/// @param at_start  of the frame, as far as a surface that deforms carries them
+void Simulation::add_pins(const PinSet& set, const PinPlace& place, bool at_start, std::vector<Pin>& pins) const {
+  const Transform &carried = place.carried, &own = place.own;
+  const Carrier carrier = moving_carrier(set);
+  const MovingSurface* const surface = carrier.surface;
+  const bool backed = set.pin.backstop.has_value(), moves = !set.pin.motion.empty();
+  const Vec3 center = moves ? middle(set.rest) : Vec3{};
+  pins.reserve(pins.size() + set.pixels.size());
+  for (size_t k = 0; k < set.pixels.size(); ++k) {
+    float most = set.max_distance.empty() ? 0 : set.max_distance[k];
+    if (std::isinf(most) && !backed) continue;
+    most = std::min(most, static_cast<float>(kLargestPinDistance));
+    Vec3 x = set.rest[k];
+    if (surface != nullptr)
+      x = apply(carrier.pose, at_start ? surface->at_start(set.place[k]) : surface->at_end(set.place[k]));
+    // Without a motion of its own the point must not even be rounded.
+    if (moves) x = center + rotate(own.rotate, x - center) + own.translate;
+    Pin& pin = pins.emplace_back(Pin{set.pixels[k], apply(carried, x), set.pin.frequency, most});
+    if (!backed || !(most > 0)) continue;
+    const Vec3 n = at_start ? surface->normal_at_start(set.place[k]) : surface->normal_at_end(set.place[k]);
+    pin.backstop = set.pin.backstop;
+    pin.backstop->outward = rotate(carried.rotate, rotate(own.rotate, rotate(carrier.pose.rotate, n)));
+  }
 }
 
 void Simulation::update_pins() {

@@ -262,8 +262,6 @@ class Simulation {
     Transform pose;  ///< from its coordinates to the scene's, but for what moves it as a whole
   };
   [[nodiscard]] Carrier moving_carrier(const PinSet& set) const;
-  [[nodiscard]] Vec3 deformed(const PinSet& set, size_t k, bool at_start) const;
-  [[nodiscard]] Vec3 normal_of(const PinSet& set, size_t k, bool at_start) const;
   void attach(PinSet& set) const;
   /// [s] Of what moves a pin's points.
   struct PinTimes {
@@ -275,6 +273,7 @@ class Simulation {
   [[nodiscard]] PinTimes times_of_jump(const PinSet& set, double start) const;
   [[nodiscard]] PinPlace place_of(const PinSet& set, const PinTimes& times) const;
   [[nodiscard]] std::vector<Pin> pins_of(uint32_t cloth, double start, bool only_jumps) const;
+  void add_pins(const PinSet& set, const PinPlace& place, bool at_start, std::vector<Pin>& pins) const;
   [[nodiscard]] std::optional<Transform> way_of_jump(uint32_t cloth, double start) const;
 
   std::vector<PinSet> pins_;

@@ -16,7 +16,11 @@ struct Quat {
 };
 [[nodiscard]] Quat operator*(const Quat& a, const Quat& b);
 [[nodiscard]] Quat conjugate(const Quat& q);
-[[nodiscard]] Vec3 rotate(const Quat& q, const Vec3& v);
+[[nodiscard]] inline Vec3 rotate(const Quat& q, const Vec3& v) {
+  const Vec3 u{q.x, q.y, q.z};
+  const Vec3 t = 2.F * cross(u, v);
+  return v + q.w * t + cross(u, t);
+}
 /// Rotations about x, then y, then z (fixed axes) [degrees].
 [[nodiscard]] Quat quat_from_euler_deg(const Vec3& degrees);
 /// Shortest-path spherical interpolation, t in 0..1.
@@ -28,7 +32,9 @@ struct Transform {
   Quat rotate = {};
   float scale = 1;  ///< of a cloth 1e-6..1e6
 };
-[[nodiscard]] Vec3 apply(const Transform& t, const Vec3& p);
+[[nodiscard]] inline Vec3 apply(const Transform& t, const Vec3& p) {
+  return t.translate + rotate(t.rotate, t.scale * p);
+}
 /// apply(compose(a, b), p) == apply(a, apply(b, p))
 [[nodiscard]] Transform compose(const Transform& a, const Transform& b);
 

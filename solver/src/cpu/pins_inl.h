@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pins in vectors; see lib/pin.h.
+#if defined(GEOCLOTH_CPU_PINS_INL_H) == defined(HWY_TARGET_TOGGLE)  // once for each instruction set
+#ifdef GEOCLOTH_CPU_PINS_INL_H
+#undef GEOCLOTH_CPU_PINS_INL_H
+#else
+#define GEOCLOTH_CPU_PINS_INL_H
+#endif
+
+#include "cpu/lanes_inl.h"
+#include "cpu/pin_rows.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace geocloth::cpu::HWY_NAMESPACE {
+#if HWY_TARGET != HWY_SCALAR
+
+/// lib/vector.h: mix3().
+template <class D>
+HWY_INLINE Points<D> mix(D d, const Points<D>& a, const Points<D>& b, float t) {
+  return add(scale(d, a, hn::Set(d, 1.F - t)), scale(d, b, hn::Set(d, t)));
+}
+/// lib/limit.h: attach() of the lanes that have a longest length.
+template <class D>
+HWY_INLINE Points<D> attach(D d, const Points<D>& position, const Points<D>& anchor, Vec<D> longest) {
+  const Points<D> way = sub(position, anchor);
+  const auto l = length(d, way), one = hn::Set(d, 1.F);
+  const auto far = hn::And(hn::Gt(longest, hn::Zero(d)), hn::Gt(l, longest));
+  const auto share = hn::Mul(longest, hn::Div(one, hn::IfThenElse(far, l, one)));
+  return choose<D>(far, shifted(d, anchor, way, share), position);
+}
+/// lib/limit.h: out_of_ball() of the lanes that have a radius.
+template <class D>
+HWY_INLINE Points<D> out_of_ball(D d, const Points<D>& position, const Points<D>& middle, Vec<D> radius) {
+  const UnitAndLength<D> away = unit_and_length(d, sub(position, middle));
+  const auto zero = hn::Zero(d);
+  const auto inside = hn::And(hn::Gt(radius, zero), hn::Lt(away.length, radius));
+  const Points<D> out = choose<D>(hn::Gt(away.length, zero), away.unit, set(d, 0, 1, 0));
+  return choose<D>(inside, shifted(d, middle, out, radius), position);
+}
+
+/// pinned_position() of lib/pin.h.
+/// @param floats  of the block, see pin_rows.h
+template <class D>
+HWY_INLINE Points<D> pinned(D d, const shader::Substep& step, const float* floats, const Points<D>& position,
+                            const Points<D>& previous) {
+  const size_t lanes = hn::Lanes(d);
+  const auto one_of = [&](PinFloat n) GEOCLOTH_LANES { return hn::LoadU(d, floats + n * lanes); };
+  const auto point_of = [&](PinFloat n) GEOCLOTH_LANES {
+    return Points<D>{hn::LoadU(d, floats + n * lanes), hn::LoadU(d, floats + (n + 1) * lanes),
+                     hn::LoadU(d, floats + (n + 2) * lanes)};
+  };
+  const auto zero = hn::Zero(d), soft = one_of(kPinSoft), limit = one_of(kPinLimit);
+  const Points<D> target = point_of(kPinTarget), held = mix(d, position, target, step.pin_fraction);
+  const auto is_held = hn::And(hn::Eq(soft, zero), hn::Eq(limit, zero));
+  if (hn::AllTrue(d, is_held)) return held;
+  const Points<D> start = point_of(kPinStart), goal = mix(d, start, target, step.frame_fraction);
+  const Points<D> along = shifted(d, previous, sub(target, start), hn::Set(d, step.substep_share));
+  Points<D> drawn = shifted(d, position, sub(goal, position), soft);
+  drawn = shifted(d, drawn, sub(along, position), one_of(kPinBraked));
+  if (!hn::AllTrue(d, hn::Eq(limit, zero))) drawn = attach(d, drawn, goal, limit);
+  const auto radius = one_of(kPinRadius);
+  if (!hn::AllTrue(d, hn::Eq(radius, zero))) {
+    const Points<D> behind = mix(d, point_of(kPinBehindStart), point_of(kPinBehind), step.frame_fraction);
+    drawn = out_of_ball(d, drawn, add(goal, behind), radius);
+  }
+  return choose<D>(is_held, held, drawn);
+}
+
+/// The blocks first .. last - 1.
+template <class D>
+HWY_NOINLINE void pins(D d, const SweepFrame& frame, uint32_t substep, std::span<const Run> blocks, uint32_t first,
+                       uint32_t last) {
+  const PassContext& context = frame.contexts[substep];
+  const shader::Substep& step = context.frame.substeps[substep];
+  const PointRow positions = at(frame.state->position, 0), before = at(frame.state->previous, 0);
+  for (uint32_t k = first; k < last; ++k) {
+    const float* const floats = frame.pins + k * size_t{kPinFloats} * hn::Lanes(d);
+    for_run(d, blocks[k], [&](uint32_t i, auto lanes) GEOCLOTH_LANES {
+      const PointRow p = after(positions, i);
+      store(d, pinned(d, step, floats, load(d, lanes, p), load(d, lanes, after(before, i))), lanes, p);
+    });
+  }
+}
+
+#endif
+}  // namespace geocloth::cpu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
