@@ -176,15 +176,40 @@ TEST(DistanceField, ASurfaceTurnedInwardsIsACavity) {
   EXPECT_GT(distance({0.5F, 0, 0}), 0.08);
 }
 
+TriangleSurface box(const Vec3& low, const Vec3& high) {
+  std::vector<Vec3> corners;
+  for (const float x : {low.x, high.x})
+    for (const float y : {low.y, high.y})
+      for (const float z : {low.z, high.z}) corners.push_back({x, y, z});
+  return convex_hull(corners).surface;
+}
+
+/// A scene says how fine a field is to be: a board beside something large would not be there.
+TEST(DistanceField, WithASpacingShowsWhatIsAsThickAsThat) {
+  TriangleSurface body = test::ball_surface({0, -1, 0}, 0.5F);
+  add(body, box({-0.5F, 0.5275F, -0.5F}, {0.5F, 0.5475F, 0.5F}));
+  const auto at = [](const DistanceField& field, const Vec3& p) {
+    return signed_distance({"", MeshSolid{std::make_shared<const DistanceField>(field)}, 0, {}}, p);
+  };
+  const DistanceField fine = make_distance_field(body, FieldSpacing{0.0125F});
+  EXPECT_EQ(fine.spacing, 0.0125F);
+  for (const Vec3& p : {Vec3{0, 0.5375F, 0}, Vec3{0.3F, 0.5375F, -0.2F}, Vec3{0.4711F, 0.5375F, 0.123F}})
+    EXPECT_NEAR(at(fine, p), -0.01, 0.003);
+  EXPECT_NEAR(at(fine, {0.1F, 0.6375F, 0}), 0.09, 0.003);
+  const DistanceField coarse = make_distance_field(body, FieldSpacing{0.1F});
+  EXPECT_GT(at(coarse, {0.3F, 0.5375F, -0.2F}), 0) << "it shows anyway: the test shows nothing";
+  for (const float bad : {0.F, -1.F, std::nanf("")})
+    EXPECT_THROW(static_cast<void>(make_distance_field(body, FieldSpacing{bad})), Error) << bad;
+  try {
+    static_cast<void>(make_distance_field(body, FieldSpacing{1e-5F}));
+    FAIL() << "a grid of 2e15 nodes was made";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("m is about the least for it"), std::string::npos) << error.what();
+  }
+}
+
 // Large triangles lie in many columns of the grid.
 TEST(DistanceField, PiecesOfAFewLargeTrianglesMayGoIntoOneAnother) {
-  const auto box = [](const Vec3& low, const Vec3& high) {
-    std::vector<Vec3> corners;
-    for (const float x : {low.x, high.x})
-      for (const float y : {low.y, high.y})
-        for (const float z : {low.z, high.z}) corners.push_back({x, y, z});
-    return convex_hull(corners).surface;
-  };
   TriangleSurface body = box({-1, -1, -1}, {1, 1, 1});
   add(body, box({-0.5F, -0.5F, -0.5F}, {2, 0.5F, 0.5F}));
   const MeshSolid solid{std::make_shared<const DistanceField>(make_distance_field(body, 100'000))};

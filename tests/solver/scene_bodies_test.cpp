@@ -11,6 +11,7 @@
 #include "geocloth/asset/error.h"
 #include "geocloth/solver/scene.h"
 #include "solver_fixture.h"
+#include "support/ball_surface.h"
 #include "support/temporary_folder.h"
 
 namespace geocloth {
@@ -41,6 +42,7 @@ TEST(SceneBodies, AnAnimationIsNamedOrNumberedOrToldInFull) {
   EXPECT_FALSE(with_body("").colliders.at(0).mesh.value().animation);
   EXPECT_EQ(with_body(R"(,"parts":"-Cape")").colliders.at(0).mesh.value().parts, "-Cape");
   EXPECT_EQ(with_body(R"(,"parts":3)").colliders.at(0).mesh.value().parts, "3");
+  EXPECT_EQ(with_body(R"(,"spacing":0.01)").colliders.at(0).field_spacing, 0.01F);
 }
 
 TEST(SceneBodies, WhatIsWrongWithThemIsSaid) {
@@ -63,6 +65,7 @@ TEST(SceneBodies, WhatIsWrongWithThemIsSaid) {
   EXPECT_THAT(animation(R"({"start":-1})"), HasSubstr("colliders[0].animation.start"));
   EXPECT_THAT(animation(R"({"speed":0})"), HasSubstr("colliders[0].animation.speed"));
   EXPECT_THAT(animation(R"({"lop":true})"), HasSubstr("nearest known one is \"loop\""));
+  EXPECT_THAT(animation(R"(0,"spacing":0)"), HasSubstr("colliders[0].spacing: must be from"));
   const auto cloth = [&](const std::string& keys, const std::string& rest = "") {
     return said(R"({"version":1,"cloths":[{"asset":"a.glb")" + keys + "}]" + rest + "}");
   };
@@ -124,6 +127,23 @@ class PlayingBodies : public ::testing::Test {
   test::SheetOptions sheet_{.nx = 9, .ny = 9};
   test::TemporaryFolder folder_;
 };
+
+TEST_F(PlayingBodies, TheirFieldsAreAsFineAsTheSceneSays) {
+  for (const char* animation : {"", R"("animation":0,)"}) {
+    Simulation simulation =
+        play("", std::string(R"(,"colliders":[{"shape":"mesh","file":"box.glb",)") + animation + R"("spacing":0.125}])",
+             {.surface =
+                  [](const SceneMesh&) {
+                    return test::ball_surface({0, -2, 0}, 1);
+                  },
+              .moving = swaying_box});
+    for (int f = 0; f < 2; ++f) {
+      const Collider body = simulation.colliders().at(0);
+      EXPECT_EQ(std::get<MeshSolid>(body.shape).field->spacing, 0.125F) << animation;
+      simulation.step();
+    }
+  }
+}
 
 // The sheet's upper edge is above the box: it rides on the box's upper side, and turns with it.
 TEST_F(PlayingBodies, PinsRideOnTheSurfaceOfABodyThatDeforms) {
@@ -309,7 +329,7 @@ TEST_F(PlayingBodies, BodiesThatCannotBePlayedAreRefused) {
   const auto huge = changed([](std::vector<Vec3>& p, double time) {
     for (Vec3& x : p) x = (time > 0 ? 1e4F : 1.F) * x;
   });
-  EXPECT_THAT(said(huge, "", box), HasSubstr("deforms by too much"));
+  EXPECT_THAT(said(huge, "", box), HasSubstr("the body of a collider is too large for nodes"));
 }
 
 // One that a caller makes of an asset's garment cannot be taken apart.

@@ -37,6 +37,19 @@ class VulkanInteropTest : public test::VulkanTest {
        .transform = {.translate = {1000, 0, 0}}}};
 };
 
+/// Bound all the same, what lies beyond the device's limit would be read as anything.
+TEST_F(VulkanInteropTest, MoreThanAShaderMaySeeOfABufferIsRefused) {
+  const size_t most = engine_->limits().maxStorageBufferRange;
+  try {
+    const vulkan::Buffer buffer = vulkan::storage_buffer(engine_, most + 4);
+    FAIL() << "it was made";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::device);
+    EXPECT_THAT(e.what(), testing::HasSubstr(std::to_string(most >> 20U) + " MiB of a buffer"));
+    EXPECT_THAT(e.what(), testing::HasSubstr("the cpu backend"));
+  }
+}
+
 /// What an engine does that wants another layout than the solver's for a while.
 void change_layout(const vk::raii::CommandBuffer& commands, const VulkanClothImages& images, vk::ImageLayout from,
                    vk::ImageLayout to) {

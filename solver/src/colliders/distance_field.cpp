@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <sstream>
 #include <string>
 #include <utility>
 
@@ -38,6 +39,11 @@ void check_surface(const TriangleSurface& surface) {
       }
     }
   }
+}
+
+void check_spacing(float spacing) {
+  if (!(spacing > 0 && std::isfinite(spacing)))
+    throw Error(ErrorCode::invalid_argument, "the spacing of a field must be above 0");
 }
 
 /// [m] Between the nodes of a grid of about so many; the room around the body takes nodes too.
@@ -92,8 +98,10 @@ DistanceField fixed_grid_around(TriangleSurface surface, float spacing) {
   const std::array<double, 3> size{nodes(bounds.low.x, bounds.high.x), nodes(bounds.low.y, bounds.high.y),
                                    nodes(bounds.low.z, bounds.high.z)};
   if (!(size[0] * size[1] * size[2] <= static_cast<double>(kMostFieldNodes))) {
-    throw Error(ErrorCode::invalid_argument, "the body of a collider is too large for nodes " +
-                                                 std::to_string(spacing) + " m apart: it deforms by too much");
+    std::ostringstream text;
+    text << "the body of a collider is too large for nodes " << spacing << " m apart; "
+         << spacing_for(bounds.high - bounds.low, kMostFieldNodes) << " m is about the least for it";
+    throw Error(ErrorCode::invalid_argument, text.str());
   }
   DistanceField field;
   field.spacing = spacing;
@@ -310,6 +318,14 @@ DistanceField make_distance_field(TriangleSurface surface, uint32_t nodes) {
   return field;
 }
 
+DistanceField make_distance_field(TriangleSurface surface, FieldSpacing spacing) {
+  check_surface(surface);
+  check_spacing(spacing.metres);
+  DistanceField field = fixed_grid_around(std::move(surface), spacing.metres);
+  Filler(field, {}).fill();
+  return field;
+}
+
 DistanceField make_deforming_field(TriangleSurface surface, std::span<const Vec3> before, float spacing) {
   check_surface(surface);
   if (before.size() != surface.position.size()) {
@@ -318,8 +334,7 @@ DistanceField make_deforming_field(TriangleSurface surface, std::span<const Vec3
   }
   if (!std::ranges::all_of(before, [](const Vec3& p) { return is_finite(p); }))
     throw Error(ErrorCode::invalid_argument, "a vertex of a collider's mesh was not finite");
-  if (!(spacing > 0 && std::isfinite(spacing)))
-    throw Error(ErrorCode::invalid_argument, "the spacing of a field must be above 0");
+  check_spacing(spacing);
   DistanceField field = fixed_grid_around(std::move(surface), spacing);
   Filler(field, before).fill();
   return field;

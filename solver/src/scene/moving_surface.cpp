@@ -118,9 +118,11 @@ Vec3 MovingSurface::normal_of(const SurfacePlace& place, const std::vector<Vec3>
   return to_float(unit(cross(t.b - t.a, t.c - t.a), {0, 1, 0}));
 }
 
-MovingCollider::MovingCollider(MovingBody body, const Transform& place)
+MovingCollider::MovingCollider(MovingBody body, const Transform& place, float spacing)
     : surface_(std::move(body), place),
-      field_(std::make_shared<const DistanceField>(make_distance_field(surface_.at_end(), kNodes))) {
+      field_(std::make_shared<const DistanceField>(spacing > 0
+                                                       ? make_distance_field(surface_.at_end(), FieldSpacing{spacing})
+                                                       : make_distance_field(surface_.at_end(), kNodes))) {
   const SurfaceBounds bounds = bounds_of(field_->surface);
   middle_ = 0.5F * (bounds.low + bounds.high);
 }

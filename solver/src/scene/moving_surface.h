@@ -50,8 +50,9 @@ class MovingSurface {
 /// The body of a collider that an animation deforms: in every frame another field, of the same spacing.
 class MovingCollider {
  public:
+  /// @param spacing  [m] of its fields; 0: of about 300,000 nodes
   /// @throws Error(invalid_argument) as make_distance_field
-  MovingCollider(MovingBody body, const Transform& place);
+  MovingCollider(MovingBody body, const Transform& place, float spacing);
 
   /// On to where the next frame ends [s].
   void advance(double time);

@@ -354,6 +354,12 @@ ColliderShape read_mesh(const JsonReader&) {
   return MeshSolid{};
 }
 
+std::vector<std::string_view> mesh_keys() {
+  std::vector<std::string_view> keys(kBodyKeys.begin(), kBodyKeys.end());
+  keys.emplace_back("spacing");
+  return keys;
+}
+
 struct ShapeReader {
   std::string_view name;
   std::vector<std::string_view> keys;
@@ -366,7 +372,7 @@ const std::vector<ShapeReader>& shape_readers() {
                                                 {"box", {"center", "half_extents", "rotate_deg"}, read_box},
                                                 {"ellipsoid", {"center", "radii", "rotate_deg"}, read_ellipsoid},
                                                 {"convex", {"points", "planes"}, read_convex},
-                                                {"mesh", {kBodyKeys.begin(), kBodyKeys.end()}, read_mesh}};
+                                                {"mesh", mesh_keys(), read_mesh}};
   return readers;
 }
 
@@ -388,6 +394,7 @@ SceneCollider read_collider(const JsonReader& json, const std::filesystem::path&
     collider.motion = read_motion_of(json);
     if (std::holds_alternative<MeshSolid>(collider.collider.shape)) {
       collider.mesh = read_body(json, folder);
+      if (json.has("spacing")) collider.field_spacing = static_cast<float>(in_range(json.at("spacing"), 1e-6, 1e4));
     } else {
       checked([&] { check(collider.collider, json.where()); });
     }

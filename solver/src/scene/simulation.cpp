@@ -184,15 +184,17 @@ void Simulation::read_bodies(const BodyReader& bodies) {
     if (!collider.mesh) continue;
     for_body(element(scene_, "colliders", i), [&, &mesh = *collider.mesh] {
       if (mesh.animation) {
-        moving_[i] = std::make_shared<MovingCollider>(read_moving(mesh), mesh.transform);
+        moving_[i] = std::make_shared<MovingCollider>(read_moving(mesh), mesh.transform, collider.field_spacing);
         collider.collider.shape = MeshSolid{moving_[i]->field()};
         collider.center = moving_[i]->middle();
         return;
       }
       TriangleSurface surface = bodies.surface(mesh);
       for (Vec3& p : surface.position) p = apply(mesh.transform, p);
-      collider.collider.shape =
-          MeshSolid{std::make_shared<const DistanceField>(make_distance_field(std::move(surface)))};
+      const FieldSpacing spacing{collider.field_spacing};
+      collider.collider.shape = MeshSolid{
+          std::make_shared<const DistanceField>(spacing.metres > 0 ? make_distance_field(std::move(surface), spacing)
+                                                                   : make_distance_field(std::move(surface)))};
     });
   }
   skins_.resize(scene_.cloths.size());

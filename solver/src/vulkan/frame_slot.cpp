@@ -38,7 +38,8 @@ template <typename T>
 bool fill(const std::shared_ptr<const Context>& context, Buffer& buffer, const std::vector<T>& values) {
   const size_t bytes = values.size() * sizeof(T);
   const bool grow = bytes > buffer.size();
-  if (grow) buffer = make_input(context, std::bit_ceil(bytes));
+  const auto most = static_cast<size_t>(context->limits().maxStorageBufferRange);
+  if (grow) buffer = make_input(context, std::max(bytes, std::min(std::bit_ceil(bytes), most)));
   std::ranges::copy(std::as_bytes(std::span(values)), buffer.mapped().begin());
   return grow;
 }

@@ -134,6 +134,7 @@ struct SceneCollider {
   std::optional<Vec3> center;     ///< [m] about which it turns, in place of the shape's own: of a body that deforms
   Motion motion;                  ///< turns about the shape's own centre (a plane's point, the middle of a capsule)
   std::optional<SceneMesh> mesh;  ///< of shape "mesh"
+  float field_spacing = 0;        ///< [m] of the mesh's field of distances; 0: as many nodes as are usual
 };
 
 /// A keyframe of the wind, which is linear between keys and held before the first and after the last.
