@@ -64,9 +64,17 @@ inline vec3 rigid_to_world(ColliderPose pose, vec3 p) {
   return r;
 }
 
-inline vec3 to_world(ColliderSet set, ColliderShape shape, ColliderPose pose, vec3 p) {
-  if (pose.deform.x > 0.0f) return rigid_to_world(pose, shifted(p, deforming_way(set, shape, p), -pose.deform.x));
-  return rigid_to_world(pose, p);
+// How far what is at p of a collider's frame, of a body that deforms at the end of the frame, goes in a substep.
+inline vec3 carried_by(ColliderSet set, ColliderShape shape, ColliderPose before, ColliderPose after, vec3 p) {
+  vec3 from = p;
+  vec3 to = p;
+  if (before.deform.x > 0.0f) {
+    vec3 way = deforming_way(set, shape, p);
+    from = shifted(p, way, -before.deform.x);
+    to = shifted(p, way, -after.deform.x);
+  }
+  precise vec3 r = rigid_to_world(after, to) - rigid_to_world(before, from);
+  return r;
 }
 
 const float kThin = 1.05f;  // spacings
@@ -131,6 +139,7 @@ inline bool stays_outside(ColliderShape shape, vec3 entered, vec3 nearest) {
   return !is_edged(shape) || dot3(entered, nearest) < kOpposed;
 }
 
+// @param p0  where a swept way begins
 inline Contact find_contact(ColliderSet set, ColliderShape shape, vec3 p0, vec3 p1, Nearest near, float thickness,
                             bool swept) {
   precise float gap = near.distance - thickness;
@@ -180,7 +189,7 @@ inline PointState respond(ColliderSet set, ColliderShape shape, PointState point
                           ColliderPose after, vec3 local, Contact contact, vec3 n, vec3 out_of_it, float friction,
                           float grip) {
   precise vec3 on_surface = local + contact.normal * contact.depth;
-  precise vec3 carried = to_world(set, shape, after, on_surface) - to_world(set, shape, before, on_surface);
+  vec3 carried = carried_by(set, shape, before, after, on_surface);
   vec3 displacement = way_of(point);
   precise vec3 relative = displacement - carried;
   precise float along = dot3(relative, n);
@@ -328,7 +337,8 @@ inline PointState push_out(ColliderSet set, ClothParams params, uint substep, Po
       if (out_of_reach(shape, near.distance - params.thickness, way)) continue;
       ColliderPose before = collider_pose(set, substep, i);
       bool swept = round == 0u && before.deform.x == 0.0f;
-      vec3 from = to_local(set, shape, before, start);
+      vec3 from = local;
+      if (swept) from = to_local(set, shape, before, start);
       Contact contact = find_contact(set, shape, from, local, near, params.thickness, swept);
       if (contact.touches && (round == 0u || contact.depth > kContactSlack)) {
         float friction = round == 0u ? sqrt(params.friction * shape.friction) : 0.0f;

@@ -85,7 +85,7 @@ inline float held_by_friction(ColliderSet set, ClothParams params, uint substep,
     precise float lies = per_gap * (reach - nearest_of_shape(set, shape, local).distance);
     if (lies <= 0.0f) continue;
     ColliderPose before = collider_pose(set, substep, i);
-    precise vec3 carried = to_world(set, shape, after, local) - to_world(set, shape, before, local);
+    vec3 carried = carried_by(set, shape, before, after, local);
     precise vec3 slid = way - carried;
     precise float rests = 1.0f - per_slide * length3(slid);
     precise float holds = own * (max(rests, 0.0f) * min(lies, 1.0f));

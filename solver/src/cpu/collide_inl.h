@@ -62,10 +62,6 @@ HWY_NOINLINE Points<D> deformed(D d, const Posed& at, const Points<D>& q) {
   }
   return x;
 }
-template <class D>
-HWY_NOINLINE Points<D> undeformed(D d, const Posed& at, const Points<D>& p) {
-  return shifted(d, p, deforming_way(d, at.numbers, at.shape, p), hn::Set(d, -at.pose.deform.x));
-}
 template <class D, bool kMayDeform>
 HWY_INLINE Points<D> to_local(D d, const PosedAs<kMayDeform>& at, const Points<D>& p) {
   const shader::ColliderPose& pose = at.pose;
@@ -84,14 +80,26 @@ HWY_INLINE Points<D> rotate_to_world(D d, const shader::ColliderPose& pose, cons
           dot(d, set(d, pose.row1.x, pose.row1.y, pose.row1.z), v),
           dot(d, set(d, pose.row2.x, pose.row2.y, pose.row2.z), v)};
 }
+template <class D>
+HWY_INLINE Points<D> rigid_to_world(D d, const shader::ColliderPose& pose, const Points<D>& p) {
+  return add(rotate_to_world(d, pose, p), set(d, pose.row0.w, pose.row1.w, pose.row2.w));
+}
+template <class D>
+HWY_NOINLINE Points<D> carried_by_deforming(D d, const Posed& before, const Posed& after, const Points<D>& p) {
+  const Points<D> way = deforming_way(d, before.numbers, before.shape, p);
+  const auto place = [&](const shader::ColliderPose& pose) GEOCLOTH_LANES {
+    return rigid_to_world(d, pose, shifted(d, p, way, hn::Set(d, -pose.deform.x)));
+  };
+  return sub(place(after.pose), place(before.pose));
+}
+/// lib/collide.h: carried_by().
 template <class D, bool kMayDeform>
-HWY_INLINE Points<D> to_world(D d, const PosedAs<kMayDeform>& at, const Points<D>& p) {
-  const shader::ColliderPose& pose = at.pose;
-  const Points<D> place = set(d, pose.row0.w, pose.row1.w, pose.row2.w);
+HWY_INLINE Points<D> carried_by(D d, const PosedAs<kMayDeform>& before, const PosedAs<kMayDeform>& after,
+                                const Points<D>& p) {
   if constexpr (kMayDeform) {
-    if (at.deforms()) return add(rotate_to_world(d, pose, undeformed(d, at, p)), place);
+    if (before.deforms()) return carried_by_deforming(d, before, after, p);
   }
-  return add(rotate_to_world(d, pose, p), place);
+  return sub(rigid_to_world(d, after.pose, p), rigid_to_world(d, before.pose, p));
 }
 
 /// way_out() of lib/collide.h.
@@ -112,7 +120,7 @@ HWY_INLINE void respond(D d, PointStates<D>& point, const At& before, const At& 
                         Vec<D> grip) {
   const auto one = hn::Set(d, 1.F), zero = hn::Zero(d);
   const Points<D> on_surface = add(local, scale(d, contact.normal, contact.depth));
-  const Points<D> carried = sub(to_world(d, after, on_surface), to_world(d, before, on_surface));
+  const Points<D> carried = carried_by(d, before, after, on_surface);
   const Points<D> displacement = add(sub(point.position, point.previous), point.carry);
   const Points<D> relative = sub(displacement, carried);
   const auto along = dot(d, relative, n);
@@ -241,15 +249,16 @@ HWY_INLINE Vec<D> reach_of(D d, const shader::ColliderShape& shape, Vec<D> way) 
 }
 
 /// find_contact() of lib/collide.h for points that may have met the collider.
-/// @param gap  of the distance, less the thickness
+/// @param first  where a swept way begins
+/// @param gap    of the distance, less the thickness
 template <class D>
 HWY_INLINE Contacts<D> find_contacts(D d, const Meeting& meeting, const shader::ColliderShape& shape, Mask<D> lanes,
                                      const Points<D>& first, const Points<D>& local, const Nearest<D>& near, Vec<D> gap,
                                      Vec<D> thickness, bool swept) {
+  Contacts<D> r{hn::And(lanes, hn::Lt(gap, hn::Zero(d))), {near.normal.x, near.normal.y, near.normal.z}, hn::Neg(gap)};
+  if (!swept) return r;
   const auto way = length(d, sub(local, first));
   const auto met = hn::AndNot(hn::Gt(gap, way), lanes);
-  Contacts<D> r{hn::And(met, hn::Lt(gap, hn::Zero(d))), {near.normal.x, near.normal.y, near.normal.z}, hn::Neg(gap)};
-  if (!swept) return r;
   const auto far = hn::And(met, hn::Gt(way, hn::Set(d, 0.5F * shape.core)));
   if (hn::AllFalse(d, far)) return r;
   Contacts<D> entry = sweep_points(d, meeting.numbers, shape, far, first, local, way, thickness);
@@ -302,14 +311,17 @@ HWY_INLINE void push_out(D d, const Meeting& meeting, Mask<D> lanes, PointStates
       const shader::ColliderShape& shape = meeting.frame.shapes[i];
       const auto before = meeting.begun<kMayDeform>(i), after = meeting.ended<kMayDeform>(i);
       const Points<D> local = to_local(d, after, points.position);
-      const auto reach = reach_of(d, shape, way), beyond = hn::Mul(hn::Add(thickness, reach), room);
+      const bool swept = round == 0 && !before.deforms();
+      auto reach = hn::Zero(d);
+      if (swept) reach = reach_of(d, shape, way);
+      const auto beyond = hn::Mul(hn::Add(thickness, reach), room);
       const Nearest<D> near = nearest_of_shape(d, meeting.numbers, shape, local, beyond);
       const auto gap = hn::Sub(near.distance, thickness);
       const auto in_reach = hn::AndNot(hn::Gt(gap, reach), again);
       if (hn::AllFalse(d, in_reach)) continue;
-      const bool swept = round == 0 && !before.deforms();
-      Contacts<D> contact =
-          find_contacts(d, meeting, shape, in_reach, to_local(d, before, start), local, near, gap, thickness, swept);
+      Points<D> first{local.x, local.y, local.z};
+      if (swept) assign(first, to_local(d, before, start));
+      Contacts<D> contact = find_contacts(d, meeting, shape, in_reach, first, local, near, gap, thickness, swept);
       if (round > 0)
         contact.touches = hn::And(contact.touches, hn::Gt(contact.depth, hn::Set(d, shader::kContactSlack)));
       if (hn::AllFalse(d, contact.touches)) continue;

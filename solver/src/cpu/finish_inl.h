@@ -102,7 +102,7 @@ HWY_INLINE Vec<D> held_by_friction(D d, const Meeting& meeting, const Points<D>&
     const auto lies = hn::Mul(per_gap, hn::Sub(reach, distance_to_shape(d, meeting.numbers, shape, local)));
     const auto touches = hn::And(more, hn::Gt(lies, zero));
     if (hn::AllFalse(d, touches)) continue;
-    const Points<D> carried = sub(to_world(d, after, local), to_world(d, meeting.begun(i), local));
+    const Points<D> carried = carried_by(d, meeting.begun(i), after, local);
     const auto rests = hn::Sub(one, hn::Mul(per_slide, length(d, sub(way, carried))));
     const auto holds = hn::Mul(own, hn::Mul(max_of(d, rests, zero), hn::Min(lies, one)));
     friction = hn::IfThenElse(touches, max_of(d, friction, holds), friction);
