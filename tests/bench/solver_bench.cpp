@@ -28,7 +28,18 @@ struct Setup {
   uint32_t relaxation_steps = 1;
   bool momentum = false, cells = false, parent = false;  ///< cells: triangles meet colliders too
   bool avx2 = false;                                     ///< no better vectors than these
+  bool leashed = false;                                  ///< every point is pinned by a distance and a backstop
 };
+
+std::vector<Pin> leashes(const ClothAsset& asset) {
+  std::vector<Pin> pins;
+  for (uint32_t p = 0; p < asset.pixel_count(); ++p) {
+    if (!asset.valid(p)) continue;
+    pins.push_back({.pixel = p, .target = asset.rest_position[p], .max_distance = 0.05F});
+    pins.back().backstop = Backstop{{0, 0, 1}, 0.01F};
+  }
+  return pins;
+}
 
 Solver make_solver(const Setup& setup, SolverStatistics& statistics) {
   const float side = kSpacing * static_cast<float>(setup.size - 1);
@@ -56,6 +67,7 @@ Solver make_solver(const Setup& setup, SolverStatistics& statistics) {
   if (setup.plain) settings.path = SolverPath::plain;
   Solver solver(std::vector<ClothDesc>{{asset, material, {}}}, settings);
   std::vector<Pin> pins;
+  if (setup.leashed) pins = leashes(*asset);
   for (const uint32_t v : asset->vertex_groups.front().source_vertex) {
     const uint32_t pixel = asset->binding[v].pixel[0];
     pins.push_back({pixel, asset->rest_position[pixel]});
@@ -80,11 +92,13 @@ void run(benchmark::State& state, const Setup& setup) {
   hwy::SetSupportedTargetsForTest(setup.avx2 ? HWY_AVX2 : 0);
   SolverStatistics statistics;
   Solver solver = make_solver(setup, statistics);
+  const std::vector<Pin> pins = setup.leashed ? leashes(*solver.asset(0)) : std::vector<Pin>();
   // Long enough for the swinging sheet to lie on the ball.
   for (int frame = 0; frame < (setup.swing ? 60 : 3); ++frame) solver.step();
   int frame = 0;
   for (auto _ : state) {
     if (setup.parent) move_parent(solver, frame++);
+    if (setup.leashed) solver.set_pins(0, pins);  // as a skin has them in every frame
     solver.step();
     solver.wait();
   }
@@ -111,6 +125,7 @@ const std::vector<std::pair<const char*, Setup>> kSetups{
     {"sheet/100/parent", {.parent = true}},
     {"sheet/100/parent/ball_far_away", {.ball = true, .parent = true}},
     {"sheet/100/parent/swing", {.swing = true, .parent = true}},
+    {"sheet/100/leashed", {.wind = true, .leashed = true}},
     {"sheet/100/two_threads", {.threads = 2}},
     {"sheet/100/charts_2x2", {.charts = 2}},
     {"sheet/100/zeller", {.substeps = 1, .attached = false, .bends = false}},

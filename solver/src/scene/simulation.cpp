@@ -10,6 +10,9 @@
 #include <string>
 #include <utility>
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include "check_input.h"
 #include "geocloth/asset/asset_file.h"
 #include "geocloth/asset/error.h"
@@ -333,22 +336,32 @@ void Simulation::add_pins(const PinSet& set, const PinPlace& place, bool at_star
   const MovingSurface* const surface = carrier.surface;
   const bool backed = set.pin.backstop.has_value(), moves = !set.pin.motion.empty();
   const Vec3 center = moves ? middle(set.rest) : Vec3{};
-  pins.reserve(pins.size() + set.pixels.size());
-  for (size_t k = 0; k < set.pixels.size(); ++k) {
-    float most = set.max_distance.empty() ? 0 : set.max_distance[k];
-    if (std::isinf(most) && !backed) continue;
-    most = std::min(most, static_cast<float>(kLargestPinDistance));
+  const Quat turn = carried.rotate * (own.rotate * carrier.pose.rotate);
+  const auto distance_of = [&](size_t k) { return set.max_distance.empty() ? 0 : set.max_distance[k]; };
+  const auto pin_of = [&](size_t k) {
     Vec3 x = set.rest[k];
     if (surface != nullptr)
       x = apply(carrier.pose, at_start ? surface->at_start(set.place[k]) : surface->at_end(set.place[k]));
     // Without a motion of its own the point must not even be rounded.
     if (moves) x = center + rotate(own.rotate, x - center) + own.translate;
-    Pin& pin = pins.emplace_back(Pin{set.pixels[k], apply(carried, x), set.pin.frequency, most});
-    if (!backed || !(most > 0)) continue;
+    const float most = std::min(distance_of(k), static_cast<float>(kLargestPinDistance));
+    Pin pin{set.pixels[k], apply(carried, x), set.pin.frequency, most};
+    if (!backed || !(most > 0)) return pin;
     const Vec3 n = at_start ? surface->normal_at_start(set.place[k]) : surface->normal_at_end(set.place[k]);
     pin.backstop = set.pin.backstop;
-    pin.backstop->outward = rotate(carried.rotate, rotate(own.rotate, rotate(carrier.pose.rotate, n)));
-  }
+    pin.backstop->outward = rotate(turn, n);
+    return pin;
+  };
+  std::vector<size_t> told;
+  told.reserve(set.pixels.size());
+  for (size_t k = 0; k < set.pixels.size(); ++k)
+    if (backed || !std::isinf(distance_of(k))) told.push_back(k);
+  const size_t first = pins.size();
+  pins.resize(first + told.size());
+  constexpr size_t kGrain = 512;
+  tbb::parallel_for(tbb::blocked_range<size_t>(0, told.size(), kGrain), [&](const auto& range) {
+    for (size_t n = range.begin(); n < range.end(); ++n) pins[first + n] = pin_of(told[n]);
+  });
 }
 
 void Simulation::update_pins() {
