@@ -32,7 +32,8 @@ struct PassContext {
   uint32_t relaxation_steps = 1;
 };
 
-/// Parts of passes, for whoever goes through a cloth in another order: the result is the same.
+// Parts of passes, for whoever goes through a cloth in another order: the result is the same.
+
 /// out_of_cleft() of lib/collide.h, which few points need.
 [[nodiscard]] shader::vec3 out_of_cleft(const PassContext& context, const shader::vec3& start,
                                         const shader::vec3& position);

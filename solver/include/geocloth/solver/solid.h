@@ -61,11 +61,12 @@ struct DistanceField {
 /// @param nodes  about how many; the spacing follows
 /// @throws Error(invalid_argument) when an index is out of range or the surface encloses nothing
 [[nodiscard]] DistanceField make_distance_field(TriangleSurface surface, uint32_t nodes = 500'000);
-/// The same with so much between the nodes, which lie at multiples of it.
-/// @throws Error(invalid_argument) also where the grid would have more than kMostFieldNodes nodes
+/// [m] Between the nodes of a field, above 0.
 struct FieldSpacing {
   float metres;
 };
+/// The same with a spacing, at multiples of which the nodes lie.
+/// @throws Error(invalid_argument) also where the grid would have more than kMostFieldNodes nodes
 [[nodiscard]] DistanceField make_distance_field(TriangleSurface surface, FieldSpacing spacing);
 
 /// The field of a body that deforms.
