@@ -153,7 +153,6 @@ class SweepRows {
     constexpr int64_t kSpring = 2;  // others take half of a spring's time, predict all of it
     const RowStream& stream = *op.stream;
     const uint32_t first = stream.row_first[y], last = stream.row_first[y + 1];
-    if (op.kernel == RowKernel::pins) return 0;
     if (stream.runs.empty()) {
       const bool half = op.kernel == RowKernel::limit || op.kernel == RowKernel::spans_along ||
                         op.kernel == RowKernel::short_spans_along;

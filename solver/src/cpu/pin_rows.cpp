@@ -3,7 +3,6 @@
 
 #include "cpu/pin_rows.h"
 
-#include <algorithm>
 #include <array>
 
 namespace geocloth::cpu {
