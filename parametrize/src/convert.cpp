@@ -28,6 +28,7 @@
 #include "repair/canonical_order.h"
 #include "repair/filled_holes.h"
 #include "repair/small_pieces.h"
+#include "repair/upright.h"
 #include "report/mesh_warnings.h"
 #include "report/stage_files.h"
 #include "report/verify.h"
@@ -152,13 +153,18 @@ Cuts cut_open(const CleanSurface& surface, const FlattenOptions& options, const 
   return cuts;
 }
 
+/// @param upright  how the surface was turned; the result lies as it did before
 FlatSurface lay_flat(const CleanSurface& surface, const Cuts& cuts, const FlattenOptions& options,
-                     const Progress& progress, Stages& stages, const StageFiles& files) {
-  files.save(cuts.surface.front());
+                     const Upright& upright, const Progress& progress, Stages& stages, const StageFiles& files) {
+  CutSurface first = cuts.surface.front();
+  first.position = upright.undo(std::move(first.position));
+  files.save(first);
   return stages.run("flatten", [&] {
     FlattenOptions with_wishes = options;
     with_wishes.prefer = cuts.options.prefer;
-    return flatten(surface, cuts.surface, with_wishes, progress);
+    FlatSurface flat = flatten(surface, cuts.surface, with_wishes, progress);
+    flat.position = upright.undo(std::move(flat.position));
+    return flat;
   });
 }
 
@@ -213,18 +219,28 @@ bool lay_out(const TriangleMesh& mesh, const CarriedSurface& carried, const Flat
   report.carried = carried.carried;
   report.represented = measure_topology(point_triangles(clean), clean.point_count);
 
+  const Upright upright(report.up);
+  CleanSurface standing = clean;
+  standing.position = upright.apply(std::move(standing.position));
+  std::optional<MirrorPlane> mirror;
   if (options.layout == Layout::panels) {
-    report.mirror = stages.run("mirror", [&] { return find_mirror_plane(clean.position, clean.triangle); });
+    mirror = stages.run("mirror", [&] { return find_mirror_plane(standing.position, standing.triangle); });
   }
+  report.mirror = mirror;
+  if (mirror) report.mirror->normal = upright.undo(mirror->normal);
   if (fill) {
-    const std::optional<FilledCuts> filled = cut_filled(clean, options, report.mirror, progress, stages);
+    const std::optional<FilledCuts> filled = cut_filled(standing, options, mirror, progress, stages);
     if (!filled) return false;
-    result.flat = lay_flat(filled->surface, filled->cuts, options, progress, stages, files);
+    result.flat = lay_flat(filled->surface, filled->cuts, options, upright, progress, stages, files);
   } else {
-    const Cuts cuts = cut_open(clean, options, report.mirror, progress, stages);
-    result.flat = lay_flat(clean, cuts, options, progress, stages, files);
+    const Cuts cuts = cut_open(standing, options, mirror, progress, stages);
+    result.flat = lay_flat(standing, cuts, options, upright, progress, stages, files);
   }
-  const FlatSurface& flat = result.flat;
+  FlatSurface& flat = result.flat;
+  // Exactly where they were, which turning there and back is not.
+  for (size_t v = 0; v < flat.position.size(); ++v) {
+    if (flat.clean_vertex[v] < clean.position.size()) flat.position[v] = clean.position[flat.clean_vertex[v]];
+  }
   files.save(flat);
 
   const Raster raster = stages.run("rasterize", [&] {
@@ -315,6 +331,9 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& optio
   const RepairResult repaired = stages.run("repair", [&] {
     RepairResult r = repair_mesh(mesh, options.repair, progress);
     put_in_canonical_order(r.surface);
+    const Upright upright = find_upright(r.surface);
+    if (!upright.is_identity()) put_in_canonical_order(r.surface, upright);
+    report.up = upright.up();
     return r;
   });
   report.source = repaired.source;

@@ -27,10 +27,10 @@ struct Start {
 
 class Renumbering {
  public:
-  explicit Renumbering(CleanSurface& surface)
-      : surface_(surface),
-        opposite_(opposite_half_edges(surface.triangle)),
-        seen_(uneven(surface.position, surface.triangle).apply(surface.position)) {}
+  Renumbering(CleanSurface& surface, const Upright& upright)
+      : surface_(surface), opposite_(opposite_half_edges(surface.triangle)), seen_(upright.apply(surface.position)) {
+    seen_ = uneven(seen_, surface.triangle).apply(seen_);
+  }
 
   void apply() {
     std::vector<std::vector<uint32_t>> triangles(surface_.component_count);
@@ -171,15 +171,15 @@ class Renumbering {
 
   CleanSurface& surface_;
   std::vector<uint32_t> opposite_;
-  std::vector<Point3> seen_;  // the positions, less their symmetries
+  std::vector<Point3> seen_;  // the positions, upright, less their symmetries
   std::vector<uint8_t> placed_;
   std::vector<uint32_t> first_corner_;  // in the new order: the half-edge whose tail becomes the first corner
 };
 
 }  // namespace
 
-void put_in_canonical_order(CleanSurface& surface) {
-  Renumbering(surface).apply();
+void put_in_canonical_order(CleanSurface& surface, const Upright& upright) {
+  Renumbering(surface, upright).apply();
 }
 
 }  // namespace geocloth

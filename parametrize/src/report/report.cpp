@@ -104,6 +104,7 @@ std::string to_json(const ConvertResult& result) {
   Json json;
   json["source"] = source_json(report);
   json["moved"] = report.moved;
+  json["up"] = report.up;
   json["repairs"] = Json::array();
   for (const Repair& r : report.repairs) json["repairs"].push_back({{"kind", r.kind}, {"count", r.count}});
   json["cleaned"] = to_json(report.cleaned, report.cleaned_bbox_diagonal);

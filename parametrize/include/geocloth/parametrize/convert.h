@@ -68,6 +68,9 @@ struct ConvertReport {
   /// [m] How far the asset was moved from where the file has it: nowhere, unless that is so far from the origin that
   /// single precision could not tell its points apart.
   Point3 moved{};
+  /// Unit length: what was taken for up, from the garment's shape where that does not stand along +y. It decides the
+  /// grain of panels; the asset lies as the file does.
+  Point3 up{0, 1, 0};
   std::vector<Repair> repairs;
   Topology cleaned;
   double cleaned_bbox_diagonal = 0;  ///< [m]

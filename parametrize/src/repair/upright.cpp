@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The area vector of a closed curve (half the sum of the cross products of its successive points) stands at right
+// angles to the opening that the curve bounds, and is as long as that is large. The openings of a garment are small
+// beside its cloth, and round; curves for which that is not so bound pieces of a sewing pattern or sheets, or run along
+// a jacket's front.
+
+#include "repair/upright.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include <Eigen/Eigenvalues>
+
+#include "mesh/half_edges.h"
+#include "mesh/point_math.h"
+#include "mesh/triangle_tree.h"
+#include "repair/border_loops.h"
+
+namespace geocloth {
+namespace {
+
+constexpr double kLargestOpening = 0.3;  // of the area of the part that it is in
+constexpr double kLeastOpenings = 0.02;  // of the garment's area, together, as far as they are round
+constexpr double kAgreed = 0.7;          // share of the openings' areas along the axis
+
+constexpr size_t kSamples = 1000;  // of the surface, each of equal area
+constexpr double kNoImage = 0.05;      // radii of gyration: a mirror image farther from the surface has no counterpart
+constexpr double kAlike = 0.1;     // share of samples without counterpart: less is no difference
+constexpr double kThin = 0.05;     // share of the spread: what is thinner is the thickness of a sheet
+constexpr double kRound = 0.8;     // ratio of two spreads: axes that are more alike are none
+
+/// [degrees] The axis of openings is off the vertical by less than that, and that of ends.
+constexpr double kOpeningsOff = 15, kEndsOff = 25;
+
+struct Axis {
+  Point3 direction;  // of unit length
+  double off;        // [degrees] by which it may be wrong
+};
+
+struct Sample {
+  Point3 place;
+  double area;
+};
+
+std::vector<Sample> middles(const CleanSurface& surface) {
+  std::vector<Sample> result;
+  result.reserve(surface.triangle.size());
+  for (const Triangle& t : surface.triangle) {
+    const Point3 &a = surface.position[t[0]], &b = surface.position[t[1]], &c = surface.position[t[2]];
+    result.push_back({(a + b + c) * (1.0 / 3), triangle_area(a, b, c)});
+  }
+  return result;
+}
+
+Point3 area_vector(const CleanSurface& surface, const std::vector<uint32_t>& loop) {
+  const Point3& origin = surface.position[tail(surface.triangle, loop.front())];
+  Point3 sum{0, 0, 0};
+  for (const uint32_t h : loop) {
+    const Point3 &a = surface.position[tail(surface.triangle, h)], &b = surface.position[head(surface.triangle, h)];
+    sum = sum + cross(a - origin, b - origin) * 0.5;
+  }
+  return sum;
+}
+
+Eigen::Matrix3d square(const Point3& p) {
+  const Eigen::Vector3d v(p[0], p[1], p[2]);
+  return v * v.transpose();
+}
+
+using Axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>;
+
+Point3 axis(const Axes& axes, int k) {
+  const Eigen::Vector3d v = axes.eigenvectors().col(k).normalized();
+  return {v[0], v[1], v[2]};
+}
+
+std::optional<Axis> axis_of_openings(const CleanSurface& surface, const std::vector<Sample>& middle, double area) {
+  std::vector<double> part_area(surface.component_count, 0.0);
+  for (size_t t = 0; t < middle.size(); ++t) part_area[surface.component[t]] += middle[t].area;
+  Eigen::Matrix3d openings = Eigen::Matrix3d::Zero();
+  for (const std::vector<uint32_t>& loop : border_loops(surface)) {
+    const Point3 vector = area_vector(surface, loop);
+    const double size = length(vector);
+    if (!(size > 0) || size > kLargestOpening * part_area[surface.component[loop.front() / 3]]) continue;
+    const double around = length_around(surface, loop);
+    const double roundness = std::min(1.0, 4 * std::numbers::pi * size / (around * around));
+    openings += square(vector) * (roundness / size);
+  }
+  if (openings.trace() < kLeastOpenings * area) return std::nullopt;
+  const Axes axes(openings);
+  if (axes.eigenvalues()[2] < kAgreed * openings.trace()) return std::nullopt;
+  return Axis{axis(axes, 2), kOpeningsOff};
+}
+
+/// Places on the surface, each for an equal part of the area.
+std::vector<Point3> samples_of(const std::vector<Sample>& middle, double area) {
+  std::vector<Point3> samples;
+  double so_far = 0;
+  for (const Sample& m : middle) {
+    so_far += m.area;
+    while (samples.size() < kSamples && so_far > area * (static_cast<double>(samples.size()) + 0.5) / kSamples) {
+      samples.push_back(m.place);
+    }
+  }
+  return samples;
+}
+
+std::optional<Axis> axis_of_unlike_ends(const CleanSurface& surface, const std::vector<Sample>& middle, double area) {
+  Point3 centre{0, 0, 0};
+  for (const Sample& m : middle) centre = centre + m.place * (m.area / area);
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const Sample& m : middle) spread += square(m.place - centre) * (m.area / area);
+  const double radius = std::sqrt(spread.trace());
+  if (!(radius > 0)) return std::nullopt;
+  const Axes axes(spread);
+  const Eigen::Vector3d size = axes.eigenvalues() / spread.trace();  // ascending
+  const TriangleTree tree(surface.position, surface.triangle);
+  const std::vector<Point3> samples = samples_of(middle, area);
+  std::optional<Axis> best;
+  double most = kAlike;
+  for (int k = 2; k >= 0; --k) {
+    const double next = size[k == 2 ? 1 : 2], other = size[k == 0 ? 1 : 0];
+    const bool of_revolution = other > kRound * next;
+    if (size[k] < kThin && !of_revolution) continue;
+    const Point3 direction = axis(axes, k);
+    size_t alone = 0;
+    std::optional<TriangleTree::Place> last;
+    for (const Point3& p : samples) {
+      const Point3 image = p - direction * (2 * dot(p - centre, direction));
+      last = tree.nearest(image, last);
+      if (distance(image, last->point) > kNoImage * radius) ++alone;
+    }
+    const double share = static_cast<double>(alone) / static_cast<double>(samples.size());
+    // Of ends that differ as much, those that are farther apart.
+    constexpr double kMore = 1.1;
+    if (share < (best ? kMore : 1) * most) continue;
+    most = share;
+    best = Axis{direction, kEndsOff};
+  }
+  return best;
+}
+
+double degrees_between(const Point3& a, const Point3& b) {
+  return std::acos(std::min(1.0, std::abs(dot(a, b)))) * 180 / std::numbers::pi;
+}
+
+Point3 higher_end(const Point3& axis) {
+  constexpr double kLevel = 1e-6;
+  for (const size_t k : {size_t{1}, size_t{2}, size_t{0}}) {
+    if (std::abs(axis[k]) > kLevel) return axis[k] < 0 ? axis * -1 : axis;
+  }
+  return axis;
+}
+
+}  // namespace
+
+Upright::Upright(const Point3& up) {
+  // Rodrigues' formula, about the axis up x y.
+  const double x = -up[2], z = up[0], c = up[1];
+  if (x == 0 && z == 0) {
+    if (c < 0) row_ = {{{1, 0, 0}, {0, -1, 0}, {0, 0, -1}}};
+    return;
+  }
+  const double s = 1 / (1 + c);
+  row_ = {{{1 - z * z * s, -z, x * z * s}, {z, c, -x}, {x * z * s, x, 1 - x * x * s}}};
+}
+
+Point3 Upright::apply(const Point3& p) const {
+  return {dot(row_[0], p), dot(row_[1], p), dot(row_[2], p)};
+}
+
+Point3 Upright::undo(const Point3& p) const {
+  return row_[0] * p[0] + row_[1] * p[1] + row_[2] * p[2];
+}
+
+std::vector<Point3> Upright::apply(std::vector<Point3> points) const {
+  if (is_identity()) return points;
+  for (Point3& p : points) p = apply(p);
+  return points;
+}
+
+std::vector<Point3> Upright::undo(std::vector<Point3> points) const {
+  if (is_identity()) return points;
+  for (Point3& p : points) p = undo(p);
+  return points;
+}
+
+Upright find_upright(const CleanSurface& surface) {
+  const std::vector<Sample> middle = middles(surface);
+  double area = 0;
+  for (const Sample& m : middle) area += m.area;
+  if (!(area > 0)) return {};
+  std::optional<Axis> found = axis_of_openings(surface, middle, area);
+  if (!found) found = axis_of_unlike_ends(surface, middle, area);
+  if (!found) return {};
+  for (const Point3& world : {Point3{0, 1, 0}, Point3{0, 0, 1}, Point3{1, 0, 0}}) {
+    if (degrees_between(found->direction, world) <= found->off) return Upright(world);
+  }
+  return Upright(higher_end(found->direction));
+}
+
+}  // namespace geocloth
