@@ -24,6 +24,7 @@
 #include "geocloth/parametrize/parts.h"
 #include "geocloth/parametrize/refine.h"
 #include "mesh/point_math.h"
+#include "pack/pack.h"
 #include "repair/border_loops.h"
 #include "repair/canonical_order.h"
 #include "repair/filled_holes.h"
@@ -88,6 +89,15 @@ class Stages {
   std::vector<std::pair<std::string, double>> seconds_;
 };
 
+/// What the stages of a conversion have in common.
+struct Conversion {
+  const TriangleMesh& mesh;
+  Upright upright;
+  const Progress& progress;
+  Stages& stages;
+  const StageFiles& files;
+};
+
 Topology welded_topology(const ClothAsset& asset) {
   const GridMesh mesh = welded_grid_mesh(asset, asset.rest_position);
   return measure_topology(mesh.triangle, static_cast<uint32_t>(mesh.position.size()));
@@ -147,23 +157,25 @@ struct Cuts {
 };
 
 Cuts cut_open(const CleanSurface& surface, const FlattenOptions& options, const std::optional<MirrorPlane>& mirror,
-              const Progress& progress, Stages& stages) {
+              const Conversion& run) {
   Cuts cuts{cut_options(surface, options, mirror), {}};
-  cuts.surface = stages.run("cut", [&] { return all_cuts(surface, cuts.options, progress); });
+  cuts.surface = run.stages.run("cut", [&] { return all_cuts(surface, cuts.options, run.progress); });
   return cuts;
 }
 
-/// @param upright  how the surface was turned; the result lies as it did before
+/// @param surface  upright. @returns it as it lies in the file
 FlatSurface lay_flat(const CleanSurface& surface, const Cuts& cuts, const FlattenOptions& options,
-                     const Upright& upright, const Progress& progress, Stages& stages, const StageFiles& files) {
+                     const Conversion& run) {
   CutSurface first = cuts.surface.front();
-  first.position = upright.undo(std::move(first.position));
-  files.save(first);
-  return stages.run("flatten", [&] {
+  first.position = run.upright.undo(std::move(first.position));
+  run.files.save(first);
+  return run.stages.run("flatten", [&] {
     FlattenOptions with_wishes = options;
     with_wishes.prefer = cuts.options.prefer;
-    FlatSurface flat = flatten(surface, cuts.surface, with_wishes, progress);
-    flat.position = upright.undo(std::move(flat.position));
+    FlatSurface flat = flatten(surface, cuts.surface, with_wishes, run.progress);
+    flat.position = run.upright.undo(std::move(flat.position));
+    // Where possible the image stands as the file does.
+    if (options.layout == Layout::panels && run.upright.higher_end() != run.upright.up()) turn_atlas(flat);
     return flat;
   });
 }
@@ -176,8 +188,7 @@ struct FilledCuts {
 
 /// Nothing when there are no such holes. Those that first cuts meet anyway are cut open like other borders.
 std::optional<FilledCuts> cut_filled(const CleanSurface& clean, const FlattenOptions& options,
-                                     const std::optional<MirrorPlane>& mirror, const Progress& progress,
-                                     Stages& stages) {
+                                     const std::optional<MirrorPlane>& mirror, const Conversion& run) {
   constexpr int kTries = 4;
   constexpr size_t kMostCutOpen = 300;  // holes: to find cuts to more of them takes long
   const size_t kept = clean.triangle.size();
@@ -185,7 +196,7 @@ std::optional<FilledCuts> cut_filled(const CleanSurface& clean, const FlattenOpt
   for (int tries = 0; tries < kTries; ++tries) {
     FilledSurface filled = fill_holes(clean, left_open);
     if (filled.rim.empty()) return std::nullopt;
-    Cuts cuts = cut_open(filled.surface, options, mirror, progress, stages);
+    Cuts cuts = cut_open(filled.surface, options, mirror, run);
     std::vector<uint32_t> met;
     for (CutSurface& cut : cuts.surface) {
       for (const uint32_t t : cut.clean_triangle) cut.hole.push_back(t < kept ? kNone : filled.hole[t - kept]);
@@ -200,7 +211,7 @@ std::optional<FilledCuts> cut_filled(const CleanSurface& clean, const FlattenOpt
     if (filled.rim.size() <= kMostCutOpen) {
       CleanSurface as_it_is = clean;
       as_it_is.point_count = filled.surface.point_count;  // points that cuts insert have numbers beyond all of these
-      for (CutSurface& cut : cut_open(as_it_is, options, mirror, progress, stages).surface) {
+      for (CutSurface& cut : cut_open(as_it_is, options, mirror, run).surface) {
         cuts.surface.push_back(std::move(cut));
       }
     }
@@ -212,58 +223,56 @@ std::optional<FilledCuts> cut_filled(const CleanSurface& clean, const FlattenOpt
 /// From the surface that the image is to reproduce to a verified asset.
 /// @param fill  whether holes are to cost no cut. @returns whether there is something laid out: not if `fill` and there
 ///   are no such holes
-bool lay_out(const TriangleMesh& mesh, const CarriedSurface& carried, const FlattenOptions& options, bool fill,
-             const Progress& progress, Stages& stages, const StageFiles& files, ConvertResult& result) {
+bool lay_out(const CarriedSurface& carried, const FlattenOptions& options, bool fill, const Conversion& run,
+             ConvertResult& result) {
   const CleanSurface& clean = carried.represented;
   ConvertReport& report = result.report;
   report.carried = carried.carried;
   report.represented = measure_topology(point_triangles(clean), clean.point_count);
 
-  const Upright upright(report.up);
-  CleanSurface standing = clean;
-  standing.position = upright.apply(std::move(standing.position));
+  CleanSurface upright = clean;
+  upright.position = run.upright.apply(std::move(upright.position));
   std::optional<MirrorPlane> mirror;
   if (options.layout == Layout::panels) {
-    mirror = stages.run("mirror", [&] { return find_mirror_plane(standing.position, standing.triangle); });
+    mirror = run.stages.run("mirror", [&] { return find_mirror_plane(upright.position, upright.triangle); });
   }
   report.mirror = mirror;
-  if (mirror) report.mirror->normal = upright.undo(mirror->normal);
+  if (mirror) report.mirror->normal = run.upright.undo(mirror->normal);
   if (fill) {
-    const std::optional<FilledCuts> filled = cut_filled(standing, options, mirror, progress, stages);
+    const std::optional<FilledCuts> filled = cut_filled(upright, options, mirror, run);
     if (!filled) return false;
-    result.flat = lay_flat(filled->surface, filled->cuts, options, upright, progress, stages, files);
+    result.flat = lay_flat(filled->surface, filled->cuts, options, run);
   } else {
-    const Cuts cuts = cut_open(standing, options, mirror, progress, stages);
-    result.flat = lay_flat(standing, cuts, options, upright, progress, stages, files);
+    result.flat = lay_flat(upright, cut_open(upright, options, mirror, run), options, run);
   }
   FlatSurface& flat = result.flat;
   // Exactly where they were, which turning there and back is not.
   for (size_t v = 0; v < flat.position.size(); ++v) {
     if (flat.clean_vertex[v] < clean.position.size()) flat.position[v] = clean.position[flat.clean_vertex[v]];
   }
-  files.save(flat);
+  run.files.save(flat);
 
-  const Raster raster = stages.run("rasterize", [&] {
-    Raster r = rasterize(flat, progress);
+  const Raster raster = run.stages.run("rasterize", [&] {
+    Raster r = rasterize(flat, run.progress);
     if (options.layout != Layout::square) relax_samples(flat, r);
     return r;
   });
-  result.asset = stages.run("image", [&] { return build_image(flat, raster, options.layout); });
+  result.asset = run.stages.run("image", [&] { return build_image(flat, raster, options.layout); });
   ClothAsset& asset = result.asset;
-  stages.run("fit", [&] {
+  run.stages.run("fit", [&] {
     fit_image(flat, raster, asset);
     return true;
   });
-  files.save(asset);
+  run.files.save(asset);
 
-  stages.run("bind", [&] {
-    bind_source(mesh, clean, flat, raster, asset, carried.piece_of_point);
+  run.stages.run("bind", [&] {
+    bind_source(run.mesh, clean, flat, raster, asset, carried.piece_of_point);
     return true;
   });
-  report.quality = stages.run("measure", [&] { return measure_quality(clean, flat, raster, asset, progress); });
-  report.welded = stages.run("verify", [&] {
+  report.quality = run.stages.run("measure", [&] { return measure_quality(clean, flat, raster, asset, run.progress); });
+  report.welded = run.stages.run("verify", [&] {
     report.welded = welded_topology(asset);
-    verify(mesh, clean, flat, raster, asset, report);
+    verify(run.mesh, clean, flat, raster, asset, report);
     return report.welded;
   });
   return true;
@@ -271,18 +280,18 @@ bool lay_out(const TriangleMesh& mesh, const CarriedSurface& carried, const Flat
 
 /// The same; in panels with holes that cost no cut, if that can be. Cuts to all of some thousand holes take many
 /// minutes: with so many it is that or nothing.
-void lay_out_with_holes(const TriangleMesh& mesh, const CarriedSurface& carried, const FlattenOptions& options,
-                        const Progress& progress, Stages& stages, const StageFiles& files, ConvertResult& result) {
+void lay_out_with_holes(const CarriedSurface& carried, const FlattenOptions& options, const Conversion& run,
+                        ConvertResult& result) {
   constexpr size_t kMostCut = 5000;  // holes
   if (options.layout == Layout::panels) {
     try {
-      if (lay_out(mesh, carried, options, true, progress, stages, files, result)) return;
+      if (lay_out(carried, options, true, run, result)) return;
     } catch (const Error& e) {
       if (e.code() != ErrorCode::verification && e.code() != ErrorCode::limit) throw;
       if (border_loops(carried.represented).size() > kMostCut) throw;
     }
   }
-  lay_out(mesh, carried, options, false, progress, stages, files, result);
+  lay_out(carried, options, false, run, result);
 }
 
 struct Attempt {
@@ -328,14 +337,15 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& optio
   report.source_faces = polygon_count(mesh);
   report.source_bbox_diagonal = bounding_diagonal(mesh.position);
 
+  Conversion run{mesh, {}, progress, stages, files};
   const RepairResult repaired = stages.run("repair", [&] {
     RepairResult r = repair_mesh(mesh, options.repair, progress);
     put_in_canonical_order(r.surface);
-    const Upright upright = find_upright(r.surface);
-    if (!upright.is_identity()) put_in_canonical_order(r.surface, upright);
-    report.up = upright.up();
+    run.upright = find_upright(r.surface);
+    if (!run.upright.is_identity()) put_in_canonical_order(r.surface, run.upright);
     return r;
   });
+  report.up = run.upright.higher_end();
   report.source = repaired.source;
   report.repairs = repaired.repairs;
   report.cleaned = repaired.cleaned;
@@ -354,7 +364,7 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& optio
                                : carry_nothing(repaired.surface);
     });
     try {
-      lay_out_with_holes(mesh, carried, attempts[i].options, progress, stages, files, result);
+      lay_out_with_holes(carried, attempts[i].options, run, result);
       finer = attempts[i].options.layout == Layout::panels &&
               (attempts[i].options.resolution > options.flatten.resolution ||
                attempts[i].options.spacing < options.flatten.spacing);

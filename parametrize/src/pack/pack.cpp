@@ -375,6 +375,17 @@ Packing pack_shapes(std::span<const ChartShape> shape, PackEffort effort) {
   return effort == PackEffort::quick ? packer.pack_quickly() : packer.pack();
 }
 
+namespace {
+
+void turn_samples(const FlatChart& chart, std::vector<OutlineSample>& samples) {
+  for (OutlineSample& s : samples) {
+    s.x = chart.width - 1 - s.x;
+    s.y = chart.height - 1 - s.y;
+  }
+}
+
+}  // namespace
+
 void pack_charts(FlatSurface& flat) {
   std::vector<ChartShape> shape;
   shape.reserve(flat.charts.size());
@@ -390,10 +401,8 @@ void arrange_charts(FlatSurface& flat, const Packing& packing) {
     chart.x0 = packing.corner[c][0];
     chart.y0 = packing.corner[c][1];
     if (packing.turned[c] == 0) continue;
-    for (OutlineSample& s : chart.outline) {
-      s.x = chart.width - 1 - s.x;
-      s.y = chart.height - 1 - s.y;
-    }
+    turn_samples(chart, chart.outline);
+    for (std::vector<OutlineSample>& hole : chart.holes) turn_samples(chart, hole);
   }
   std::vector<uint8_t> met(flat.uv.size(), 0);
   for (size_t t = 0; t < flat.triangle.size(); ++t) {
@@ -404,6 +413,14 @@ void arrange_charts(FlatSurface& flat, const Packing& packing) {
       met[v] = 1;
     }
   }
+}
+
+void turn_atlas(FlatSurface& flat) {
+  Packing turned{flat.width, flat.height, {}, std::vector<uint8_t>(flat.charts.size(), 1)};
+  for (const FlatChart& chart : flat.charts) {
+    turned.corner.push_back({flat.width - chart.x0 - chart.width, flat.height - chart.y0 - chart.height});
+  }
+  arrange_charts(flat, turned);
 }
 
 }  // namespace geocloth

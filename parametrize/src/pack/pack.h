@@ -50,4 +50,7 @@ void pack_charts(FlatSurface& flat);
 /// The same where the packing of its charts' shapes is known.
 void arrange_charts(FlatSurface& flat, const Packing& packing);
 
+/// Turns a packed atlas by half a turn.
+void turn_atlas(FlatSurface& flat);
+
 }  // namespace geocloth

@@ -27,26 +27,20 @@ constexpr double kLeastOpenings = 0.02;  // of the garment's area, together, as 
 constexpr double kAgreed = 0.7;          // share of the openings' areas along the axis
 
 constexpr size_t kSamples = 1000;  // of the surface, each of equal area
-constexpr double kNoImage = 0.05;      // radii of gyration: a mirror image farther from the surface has no counterpart
-constexpr double kAlike = 0.1;     // share of samples without counterpart: less is no difference
+constexpr double kNoImage = 0.05;  // radii of gyration: a mirror image farther from the surface has no counterpart
+constexpr double kAlike = 0.2;     // share of samples without counterpart: less is no difference
 constexpr double kThin = 0.05;     // share of the spread: what is thinner is the thickness of a sheet
 constexpr double kRound = 0.8;     // ratio of two spreads: axes that are more alike are none
+constexpr double kClear = 1e-6;    // of units: less is rounding
 
-/// [degrees] The axis of openings is off the vertical by less than that, and that of ends.
-constexpr double kOpeningsOff = 15, kEndsOff = 25;
-
-struct Axis {
-  Point3 direction;  // of unit length
-  double off;        // [degrees] by which it may be wrong
-};
-
-struct Sample {
+/// Middle of a triangle, and its area.
+struct Middle {
   Point3 place;
   double area;
 };
 
-std::vector<Sample> middles(const CleanSurface& surface) {
-  std::vector<Sample> result;
+std::vector<Middle> middles(const CleanSurface& surface) {
+  std::vector<Middle> result;
   result.reserve(surface.triangle.size());
   for (const Triangle& t : surface.triangle) {
     const Point3 &a = surface.position[t[0]], &b = surface.position[t[1]], &c = surface.position[t[2]];
@@ -77,7 +71,7 @@ Point3 axis(const Axes& axes, int k) {
   return {v[0], v[1], v[2]};
 }
 
-std::optional<Axis> axis_of_openings(const CleanSurface& surface, const std::vector<Sample>& middle, double area) {
+std::optional<Point3> axis_of_openings(const CleanSurface& surface, const std::vector<Middle>& middle, double area) {
   std::vector<double> part_area(surface.component_count, 0.0);
   for (size_t t = 0; t < middle.size(); ++t) part_area[surface.component[t]] += middle[t].area;
   Eigen::Matrix3d openings = Eigen::Matrix3d::Zero();
@@ -92,14 +86,14 @@ std::optional<Axis> axis_of_openings(const CleanSurface& surface, const std::vec
   if (openings.trace() < kLeastOpenings * area) return std::nullopt;
   const Axes axes(openings);
   if (axes.eigenvalues()[2] < kAgreed * openings.trace()) return std::nullopt;
-  return Axis{axis(axes, 2), kOpeningsOff};
+  return axis(axes, 2);
 }
 
 /// Places on the surface, each for an equal part of the area.
-std::vector<Point3> samples_of(const std::vector<Sample>& middle, double area) {
+std::vector<Point3> samples_of(const std::vector<Middle>& middle, double area) {
   std::vector<Point3> samples;
   double so_far = 0;
-  for (const Sample& m : middle) {
+  for (const Middle& m : middle) {
     so_far += m.area;
     while (samples.size() < kSamples && so_far > area * (static_cast<double>(samples.size()) + 0.5) / kSamples) {
       samples.push_back(m.place);
@@ -108,18 +102,18 @@ std::vector<Point3> samples_of(const std::vector<Sample>& middle, double area) {
   return samples;
 }
 
-std::optional<Axis> axis_of_unlike_ends(const CleanSurface& surface, const std::vector<Sample>& middle, double area) {
+std::optional<Point3> axis_of_unlike_ends(const CleanSurface& surface, const std::vector<Middle>& middle, double area) {
   Point3 centre{0, 0, 0};
-  for (const Sample& m : middle) centre = centre + m.place * (m.area / area);
+  for (const Middle& m : middle) centre = centre + m.place * (m.area / area);
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-  for (const Sample& m : middle) spread += square(m.place - centre) * (m.area / area);
+  for (const Middle& m : middle) spread += square(m.place - centre) * (m.area / area);
   const double radius = std::sqrt(spread.trace());
   if (!(radius > 0)) return std::nullopt;
   const Axes axes(spread);
   const Eigen::Vector3d size = axes.eigenvalues() / spread.trace();  // ascending
   const TriangleTree tree(surface.position, surface.triangle);
   const std::vector<Point3> samples = samples_of(middle, area);
-  std::optional<Axis> best;
+  std::optional<Point3> best;
   double most = kAlike;
   for (int k = 2; k >= 0; --k) {
     const double next = size[k == 2 ? 1 : 2], other = size[k == 0 ? 1 : 0];
@@ -138,34 +132,49 @@ std::optional<Axis> axis_of_unlike_ends(const CleanSurface& surface, const std::
     constexpr double kMore = 1.1;
     if (share < (best ? kMore : 1) * most) continue;
     most = share;
-    best = Axis{direction, kEndsOff};
+    best = direction;
   }
   return best;
 }
 
-double degrees_between(const Point3& a, const Point3& b) {
-  return std::acos(std::min(1.0, std::abs(dot(a, b)))) * 180 / std::numbers::pi;
-}
-
-Point3 higher_end(const Point3& axis) {
-  constexpr double kLevel = 1e-6;
+Point3 higher_end_of(const Point3& axis) {
   for (const size_t k : {size_t{1}, size_t{2}, size_t{0}}) {
-    if (std::abs(axis[k]) > kLevel) return axis[k] < 0 ? axis * -1 : axis;
+    if (std::abs(axis[k]) > kClear) return axis[k] < 0 ? Point3{0, 0, 0} - axis : axis;
   }
   return axis;
+}
+
+/// The end of an axis on whose side the area reaches farther out; the one given where both are alike.
+Point3 longer_end(const Point3& axis, const std::vector<Middle>& middle) {
+  double area = 0, first = 0;
+  for (const Middle& m : middle) {
+    area += m.area;
+    first += m.area * dot(m.place, axis);
+  }
+  double second = 0, third = 0;
+  for (const Middle& m : middle) {
+    const double height = dot(m.place, axis) - first / area;
+    second += m.area / area * height * height;
+    third += m.area / area * height * height * height;
+  }
+  return third < -kClear * second * std::sqrt(second) ? axis * -1 : axis;
 }
 
 }  // namespace
 
 Upright::Upright(const Point3& up) {
-  // Rodrigues' formula, about the axis up x y.
-  const double x = -up[2], z = up[0], c = up[1];
-  if (x == 0 && z == 0) {
-    if (c < 0) row_ = {{{1, 0, 0}, {0, -1, 0}, {0, 0, -1}}};
+  if (up[1] < 0) {  // its other end to +y, and half a turn about x
+    const Upright other(up * -1);
+    row_ = {other.row_[0], up, other.row_[2] * -1};
     return;
   }
-  const double s = 1 / (1 + c);
+  // Rodrigues' formula, about the axis up x y.
+  const double x = -up[2], z = up[0], c = up[1], s = 1 / (1 + c);
   row_ = {{{1 - z * z * s, -z, x * z * s}, {z, c, -x}, {x * z * s, x, 1 - x * x * s}}};
+}
+
+Point3 Upright::higher_end() const {
+  return higher_end_of(up());
 }
 
 Point3 Upright::apply(const Point3& p) const {
@@ -189,17 +198,17 @@ std::vector<Point3> Upright::undo(std::vector<Point3> points) const {
 }
 
 Upright find_upright(const CleanSurface& surface) {
-  const std::vector<Sample> middle = middles(surface);
+  const std::vector<Middle> middle = middles(surface);
   double area = 0;
-  for (const Sample& m : middle) area += m.area;
+  for (const Middle& m : middle) area += m.area;
   if (!(area > 0)) return {};
-  std::optional<Axis> found = axis_of_openings(surface, middle, area);
-  if (!found) found = axis_of_unlike_ends(surface, middle, area);
-  if (!found) return {};
-  for (const Point3& world : {Point3{0, 1, 0}, Point3{0, 0, 1}, Point3{1, 0, 0}}) {
-    if (degrees_between(found->direction, world) <= found->off) return Upright(world);
-  }
-  return Upright(higher_end(found->direction));
+  std::optional<Point3> up = axis_of_openings(surface, middle, area);
+  if (!up) up = axis_of_unlike_ends(surface, middle, area);
+  if (!up) return {};
+  up = longer_end(higher_end_of(*up), middle);
+  // An upright surface stays as it is, to the last bit.
+  if (std::abs((*up)[1]) > 1 - kClear * kClear) up = Point3{0, (*up)[1] < 0 ? -1.0 : 1.0, 0};
+  return Upright(*up);
 }
 
 }  // namespace geocloth

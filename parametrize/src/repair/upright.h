@@ -15,9 +15,11 @@ class Upright {
   /// @param up  of unit length
   explicit Upright(const Point3& up);
 
-  /// What is up before.
+  /// What is turned to +y.
   [[nodiscard]] const Point3& up() const { return row_[1]; }
   [[nodiscard]] bool is_identity() const { return up() == Point3{0, 1, 0}; }
+  /// Of the two ends of up and down, the one that is higher in the file (+y, else +z, else +x).
+  [[nodiscard]] Point3 higher_end() const;
   [[nodiscard]] Point3 apply(const Point3& p) const;
   [[nodiscard]] Point3 undo(const Point3& p) const;
   [[nodiscard]] std::vector<Point3> apply(std::vector<Point3> points) const;
@@ -27,11 +29,11 @@ class Upright {
   std::array<Point3, 3> row_{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 };
 
-/// Finds which way is up in a garment from its shape, so that a file that lies on its side (exported with z up, or
-/// turned with the figure that wears it) is laid out like one that stands: the direction that its openings face (waist,
+/// Finds up and down in a garment from its shape alone, so that a file that lies on its side (exported with z up, or
+/// turned with the figure that wears it) is laid out as one that stands: the line that its openings face along (waist,
 /// hem, cuffs of trousers); where they do not agree, or there are none, the long axis whose two ends differ most.
-/// @returns +y, up in a TriangleMesh, where that is it nearly, or where the shape does not tell; else the file's +z or
-///   +x where that is it nearly; else the end of that line which is higher in the file
+/// @returns the rotation of one end of that line to +y: an end that turns with the garment, be it the upper one or not;
+///   of a shape that does not tell: the identity, since +y is up in a TriangleMesh
 [[nodiscard]] Upright find_upright(const CleanSurface& surface);
 
 }  // namespace geocloth
