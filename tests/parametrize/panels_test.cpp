@@ -200,6 +200,21 @@ Point2 extent_of(const std::vector<Point2>& points) {
   return high - low;
 }
 
+// The threads of a cape that goes most of the way around hang along lines that fan out by more than half a turn: their
+// mean as lines without a head is what runs across.
+TEST(Develop, OfAWideCapeTheMiddleHangsDown) {
+  constexpr double kHalf = 110 * std::numbers::pi / 180, kSlope = 0.5;
+  CleanSurface cape = test::disk(61, 21);
+  for (Point3& p : cape.position) {
+    const double around = kHalf * (2 * p[0] - 1) / kSlope, down = 1 - 0.9 * p[1];
+    p = {kSlope * down * std::sin(around), -std::sqrt(1 - kSlope * kSlope) * down, kSlope * down * std::cos(around)};
+  }
+  const DevelopedSurface developed = develop(cut_to_disks(cape));
+  const Point2 extent = extent_of(developed.uv);
+  EXPECT_NEAR(extent[0], 2, 0.05);
+  EXPECT_NEAR(extent[1], 1 - std::cos(kHalf), 0.05);
+}
+
 // A tablecloth as modelling programs make it knows no up, and a square has no long side but rounding's: it lay askew,
 // cut in two in an image that was a third empty, and its threads ended at all four hems. Where a corner is gone the
 // diagonal is long, and just as wrong.

@@ -25,6 +25,9 @@ namespace {
 
 constexpr double kLevel = 0.1;               // strength below which a panel counts as level
 constexpr double kSlender = 6;               // ratio of the spreads along and across
+constexpr double kFan = 2.5;                 // mean over strength: of an even fan that is 130 degrees wide or more
+constexpr double kClearMean = 0.3;           // the least of such a mean
+constexpr double kAcross = 0.7;              // cosine of an angle
 constexpr double kLargeTriangle = 1.0 / 16;  // share of the panel
 constexpr double kShearPrice = 6;
 constexpr uint32_t kThreadSteps = 8;
@@ -170,7 +173,16 @@ Grain grain_of(const Chart& c) {
 Point2 upward(const GrainSum& sum, std::span<const Point2> outline) {
   const Grain grain = grain_from(sum);
   const LongAxis axis = long_axis(sum);
-  if (grain.strength >= kLevel && axis.ratio <= kSlender) return grain.axis;
+  if (axis.ratio <= kSlender) {
+    // Of threads that spread out in a wide fan, as a cape's do, the doubled angles cancel; what is left may point
+    // across.
+    const double mean = std::hypot(sum.mean[0], sum.mean[1]) / sum.area;
+    const double wide = std::abs(along(sum.mean, grain.axis)) < kAcross * mean * sum.area ? 1 : kFan;
+    if (mean > std::max(wide * grain.strength, kClearMean)) {
+      return {sum.mean[0] / (mean * sum.area), sum.mean[1] / (mean * sum.area)};
+    }
+    if (grain.strength >= kLevel) return grain.axis;
+  }
   // A square has no long axis but rounding's: lying askew, its threads would end at every side.
   const Point2 d = axis.ratio > kSlender ? axis.direction : long_side_of_box(outline, axis.direction);
   // The end that is higher stays up.
