@@ -2,9 +2,12 @@
 #include "scene_warnings.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -279,6 +282,65 @@ void warn_of_skin(const Simulation& simulation, size_t index, std::vector<std::s
       name, away, cloth.skin->file.filename().string()));
 }
 
+/// The surface that pins follow, if it deforms, by its path in the scene.
+std::pair<std::string, const SceneMesh*> surface_of(const Scene& scene, size_t cloth, const std::string& follow) {
+  const auto& skin = scene.cloths[cloth].skin;
+  if (follow == "skin" && skin) return {fmt::format("cloths[{}].skin", cloth), &*skin};
+  for (size_t i = 0; i < scene.colliders.size(); ++i) {
+    const SceneCollider& collider = scene.colliders[i];
+    if (collider.collider.name == follow && collider.mesh && collider.mesh->animation)
+      return {fmt::format("colliders[{}]", i), &*collider.mesh};
+  }
+  return {};
+}
+
+/// From 1, of a surface that faces away from its middle everywhere, to -1, of one that faces it. By Gauss's theorem it
+/// has the sign of the volume of one that is closed, or nearly, as garments are.
+double outwardness(const std::vector<Vec3>& position, const std::vector<Triangle>& triangle) {
+  const auto middle_of = [&](const Triangle& t) {
+    return (1.0F / 3) * (position[t[0]] + position[t[1]] + position[t[2]]);
+  };
+  const auto area_of = [&](const Triangle& t) {
+    return cross(position[t[1]] - position[t[0]], position[t[2]] - position[t[0]]);
+  };
+  double area = 0, outward = 0, all = 0;
+  std::array<double, 3> sum{};
+  for (const Triangle& t : triangle) {
+    const Vec3 m = middle_of(t);
+    const double a = length(area_of(t));
+    area += a;
+    sum[0] += a * m.x;
+    sum[1] += a * m.y;
+    sum[2] += a * m.z;
+  }
+  if (!(area > 0)) return 0;
+  const Vec3 centre{static_cast<float>(sum[0] / area), static_cast<float>(sum[1] / area),
+                    static_cast<float>(sum[2] / area)};
+  for (const Triangle& t : triangle) {
+    const Vec3 way = middle_of(t) - centre, normal = area_of(t);
+    outward += dot(way, normal);
+    all += length(way) * length(normal);
+  }
+  return all > 0 ? outward / all : 0;
+}
+
+/// What is behind a skin that is wound inwards is before it: its cloth could not leave its wearer.
+void warn_of_inward_skins(const Scene& scene, size_t index, std::vector<std::string>& warnings) {
+  constexpr double kInward = -0.15;
+  std::set<std::string> told;
+  for (const ScenePin& pin : scene.cloths[index].pins) {
+    if (!pin.backstop) continue;
+    const auto [name, mesh] = surface_of(scene, index, pin.follow);
+    if (mesh == nullptr || !told.insert(name).second) continue;
+    const AnimatedMesh surface(mesh->file, {.parts = mesh->parts});
+    if (outwardness(surface.positions_as_opened(), surface.triangle()) >= kInward) continue;
+    warnings.push_back(fmt::format(
+        "{}: its \"backstop\" keeps points behind the surface of {} ({}) instead of before it, because most of its "
+        "triangles face inwards; turn them over in the program that wrote the file (often \"flip normals\")",
+        name_of_cloth(scene, index), name, mesh->file.filename().string()));
+  }
+}
+
 /// What is set and changes nothing, and cloth that nothing can hold.
 void warn_of_idle_settings(const Scene& scene, size_t index, std::vector<std::string>& warnings) {
   const SceneCloth& cloth = scene.cloths[index];
@@ -350,6 +412,7 @@ std::vector<std::string> scene_warnings(const Simulation& simulation) {
     warn_of_torn_jumps(simulation.scene(), c, warnings);
     warn_of_idle_settings(simulation.scene(), c, warnings);
     warn_of_skin(simulation, c, warnings);
+    warn_of_inward_skins(simulation.scene(), c, warnings);
   }
   warn_of_animated_bodies(simulation.scene(), warnings);
   warn_of_open_loops(simulation.scene(), warnings);

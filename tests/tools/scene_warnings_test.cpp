@@ -197,6 +197,26 @@ TEST_F(SceneWarnings, TellThatASkinIsNotTheGarment) {
   EXPECT_THAT(warnings(with(around, "cloth")), ElementsAre(HasSubstr("it has a skin, which moves nothing")));
 }
 
+/// Cloth stayed a finger's breadth inside of its wearer, and nothing said why.
+TEST_F(SceneWarnings, TellThatASkinFacesInwards) {
+  folder_.write("out.gltf", kSlidingTetrahedron);
+  // The other two corners of each triangle first.
+  folder_.write("in.gltf",
+                std::regex_replace(kSlidingTetrahedron, std::regex("D8AAgEAAQMAAwIBAgM="), "D8AAQIAAwEAAgMBAwI="));
+  const auto with = [](const std::string& file, const std::string& backstop) {
+    return fmt::format(R"({{"asset":"sheet.glb","pins":[
+        {{"where":{{"vertex_group":"top"}},"follow":"skin","max_distance":0.1{}}}],
+        "skin":{{"file":"{}","animation":0,"transform":{{"translate":[-1,-1,0],"scale":4}}}}}})",
+                       backstop, file);
+  };
+  const std::string backstop = R"(,"backstop":0.02)";
+  EXPECT_THAT(warnings(with("out.gltf", backstop)), IsEmpty());
+  EXPECT_THAT(warnings(with("in.gltf", "")), IsEmpty());
+  EXPECT_THAT(warnings(with("in.gltf", backstop)),
+              ElementsAre(AllOf(HasSubstr("cloths[0] (sheet.glb): its \"backstop\""),
+                                HasSubstr("cloths[0].skin (in.gltf)"), HasSubstr("face inwards"))));
+}
+
 /// A curtain that was drawn lay squeezed in its plane, in a heap of cells, and nothing said why.
 TEST_F(SceneWarnings, TellThatFlatClothCannotFold) {
   const std::string drawn =
