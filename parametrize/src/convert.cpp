@@ -340,7 +340,7 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& optio
   Conversion run{mesh, {}, progress, stages, files};
   const RepairResult repaired = stages.run("repair", [&] {
     RepairResult r = repair_mesh(mesh, options.repair, progress);
-    put_in_canonical_order(r.surface);
+    put_in_canonical_order(r.surface);  // what is sampled to find up and down must not depend on the file's order
     run.upright = find_upright(r.surface);
     if (!run.upright.is_identity()) put_in_canonical_order(r.surface, run.upright);
     return r;

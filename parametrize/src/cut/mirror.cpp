@@ -14,6 +14,7 @@
 #include <tbb/parallel_for.h>
 
 #include "mesh/point_math.h"
+#include "mesh/triangle_middles.h"
 #include "mesh/triangle_tree.h"
 
 namespace geocloth {
@@ -44,25 +45,10 @@ Point3 to_point(const Vector& v) {
   return {v[0], v[1], v[2]};
 }
 
-/// Middles of triangles, each for an equal part of the area.
-std::vector<Point3> samples_of(std::span<const Point3> position, std::span<const Triangle> triangle) {
-  double total = 0;
-  for (const auto& [a, b, c] : triangle) total += triangle_area(position[a], position[b], position[c]);
-  std::vector<Point3> samples;
-  double so_far = 0;
-  for (const auto& [a, b, c] : triangle) {
-    so_far += triangle_area(position[a], position[b], position[c]);
-    while (samples.size() < kSamples && so_far > total * (static_cast<double>(samples.size()) + 0.5) / kSamples) {
-      samples.push_back((position[a] + position[b] + position[c]) * (1.0 / 3));
-    }
-  }
-  return samples;
-}
-
 class MirrorFinder {
  public:
   MirrorFinder(std::span<const Point3> position, std::span<const Triangle> triangle)
-      : tree_(position, triangle), sample_(samples_of(position, triangle)) {
+      : tree_(position, triangle), sample_(even_samples(triangle_middles(position, triangle), kSamples)) {
     for (const Point3& p : sample_) middle_ = middle_ + p * (1.0 / static_cast<double>(sample_.size()));
     for (const Point3& p : sample_) extent_ = std::max(extent_, 2 * distance(p, middle_));
   }

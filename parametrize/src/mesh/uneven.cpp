@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "mesh/point_math.h"
+#include "mesh/triangle_middles.h"
 
 namespace geocloth {
 namespace {
@@ -19,25 +20,9 @@ namespace {
 constexpr double kUnevenness = 3e-5;  // of lengths, at one radius of gyration from the centre
 constexpr double kClear = 1e-6;       // a moment that is no matter of rounding, in units of that radius
 
-/// Middle and area of every triangle.
-struct Weighted {
-  Point3 middle;
-  double area;
-};
-
-std::vector<Weighted> weighted(const std::vector<Point3>& position, const std::vector<Triangle>& triangle) {
-  std::vector<Weighted> result;
-  result.reserve(triangle.size());
-  for (const Triangle& t : triangle) {
-    const Point3 &a = position[t[0]], &b = position[t[1]], &c = position[t[2]];
-    result.push_back({(a + b + c) * (1.0 / 3), triangle_area(a, b, c)});
-  }
-  return result;
-}
-
 /// A horizontal direction (x, z) that turns with the surface.
 /// @param surface  with middles relative to the centre, in radii
-std::optional<Point2> side_of(const std::vector<Weighted>& surface, double area) {
+std::optional<Point2> side_of(const std::vector<TriangleMiddle>& surface, double area) {
   std::array<Point2, 3> odd{};
   Point2 twice{0, 0};  // the longer axis at twice its angle
   for (const auto& [m, weight] : surface) {
@@ -97,19 +82,19 @@ std::vector<Point3> Uneven::apply(const std::vector<Point3>& points) const {
 }
 
 Uneven uneven(const std::vector<Point3>& position, const std::vector<Triangle>& triangle) {
-  std::vector<Weighted> surface = weighted(position, triangle);
-  double area = 0, inertia = 0;
-  for (const Weighted& w : surface) area += w.area;
+  std::vector<TriangleMiddle> surface = triangle_middles(position, triangle);
+  const double area = total_area(surface);
   if (!(area > 0)) return {};
   Uneven map;
-  for (const Weighted& w : surface) map.centre = map.centre + w.middle * (w.area / area);
-  for (Weighted& w : surface) {
-    w.middle = w.middle - map.centre;
-    inertia += w.area / area * dot(w.middle, w.middle);
+  for (const TriangleMiddle& m : surface) map.centre = map.centre + m.place * (m.area / area);
+  double inertia = 0;
+  for (TriangleMiddle& m : surface) {
+    m.place = m.place - map.centre;
+    inertia += m.area / area * dot(m.place, m.place);
   }
   const double radius = std::sqrt(inertia);
   if (!(radius > 0)) return {};
-  for (Weighted& w : surface) w.middle = w.middle * (1 / radius);
+  for (TriangleMiddle& m : surface) m.place = m.place * (1 / radius);
   const std::optional<Point2> side = side_of(surface, area);
   const auto [x, z] = side ? *side : side_of_round(position, triangle, map.centre);
   // Along none of the planes that garments are symmetric about: aside, forwards and up.

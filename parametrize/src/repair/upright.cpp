@@ -14,8 +14,10 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "geocloth/parametrize/mirror.h"
 #include "mesh/half_edges.h"
 #include "mesh/point_math.h"
+#include "mesh/triangle_middles.h"
 #include "mesh/triangle_tree.h"
 #include "repair/border_loops.h"
 
@@ -30,23 +32,21 @@ constexpr size_t kSamples = 1000;  // of the surface, each of equal area
 constexpr double kNoImage = 0.05;  // radii of gyration: a mirror image farther from the surface has no counterpart
 constexpr double kAlike = 0.2;     // share of samples without counterpart: less is no difference
 constexpr double kThin = 0.05;     // share of the spread: what is thinner is the thickness of a sheet
-constexpr double kRound = 0.8;     // ratio of two spreads: axes that are more alike are none
+constexpr double kRound = 0.8;     // ratio of its spreads along itself: a sheet that is rounder stands on its normal
 constexpr double kClear = 1e-6;    // of units: less is rounding
 
-/// Middle of a triangle, and its area.
-struct Middle {
-  Point3 place;
-  double area;
+/// The surface as masses.
+struct Masses {
+  std::vector<TriangleMiddle> middle;
+  double area = 0;  // [m^2]
+  Point3 centre{0, 0, 0};
 };
 
-std::vector<Middle> middles(const CleanSurface& surface) {
-  std::vector<Middle> result;
-  result.reserve(surface.triangle.size());
-  for (const Triangle& t : surface.triangle) {
-    const Point3 &a = surface.position[t[0]], &b = surface.position[t[1]], &c = surface.position[t[2]];
-    result.push_back({(a + b + c) * (1.0 / 3), triangle_area(a, b, c)});
-  }
-  return result;
+Masses masses_of(const CleanSurface& surface) {
+  Masses m{triangle_middles(surface.position, surface.triangle)};
+  m.area = total_area(m.middle);
+  for (const auto& [place, area] : m.middle) m.centre = m.centre + place * (area / m.area);
+  return m;
 }
 
 Point3 area_vector(const CleanSurface& surface, const std::vector<uint32_t>& loop) {
@@ -71,9 +71,9 @@ Point3 axis(const Axes& axes, int k) {
   return {v[0], v[1], v[2]};
 }
 
-std::optional<Point3> axis_of_openings(const CleanSurface& surface, const std::vector<Middle>& middle, double area) {
+std::optional<Point3> axis_of_openings(const CleanSurface& surface, const Masses& masses) {
   std::vector<double> part_area(surface.component_count, 0.0);
-  for (size_t t = 0; t < middle.size(); ++t) part_area[surface.component[t]] += middle[t].area;
+  for (size_t t = 0; t < masses.middle.size(); ++t) part_area[surface.component[t]] += masses.middle[t].area;
   Eigen::Matrix3d openings = Eigen::Matrix3d::Zero();
   for (const std::vector<uint32_t>& loop : border_loops(surface)) {
     const Point3 vector = area_vector(surface, loop);
@@ -83,47 +83,32 @@ std::optional<Point3> axis_of_openings(const CleanSurface& surface, const std::v
     const double roundness = std::min(1.0, 4 * std::numbers::pi * size / (around * around));
     openings += square(vector) * (roundness / size);
   }
-  if (openings.trace() < kLeastOpenings * area) return std::nullopt;
+  if (openings.trace() < kLeastOpenings * masses.area) return std::nullopt;
   const Axes axes(openings);
   if (axes.eigenvalues()[2] < kAgreed * openings.trace()) return std::nullopt;
   return axis(axes, 2);
 }
 
-/// Places on the surface, each for an equal part of the area.
-std::vector<Point3> samples_of(const std::vector<Middle>& middle, double area) {
-  std::vector<Point3> samples;
-  double so_far = 0;
-  for (const Middle& m : middle) {
-    so_far += m.area;
-    while (samples.size() < kSamples && so_far > area * (static_cast<double>(samples.size()) + 0.5) / kSamples) {
-      samples.push_back(m.place);
-    }
-  }
-  return samples;
-}
-
-std::optional<Point3> axis_of_unlike_ends(const CleanSurface& surface, const std::vector<Middle>& middle, double area) {
-  Point3 centre{0, 0, 0};
-  for (const Middle& m : middle) centre = centre + m.place * (m.area / area);
+std::optional<Point3> axis_of_unlike_ends(const CleanSurface& surface, const Masses& masses) {
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-  for (const Middle& m : middle) spread += square(m.place - centre) * (m.area / area);
+  for (const auto& [place, area] : masses.middle) spread += square(place - masses.centre) * (area / masses.area);
   const double radius = std::sqrt(spread.trace());
   if (!(radius > 0)) return std::nullopt;
   const Axes axes(spread);
   const Eigen::Vector3d size = axes.eigenvalues() / spread.trace();  // ascending
   const TriangleTree tree(surface.position, surface.triangle);
-  const std::vector<Point3> samples = samples_of(middle, area);
+  const std::vector<Point3> samples = even_samples(masses.middle, kSamples);
   std::optional<Point3> best;
   double most = kAlike;
   for (int k = 2; k >= 0; --k) {
-    const double next = size[k == 2 ? 1 : 2], other = size[k == 0 ? 1 : 0];
-    const bool of_revolution = other > kRound * next;
-    if (size[k] < kThin && !of_revolution) continue;
+    const bool round_sheet = k == 0 && size[1] > kRound * size[2];
+    if (size[k] < kThin && !round_sheet) continue;
     const Point3 direction = axis(axes, k);
+    const MirrorPlane plane{direction, dot(direction, masses.centre)};
     size_t alone = 0;
     std::optional<TriangleTree::Place> last;
     for (const Point3& p : samples) {
-      const Point3 image = p - direction * (2 * dot(p - centre, direction));
+      const Point3 image = plane.image(p);
       last = tree.nearest(image, last);
       if (distance(image, last->point) > kNoImage * radius) ++alone;
     }
@@ -145,17 +130,12 @@ Point3 higher_end_of(const Point3& axis) {
 }
 
 /// The end of an axis on whose side the area reaches farther out; the one given where both are alike.
-Point3 longer_end(const Point3& axis, const std::vector<Middle>& middle) {
-  double area = 0, first = 0;
-  for (const Middle& m : middle) {
-    area += m.area;
-    first += m.area * dot(m.place, axis);
-  }
+Point3 longer_end(const Point3& axis, const Masses& masses) {
   double second = 0, third = 0;
-  for (const Middle& m : middle) {
-    const double height = dot(m.place, axis) - first / area;
-    second += m.area / area * height * height;
-    third += m.area / area * height * height * height;
+  for (const auto& [place, area] : masses.middle) {
+    const double height = dot(place - masses.centre, axis);
+    second += area / masses.area * height * height;
+    third += area / masses.area * height * height * height;
   }
   return third < -kClear * second * std::sqrt(second) ? axis * -1 : axis;
 }
@@ -198,14 +178,12 @@ std::vector<Point3> Upright::undo(std::vector<Point3> points) const {
 }
 
 Upright find_upright(const CleanSurface& surface) {
-  const std::vector<Middle> middle = middles(surface);
-  double area = 0;
-  for (const Middle& m : middle) area += m.area;
-  if (!(area > 0)) return {};
-  std::optional<Point3> up = axis_of_openings(surface, middle, area);
-  if (!up) up = axis_of_unlike_ends(surface, middle, area);
+  const Masses masses = masses_of(surface);
+  if (!(masses.area > 0)) return {};
+  std::optional<Point3> up = axis_of_openings(surface, masses);
+  if (!up) up = axis_of_unlike_ends(surface, masses);
   if (!up) return {};
-  up = longer_end(higher_end_of(*up), middle);
+  up = longer_end(higher_end_of(*up), masses);
   // An upright surface stays as it is, to the last bit.
   if (std::abs((*up)[1]) > 1 - kClear * kClear) up = Point3{0, (*up)[1] < 0 ? -1.0 : 1.0, 0};
   return Upright(*up);
