@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <numbers>
 #include <numeric>
 
 #include <gtest/gtest.h>
@@ -14,9 +15,11 @@
 #include "develop/chart_overlap.h"
 #include "develop/embed_chart.h"
 #include "develop/grain.h"
+#include "develop/merge_charts.h"
 #include "develop/symmetric_dirichlet.h"
 #include "geocloth/parametrize/import.h"
 #include "geocloth/parametrize/repair.h"
+#include "mesh/half_edges.h"
 #include "parametrize/clean_surfaces.h"
 #include "repair/canonical_order.h"
 
@@ -245,6 +248,49 @@ TEST(Develop, NoStripOfHairLiesOverItself) {
   CleanSurface surface = repair_mesh(import_mesh(file)).surface;
   put_in_canonical_order(surface);
   expect_simple_charts(develop(cut_to_disks(surface), {.least_cut = 0.1}));
+}
+
+/// A fan of triangles around the vertex 0 that has its rim in common with other such fans. Seen from -z it lies
+/// mirrored.
+/// @param slit  it is open along the edge from its middle to the rim's first vertex
+Chart round_fan(uint32_t corners, uint32_t middle, bool from_behind, bool slit) {
+  Chart c;
+  const auto add = [&](double x, double y, uint32_t name) {
+    c.position.push_back({x, y, 0});
+    c.uv.push_back({from_behind ? -x : x, y});
+    c.cut_vertex.push_back(name);
+  };
+  add(0, 0, middle);
+  for (uint32_t i = 0; i < corners + (slit ? 1 : 0); ++i) {
+    const double angle = 2 * std::numbers::pi * i / corners;
+    add(std::cos(angle), std::sin(angle), i % corners);
+  }
+  for (uint32_t i = 0; i < corners; ++i) {
+    const uint32_t a = 1 + i, b = slit ? a + 1 : 1 + (i + 1) % corners;
+    c.triangle.push_back(from_behind ? Triangle{0, b, a} : Triangle{0, a, b});
+    c.global_triangle.push_back(i);
+  }
+  c.opposite = opposite_half_edges(c.triangle);
+  return c;
+}
+
+// A thick panel, a closed shell, was cut into its two faces, one of them slit by an edge. Sewn along all of the rim,
+// the slit closed as well, and what walked along the outline that was none crashed.
+TEST(Develop, ChartsThatSewnTogetherHaveNoOutlineStayApart) {
+  constexpr uint32_t kCorners = 9;
+  Sheet sheet;
+  for (uint32_t v = 0; v < kCorners + 2; ++v) sheet.of_vertex.push_back(v);
+  sheet.tied.assign(sheet.of_vertex.size(), 0);
+  sheet.pinned.assign(sheet.of_vertex.size(), 0);
+  for (const bool slit : {true, false}) {
+    for (const bool tied : {false, true}) {
+      sheet.tied[0] = tied ? 1 : 0;  // the seam of the whole rim begins and ends there
+      std::vector<Chart> charts{round_fan(kCorners, kCorners, false, false),
+                                round_fan(kCorners, kCorners + 1, true, slit)};
+      merge_charts(charts, sheet, {.most_energy = 1e9, .seam_price = 1e9});
+      EXPECT_EQ(charts.size(), 2U) << slit << tied;
+    }
+  }
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <optional>
 #include <set>
+#include <span>
 #include <unordered_map>
 
 #include "develop/chart_energy.h"
@@ -211,7 +212,7 @@ class Merger {
     return merged;
   }
 
-  /// Both charts as one, the second laid beside the first; nothing when their grain lines disagree.
+  /// Both charts as one, the second laid beside the first; nothing when their grain lines disagree, or it is no disk.
   [[nodiscard]] std::optional<Chart> sewn(const Arc& arc) const {
     const Chart& a = charts_[arc.a];
     Chart b = charts_[arc.b];
@@ -244,8 +245,22 @@ class Merger {
       merged.hole.insert(merged.hole.end(), b.hole.begin(), b.hole.end());
       merged.hole.resize(merged.triangle.size(), kNone);
     }
+    if (!is_manifold(merged.triangle)) return std::nullopt;
     merged.opposite = opposite_half_edges(merged.triangle);
+    // Two edges that are left lie on each other, and the surface has closed.
+    const auto outline = static_cast<size_t>(std::ranges::count(merged.opposite, kNone));
+    if (outline < 3 || outline != n + m - 2 * arc.edges) return std::nullopt;
     return merged;
+  }
+
+  /// Whether no two faces have an edge in the same direction. Corners that both charts cut off at the seam share more
+  /// than the seam's edges.
+  static bool is_manifold(std::span<const Triangle> triangle) {
+    std::vector<std::pair<uint32_t, uint32_t>> edge;
+    edge.reserve(3 * triangle.size());
+    for (uint32_t h = 0; h < 3 * triangle.size(); ++h) edge.emplace_back(tail(triangle, h), head(triangle, h));
+    std::ranges::sort(edge);
+    return std::ranges::adjacent_find(edge) == edge.end();
   }
 
   /// Moves b rigidly so that the pairs lie together as well as possible (least squares).
