@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -18,6 +19,7 @@
 #include "geocloth/asset/grid_mesh.h"
 #include "geocloth/asset/output_file.h"
 #include "geocloth/asset/topology.h"
+#include "geocloth/solver/scene.h"
 #include "options.h"
 #include "render/asset_pictures.h"
 
@@ -79,6 +81,21 @@ std::string group_names(const ClothAsset& asset) {
   return names;
 }
 
+/// What the vertices are painted in: the least and the most of each channel, 0..1; empty without paint.
+std::vector<std::pair<const char*, std::array<double, 2>>> paint_ranges(const ClothAsset& asset) {
+  std::vector<std::pair<const char*, std::array<double, 2>>> ranges;
+  if (asset.paint.empty()) return ranges;
+  for (const auto channel : {PaintChannel::red, PaintChannel::green, PaintChannel::blue, PaintChannel::alpha}) {
+    uint8_t least = 255, most = 0;
+    for (const Rgba8& color : asset.paint) {
+      least = std::min(least, color[static_cast<size_t>(channel)]);
+      most = std::max(most, color[static_cast<size_t>(channel)]);
+    }
+    ranges.push_back({to_string(channel), {least / 255.0, most / 255.0}});
+  }
+  return ranges;
+}
+
 void print_for_people(const InspectArguments& options, const ClothAsset& asset, const Summary& summary) {
   const SourceMesh& source = asset.source;
   fmt::print("{}: \"{}\", layout {}\n", options.asset.string(), asset.name, to_string(asset.layout));
@@ -98,6 +115,10 @@ void print_for_people(const InspectArguments& options, const ClothAsset& asset, 
              source.source_vertex_count, source.triangle.size(), source.part.size(), source.material.size(),
              source.image.size(), asset.vertex_groups.size());
   if (!asset.vertex_groups.empty()) fmt::print("  groups    {}\n", group_names(asset));
+  std::string paint;
+  for (const auto& [channel, range] : paint_ranges(asset))
+    paint += fmt::format("{}{} {:.3g} to {:.3g}", paint.empty() ? "" : ", ", channel, range[0], range[1]);
+  if (!paint.empty()) fmt::print("  paint     {}\n", paint);
 }
 
 nlohmann::ordered_json to_json(const ClothAsset& asset, const Summary& summary) {
@@ -108,6 +129,8 @@ nlohmann::ordered_json to_json(const ClothAsset& asset, const Summary& summary) 
   for (const ClothAsset::VertexGroup& group : asset.vertex_groups) {
     groups.push_back({{"name", group.name}, {"vertices", group.source_vertex.size()}});
   }
+  nlohmann::ordered_json paint = nlohmann::ordered_json::object();
+  for (const auto& [channel, range] : paint_ranges(asset)) paint[channel] = {{"min", range[0]}, {"max", range[1]}};
   return {{"name", asset.name},
           {"image",
            {{"layout", to_string(asset.layout)},
@@ -133,7 +156,8 @@ nlohmann::ordered_json to_json(const ClothAsset& asset, const Summary& summary) 
             {"parts", asset.source.part.size()},
             {"materials", asset.source.material.size()},
             {"images", asset.source.image.size()}}},
-          {"vertex_groups", groups}};
+          {"vertex_groups", groups},
+          {"paint", paint}};
 }
 
 void run(const InspectArguments& options) {

@@ -130,6 +130,7 @@ TEST(AssetFile, RoundTripKeepsEveryBit) {
     EXPECT_EQ(b.vertex_groups[i].name, a.vertex_groups[i].name);
     EXPECT_EQ(b.vertex_groups[i].source_vertex, a.vertex_groups[i].source_vertex);
   }
+  EXPECT_EQ(b.paint, a.paint);
 }
 
 TEST(AssetFile, WideIndicesAndNoSeamsRoundTrip) {

@@ -120,6 +120,7 @@ const Break kBreaks[] = {
     {"binding weight NaN", "binding[2]", [](ClothAsset& a) { a.binding[2].weight[0] = kNan; }},
     {"binding offset", "binding[2]", [](ClothAsset& a) { a.binding[2].offset.z = kInfinity; }},
     {"group", "vertex_groups[0]", [](ClothAsset& a) { a.vertex_groups[0].source_vertex[0] = 1000; }},
+    {"paint", "paint", [](ClothAsset& a) { a.paint.pop_back(); }},
 };
 
 class Validate : public testing::TestWithParam<Break> {};

@@ -104,6 +104,25 @@ TEST_F(Import, PaintedVerticesAreGroups) {
               ElementsAre(is("color:black", {1}), is("color:green", {2}), is("color:white", {0, 3})));
 }
 
+// A map of how far the cloth may go from its skin: rounded to eight colours its steps would be seen.
+TEST_F(Import, PaintKeepsItsShades) {
+  const auto is = [](int r, int g, int b, int a) { return ElementsAre(r, g, b, a); };
+  const std::string triangle = "f 1 2 3\n";
+  EXPECT_THAT(read("a.obj", "v 0 0 0 1 0 0\nv 1 0 0 0.2 -3 0.4\nv 0 1 0 nan 0.5 7\n" + triangle).paint,
+              ElementsAre(is(1, 0, 0, 255), is(0, 0, 0, 255), is(255, 1, 7, 255)))
+      << "counted to 255, as one vertex shows";
+  EXPECT_THAT(read("b.obj", "v 0 0 0\nv 1 0 0 0.2 0 0.4\nv 0 1 0\n" + triangle).paint,
+              ElementsAre(is(255, 255, 255, 255), is(51, 0, 102, 255), is(255, 255, 255, 255)));
+  EXPECT_THAT(read("c.obj", "v 0 0 0 128 0 51\nv 1 0 0\nv 0 1 0 255 255 0\n" + triangle).paint,
+              ElementsAre(is(128, 0, 51, 255), is(255, 255, 255, 255), is(255, 255, 0, 255)));
+  EXPECT_THAT(read("d.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n" + triangle).paint, IsEmpty());
+  Gltf g = square();
+  const auto color = g.add_accessor<float>({1, 1, 1, 0.5, 0, 0, 0, 0.25, 0, 0.2, 0, 1, 0, 1, 0.6, 0}, 5126, "VEC4", 4);
+  g.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = color;
+  EXPECT_THAT(read("a.gltf", g.glb()).paint,
+              ElementsAre(is(255, 255, 255, 128), is(0, 0, 0, 64), is(0, 51, 0, 255), is(0, 255, 153, 0)));
+}
+
 TEST_F(Import, ObjKeepsDigitsBeyondSinglePrecision) {
   const TriangleMesh mesh = read("a.obj", "v 0.12345678901234 0 0\nv 1 0 0\nv 0 1e-9 1\nf 1 2 3\n");
   EXPECT_EQ(mesh.position[0][0], 0.12345678901234);

@@ -16,7 +16,9 @@
 namespace geocloth {
 namespace {
 
+using ::testing::_;
 using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -38,6 +40,7 @@ TriangleMesh square_and_flag() {
   mesh.part = {{"square", 0, 0, 2}, {"flag", 0, 2, 1}};
   mesh.material = {SourceMaterial{}};
   mesh.vertex_groups = {{"left", {0, 3}}, {"all", {0, 1, 2, 3}}};
+  for (const Point3& p : mesh.position) mesh.paint.push_back({static_cast<uint8_t>(80 * p[0]), 0, 9, 255});
   return mesh;
 }
 
@@ -93,6 +96,11 @@ TEST(Refine, KeepsTheFilesVerticesFirstAndGroupsWhole) {
   for (size_t v = 0; v < coarse.position.size(); ++v) EXPECT_EQ(mesh.position[v], coarse.position[v]);
   EXPECT_EQ(mesh.vertex_groups[0].source_vertex.size(), 9U);  // eight edges of an eighth
   for (const uint32_t v : mesh.vertex_groups[0].source_vertex) EXPECT_EQ(mesh.position[v][0], 0);
+  ASSERT_EQ(mesh.paint.size(), mesh.position.size());
+  for (size_t v = 0; v < mesh.paint.size(); ++v) {
+    EXPECT_NEAR(mesh.paint[v][0], 80 * mesh.position[v][0], 2);  // rounded at every halving
+    EXPECT_THAT(mesh.paint[v], ElementsAre(_, 0, 9, 255));
+  }
   EXPECT_EQ(refine_mesh(coarse, 5).triangle, coarse.triangle);
 }
 
@@ -104,6 +112,7 @@ TEST(Refine, StopsWhereThatWouldBeTooMuch) {
 TEST(Refine, IsAskedForInPixelsAndAdvisedWhereItIsMissed) {
   TriangleMesh square = square_and_flag();
   square.position.resize(4);
+  square.paint.resize(4);
   square.triangle.resize(2);
   square.polygon.resize(2);
   square.uv.resize(2);

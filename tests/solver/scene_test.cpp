@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <functional>
 #include <numbers>
+#include <numeric>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -481,6 +482,87 @@ TEST_F(Playing, OneDistanceForAllNeedsNoPinThatHolds) {
   EXPECT_THAT(refused(R"({"where":{"top":1},"max_distance":{"least":0.1}})"),
               HasSubstr("cloths[0].pins[0].max_distance"));
   EXPECT_THAT(refused(R"({"where":{"top":1},"max_distance":{"per_meter":0.1}})"), HasSubstr("per_metre"));
+}
+
+// What engines' artists paint: black is held, and the lighter a place the farther it may swing.
+TEST_F(Playing, PointsAreFreeAsFarAsTheirPaintSays) {
+  ClothAsset asset = test::make_sheet(sheet_);
+  constexpr float kMost = 0.2F;  // [m]
+  asset.paint.resize(asset.source.source_vertex_count);
+  for (uint32_t v = 0; v < asset.paint.size(); ++v) {
+    const auto row = static_cast<uint8_t>(v / sheet_.nx);
+    asset.paint[v] = {0, static_cast<uint8_t>(30 * row), 0, static_cast<uint8_t>(255 - 30 * row)};
+  }
+  write_asset(asset, folder_ / "sheet.glb");
+  for (const std::string map : {R"("painted":"green","most":0.2)", R"("painted":"alpha","least":0.2,"most":0)"}) {
+    Simulation simulation = play(R"(,"pins":[{"where":{"top":1},"follow":"world","max_distance":{)" + map + "}}]",
+                                 R"(,"wind":{"velocity":[0,0,25],"turbulence":0.5})");
+    std::vector<float> most(9);
+    for (int f = 0; f < 60; ++f) {
+      simulation.step();
+      for (uint32_t j = 0; j < 9; ++j) {
+        for (uint32_t i = 0; i < 9; ++i)
+          most[j] =
+              std::max(most[j], length(point(simulation, i, j) - asset.rest_position[test::sheet_pixel(sheet_, i, j)]));
+      }
+    }
+    EXPECT_LT(most[0], 1e-6F) << map;
+    for (uint32_t j = 1; j < 9; ++j) {
+      const float allowed = kMost * 30 * static_cast<float>(j) / 255;
+      EXPECT_LT(most[j], allowed + 2e-3F) << j;
+      EXPECT_GT(most[j], 0.8F * allowed) << "row " << j << " is held back";
+    }
+  }
+}
+
+TEST_F(Playing, PaintBetweenVerticesIsInProportion) {
+  ClothAsset asset = test::make_sheet({.nx = 3, .ny = 3});
+  asset.paint = {{0, 255, 0, 0}, {0, 0, 51, 0}, {0, 0, 0, 0}};
+  asset.source.position = {{0, 0, 0}, {1, 0, 0}, {0, 0, 1}};
+  asset.source.triangle = {{0, 1, 2}};
+  asset.source.source_vertex = {2, 0, 1};  // painted are the vertices of the file
+  asset.rest_position = {{0, 0, 0}, {0.25F, 0, 0.5F}, {1, 0, 0}, {0, 0, 0.5F}, {0.5F, 9, 0.5F}};
+  const auto at = [&](PaintChannel channel) { return paint_at(asset, channel, std::vector<uint32_t>{0, 1, 2, 3, 4}); };
+  using ::testing::ElementsAre, ::testing::FloatEq;
+  EXPECT_THAT(at(PaintChannel::green), ElementsAre(0, FloatEq(0.25F), 1, 0, FloatEq(0.5F)));
+  EXPECT_THAT(at(PaintChannel::blue), ElementsAre(0, FloatEq(0.1F), 0, FloatEq(0.1F), FloatEq(0.1F)));
+}
+
+// Shares of a triangle's corners are off by rounding at its edges: a distance below 0 was refused by the solver.
+TEST_F(Playing, PaintIsNeverBelowBlackOrAboveWhite) {
+  ClothAsset asset = test::make_sheet({.nx = 3, .ny = 3});
+  const Vec3 a{0.13F, 1.27F, -0.31F}, b{1.71F, -0.37F, 0.53F};
+  asset.source.position = {a, b, {0.19F, 0.23F, 2.9F}};
+  asset.source.triangle = {{0, 1, 2}};
+  asset.source.source_vertex = {0, 1, 2};
+  asset.paint = {{0, 255}, {0, 255}, {255, 0}};
+  std::vector<uint32_t> pixels(200);
+  std::iota(pixels.begin(), pixels.end(), 0U);
+  asset.rest_position.clear();
+  for (const uint32_t p : pixels) asset.rest_position.push_back(a + static_cast<float>(p) / 200 * (b - a));
+  for (const float value : paint_at(asset, PaintChannel::red, pixels)) EXPECT_GE(value, 0);
+  for (const float value : paint_at(asset, PaintChannel::green, pixels)) EXPECT_LE(value, 1);
+}
+
+TEST_F(Playing, PaintThatIsNotThereIsNamed) {
+  const auto refused = [&](const std::string& distance) {
+    try {
+      play(R"(,"pins":[{"where":{"top":1},"max_distance":{)" + distance + "}}]");
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const std::string where = "cloths[0].pins[0].max_distance";
+  EXPECT_THAT(
+      refused(R"("painted":"red","most":1)"),
+      AllOf(HasSubstr(where + ".painted: sheet: none of its vertices is painted"), HasSubstr("convert it again")));
+  EXPECT_THAT(refused(R"("painted":"pink","most":1)"),
+              HasSubstr(where + ".painted: must be red, green, blue or alpha"));
+  EXPECT_THAT(refused(R"("painted":"red")"), HasSubstr("\"most\" is missing"));
+  EXPECT_THAT(refused(R"("painted":"red","most":1,"per_metre":1)"), HasSubstr(where + ": must be a number, or have"));
+  EXPECT_THAT(refused(R"("per_metre":1,"most":1)"), HasSubstr(where + ".most: goes with painted"));
+  EXPECT_THAT(refused(R"("painted":"red","most":-1)"), HasSubstr(where + ".most: must be from"));
 }
 
 TEST_F(Playing, AClothThatIsDrawnTooFarTears) {

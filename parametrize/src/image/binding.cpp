@@ -297,6 +297,7 @@ void bind_source(const TriangleMesh& mesh, const CleanSurface& clean, const Flat
                  ClothAsset& asset, std::span<const uint32_t> carried_piece) {
   asset.name = mesh.name;
   asset.vertex_groups = mesh.vertex_groups;
+  asset.paint = mesh.paint;
   asset.source = render_mesh(mesh, clean);
 
   const std::vector<FlatPlace> places = flat_places(flat);

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cctype>
 #include <charconv>
 #include <cmath>
@@ -15,7 +14,6 @@
 #include <map>
 #include <memory>
 #include <new>
-#include <numeric>
 
 #include <assimp/GltfMaterial.h>
 #include <assimp/IOStream.hpp>
@@ -31,6 +29,7 @@
 #include "import/import_detail.h"
 #include "import/import_files.h"
 #include "import/scene_pose.h"
+#include "import/vertex_paint.h"
 
 #if defined(__SANITIZE_ADDRESS__)
 // assimp 5.2.5 leaves tokens of a broken FBX file behind, and that is not to be laid at our door.
@@ -211,7 +210,7 @@ class MeshBuilder {
     mesh_.name = file.stem().string();
     if (obj != nullptr) {
       obj_position_ = std::move(obj->position);
-      paint_ = std::move(obj->paint);
+      obj_color_ = std::move(obj->color);
       obj_part_name_ = std::move(obj->part_name);
     }
   }
@@ -228,9 +227,10 @@ class MeshBuilder {
     has_uv_ = any([](const aiMesh& m) { return m.HasTextureCoords(0); });
     has_normal_ = any([](const aiMesh& m) { return m.HasNormals(); });
     add_materials();
+    is_painted_ = !obj_color_.empty() || any([](const aiMesh& m) { return m.HasVertexColors(0); });
     if (format_ == Format::obj) add_obj_vertices();
     for (const Placement& placement : placements) add_part(placement);
-    add_color_groups();
+    finish_paint();
     sort_groups();
     return std::move(mesh_);
   }
@@ -387,25 +387,22 @@ class MeshBuilder {
   }
 
   void add_paint(const aiMesh& mesh, const std::vector<uint32_t>& number) {
-    if (format_ == Format::obj) return;  // read_obj has it
-    paint_.resize(mesh_.position.size());
+    if (!is_painted_ || format_ == Format::obj) return;  // read_obj has it
     for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
-      const aiColor4D* const c = mesh.HasVertexColors(0) ? &mesh.mColors[0][v] : nullptr;
-      paint_[number[v]] |= c != nullptr ? paint_of(c->r, c->g, c->b) : kWhite;
+      const aiColor4D color = mesh.HasVertexColors(0) ? mesh.mColors[0][v] : aiColor4D(1, 1, 1, 1);
+      paint_.add(number[v], {color.r, color.g, color.b, color.a});
     }
   }
 
-  /// Vertices that are painted in one of eight colours, or nearly, are a group, where there are several colours.
-  void add_color_groups() {
-    constexpr std::array<const char*, 8> kName{"black", "red", "green", "yellow", "blue", "magenta", "cyan", "white"};
-    const unsigned all = std::accumulate(paint_.begin(), paint_.end(), 0U, std::bit_or<unsigned>());
-    if (std::popcount(all) < 2) return;
-    for (size_t k = 0; k < kName.size(); ++k) {
-      std::vector<uint32_t> members;
-      for (uint32_t v = 0; v < paint_.size(); ++v)
-        if ((static_cast<unsigned>(paint_[v]) >> k & 1U) != 0) members.push_back(v);
-      add_group(std::string("color:") + kName[k], members);
+  void finish_paint() {
+    if (!is_painted_) return;
+    for (uint32_t v = 0; v < obj_color_.size(); ++v) {
+      const auto& [red, green, blue] = obj_color_[v];
+      paint_.add(v, {red, green, blue, 1});
     }
+    mesh_.paint = paint_.colors(mesh_.position.size());
+    for (const ClothAsset::VertexGroup& group : paint_.groups(mesh_.position.size()))
+      add_group(group.name, group.source_vertex);
   }
 
   void add_group(const std::string& name, const std::vector<uint32_t>& members) {
@@ -520,7 +517,9 @@ class MeshBuilder {
   std::vector<uint32_t> material_;  ///< per material of the scene: its number in mesh_
   std::map<std::string, std::optional<uint32_t>> image_;
   std::map<std::string, std::size_t> group_;
-  std::vector<uint8_t> paint_;  ///< by vertex, see paint_of(); several where its faces differ
+  std::vector<std::array<float, 3>> obj_color_;
+  bool is_painted_ = false;
+  VertexPaint paint_;
   std::vector<Point3> corner_position_;
   std::vector<Triangle> cut_;
 };

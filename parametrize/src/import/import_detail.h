@@ -42,19 +42,11 @@ inline constexpr double kPoseAtRest = 1e-4;
 /// Each vertex is written with its number (low 16 bits, high bits) in place of its position, so that the number comes
 /// back from assimp, which makes a vertex of its own for every face corner.
 struct ObjText {
-  std::vector<Point3> position;        ///< of the `v` records, in the file's order
-  std::vector<uint8_t> paint;          ///< of each, see paint_of(); white where the file says none
-  std::string coded;                   ///< its groups are called by the numbers of the parts
-  std::vector<std::string> part_name;  ///< after the object or group, without either after the material
+  std::vector<Point3> position;             ///< of the `v` records, in the file's order
+  std::vector<std::array<float, 3>> color;  ///< of each, 0..1, white where the file says none; or empty: none at all
+  std::string coded;                        ///< its groups are called by the numbers of the parts
+  std::vector<std::string> part_name;       ///< after the object or group, without either after the material
 };
-/// The one of eight colours that a vertex is painted in, nearly, as a bit: bit r + 2 g + 4 b with red, green and blue 0
-/// or 1.
-[[nodiscard]] inline uint8_t paint_of(double red, double green, double blue) {
-  const int color = (red > 0.5 ? 1 : 0) + (green > 0.5 ? 2 : 0) + (blue > 0.5 ? 4 : 0);
-  return static_cast<uint8_t>(1U << color);
-}
-inline constexpr uint8_t kWhite = 1U << 7U;
-
 [[nodiscard]] ObjText read_obj(const std::filesystem::path& file, std::string_view text);
 /// The vertex number that read_obj wrote as a position.
 [[nodiscard]] uint32_t decode_obj_vertex(float x, float y);

@@ -3,6 +3,7 @@
 // and trusts its input; users select by the numbers of the `v` records. So the records are read here, and assimp gets
 // a clean copy in which the position of a vertex is its number: groups, materials and texture coordinates come back
 // from assimp with the number of the vertex beside them.
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
@@ -90,6 +91,7 @@ class ObjReader {
     check_range(used_vertex_, out_.position.size(), "vertex");
     check_range(used_uv_, uv_count_, "texture coordinate");
     check_range(used_normal_, normal_count_, "normal");
+    finish_colors();
     return std::move(out_);
   }
 
@@ -155,17 +157,33 @@ class ObjReader {
     if (out_.position.size() >= kMaxElements) fail(file_, ErrorCode::limit, "more than 100 million vertices");
     const auto number = static_cast<uint32_t>(out_.position.size());
     out_.position.push_back(p);
-    out_.paint.push_back(read_paint(line));
+    read_color(line);
     out_.coded.append("v ").append(std::to_string(number & 0xFFFFU)).append(" ");
     out_.coded.append(std::to_string(number >> 16U)).append(" 0\n");
   }
 
   /// Of a `v` record: three numbers after the coordinates, which many programs write though the format has none.
-  static uint8_t read_paint(std::string_view line) {
+  void read_color(std::string_view line) {
     std::array<double, 3> share{};
     for (double& s : share)
-      if (!read_number(next_word(line), s)) return kWhite;
-    return next_word(line).empty() ? paint_of(share[0], share[1], share[2]) : kWhite;
+      if (!read_number(next_word(line), s)) return;
+    if (!next_word(line).empty()) return;
+    out_.color.resize(out_.position.size(), kWhite);
+    for (std::size_t k = 0; k < share.size(); ++k) out_.color.back()[k] = static_cast<float>(share[k]);
+  }
+
+  /// Some programs count colors from 0 to 255.
+  void finish_colors() {
+    if (out_.color.empty()) return;
+    float most = 0;
+    for (const auto& color : out_.color)
+      for (const float share : color) most = share > most ? share : most;  // not where it is no number
+    if (most > 2) {
+      for (auto& color : out_.color)
+        if (color != kWhite)
+          for (float& share : color) share /= 255;
+    }
+    out_.color.resize(out_.position.size(), kWhite);
   }
 
   void read_values(std::string_view keyword, std::string_view line, int least, int written, std::size_t& count) {
@@ -222,6 +240,8 @@ class ObjReader {
     if (!in_part_) begin_part();
     out_.coded.append(coded).push_back('\n');
   }
+
+  static constexpr std::array<float, 3> kWhite{1, 1, 1};
 
   const std::filesystem::path& file_;
   std::string_view text_;

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "geocloth/asset/error.h"
+#include "import/vertex_paint.h"
 #include "mesh/point_math.h"
 
 namespace geocloth {
@@ -66,7 +67,7 @@ class Refinement {
       for (uint32_t t = first; t < last; ++t) halve(corners_of(old, t), old.polygon.empty() ? t : old.polygon[t]);
       part.triangle_count = static_cast<uint32_t>(mesh_.triangle.size()) - part.first_triangle;
     }
-    join_groups();
+    give_names_and_paint();
     return !middle_.empty();
   }
 
@@ -134,7 +135,8 @@ class Refinement {
     if (has_normal_) mesh_.normal.push_back({c[0].normal, c[1].normal, c[2].normal});
   }
 
-  void join_groups() {
+  /// To the vertices that are new, by those at the ends of their edges.
+  void give_names_and_paint() {
     std::vector<std::pair<uint32_t, std::pair<uint32_t, uint32_t>>> added;  // vertex, ends of its edge
     added.reserve(middle_.size());
     for (const auto& [edge, vertex] : middle_)
@@ -146,6 +148,9 @@ class Refinement {
       for (const auto& [vertex, ends] : added)
         if (in_group[ends.first] && in_group[ends.second]) group.source_vertex.push_back(vertex);
     }
+    if (mesh_.paint.empty()) return;
+    for (const auto& [vertex, ends] : added)
+      mesh_.paint.push_back(import_detail::mean(mesh_.paint[ends.first], mesh_.paint[ends.second]));
   }
 
   TriangleMesh mesh_;

@@ -35,6 +35,7 @@ TriangleMesh with_triangles(const TriangleMesh& mesh, const std::vector<uint32_t
   result.material = mesh.material;
   result.image = mesh.image;
   result.vertex_groups = mesh.vertex_groups;
+  result.paint = mesh.paint;
   result.left_out = mesh.left_out;
   const auto pick = [&](const auto& from, auto& to) {
     if (from.empty()) return;

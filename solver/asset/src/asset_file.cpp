@@ -102,6 +102,7 @@ Json add_cloth(glb::Builder& builder, const ClothAsset& asset) {
     if (!group.source_vertex.empty()) json["vertices"] = builder.add_array(group.source_vertex);
     cloth["vertexGroups"].push_back(std::move(json));
   }
+  if (!asset.paint.empty()) cloth["paint"] = builder.add_array(asset.paint);
   return cloth;
 }
 
@@ -222,6 +223,8 @@ ClothAsset read_cloth(Reader& reader, const Json& cloth) {
   asset.source = read_source_mesh(reader, cloth);
   read_binding(reader, cloth, asset);
   read_vertex_groups(reader, cloth, asset);
+  if (Reader::find(cloth, "paint"))
+    asset.paint = reader.values<Rgba8>(cloth, "paint", asset.source.source_vertex_count);
   return asset;
 }
 

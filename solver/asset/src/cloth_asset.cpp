@@ -296,6 +296,7 @@ void validate(const ClothAsset& asset) {
   check_images(asset.source);
   check_binding(asset);
   check_vertex_groups(asset);
+  if (!asset.paint.empty()) check_size("paint", asset.paint.size(), asset.source.source_vertex_count);
 }
 
 uint32_t count_valid_pixels(const ClothAsset& asset) {

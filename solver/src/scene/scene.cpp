@@ -161,12 +161,30 @@ Where read_where(const JsonReader& json) {
   return WhereVertexGroup{json.at("vertex_group").text()};
 }
 
+PaintChannel read_paint_channel(const JsonReader& json) {
+  const std::string name = json.text();
+  for (const auto channel : {PaintChannel::red, PaintChannel::green, PaintChannel::blue, PaintChannel::alpha})
+    if (name == to_string(channel)) return channel;
+  json.fail("must be red, green, blue or alpha");
+}
+
 MaxDistance read_max_distance(const JsonReader& json) {
   if (!json.is_object()) return {static_cast<float>(in_range(json, 0, kLargestPinDistance)), 0};
-  json.expect_object({"least", "per_metre"});
+  json.expect_object({"least", "per_metre", "painted", "most"});
+  if (json.has("painted") == json.has("per_metre"))
+    json.fail("must be a number, or have per_metre, or painted and most");
+  const auto distance = [&](const char* key) {
+    return static_cast<float>(in_range(json.at(key), 0, kLargestPinDistance));
+  };
   MaxDistance r;
-  if (json.has("least")) r.least = static_cast<float>(in_range(json.at("least"), 0, kLargestPinDistance));
-  r.per_metre = static_cast<float>(in_range(json.at("per_metre"), 0, kLargestPinDistance));
+  if (json.has("least")) r.least = distance("least");
+  if (json.has("per_metre")) {
+    r.per_metre = distance("per_metre");
+    if (json.has("most")) json.at("most").fail("goes with painted, not with per_metre");
+    return r;
+  }
+  r.painted = read_paint_channel(json.at("painted"));
+  r.most = distance("most");
   return r;
 }
 

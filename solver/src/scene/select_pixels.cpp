@@ -8,12 +8,12 @@
 #include <utility>
 
 #include "colliders/closest.h"
-#include "colliders/triangle_tree.h"
 #include "geocloth/asset/disjoint_sets.h"
 #include "geocloth/asset/error.h"
 #include "geocloth/asset/grid_mesh.h"
 #include "geocloth/asset/vec3d.h"
 #include "geocloth/solver/scene.h"
+#include "scene/source_surface.h"
 
 namespace geocloth {
 namespace {
@@ -259,18 +259,15 @@ class Selector {
   /// vertices alone would be dots, between which the cloth hangs through.
   void take_between(const std::vector<bool>& wanted) {
     const SourceMesh& source = asset_.source;
-    std::vector<TriangleCorners> corners;
-    corners.reserve(source.triangle.size());
-    for (const Triangle& t : source.triangle) corners.push_back(corners_of(t, source.position));
-    const TriangleTree tree(corners);
+    const SourceSurface surface(asset_);
     const double beside = kBesideEdge * double{asset_.spacing};
     for (uint32_t p = 0; p < asset_.pixel_count(); ++p) {
       if (!asset_.valid(p) || taken_[p]) continue;
       const Vec3d x = to_double(asset_.rest_position[p]);
-      const std::optional<uint32_t> nearest = tree.nearest(x);
-      if (!nearest) return;
+      const std::optional<SourceSurface::Place> place = surface.place_of(p);
+      if (!place) return;
       std::vector<Vec3d> of_group;
-      for (const uint32_t v : source.triangle[*nearest])
+      for (const uint32_t v : place->triangle)
         if (wanted[source.source_vertex[v]]) of_group.push_back(to_double(source.position[v]));
       taken_[p] = of_group.size() == 3 ||
                   (of_group.size() == 2 && length(x - closest_on_segment(of_group[0], of_group[1], x)) <= beside);

@@ -78,6 +78,19 @@ std::string element(const Scene& scene, const char* list, size_t i) {
   return scene.path.string() + ": " + list + "[" + std::to_string(i) + "]";
 }
 
+/// [m] Of each of the pixels of a pin.
+/// @param where  in the scene, for messages
+std::vector<float> painted_distances(const ClothAsset& asset, const MaxDistance& distance,
+                                     const std::vector<uint32_t>& pixels, const std::string& where) {
+  try {
+    std::vector<float> distances = paint_at(asset, *distance.painted, pixels);
+    for (float& d : distances) d = distance.least + d * (distance.most - distance.least);
+    return distances;
+  } catch (const Error& error) {
+    throw Error(error.code(), where + ".painted: " + error.what());
+  }
+}
+
 /// The same error of something in the scene, which is data of a file.
 Error error_at(const std::string& where, const Error& error, const std::string& message) {
   return {error.code() == ErrorCode::invalid_argument ? ErrorCode::invalid_data : error.code(), where + ": " + message};
@@ -290,11 +303,13 @@ void Simulation::measure_distances(uint32_t cloth) {
     if (!set.pin.max_distance) continue;
     const MaxDistance& most = *set.pin.max_distance;
     set.max_distance.assign(set.pixels.size(), most.least);
+    const std::string where = element(scene_, "cloths", cloth) + ".pins[" + std::to_string(k) + "].max_distance";
+    if (most.painted) set.max_distance = painted_distances(*cloths_[cloth].asset, most, set.pixels, where);
     if (!(most.per_metre > 0)) continue;
     if (held.empty()) {
       throw Error(ErrorCode::invalid_data,
-                  element(scene_, "cloths", cloth) + ".pins[" + std::to_string(k) +
-                      "].max_distance: grows from the points that pins of the cloth hold, and none holds any; give a "
+                  where +
+                      ": grows from the points that pins of the cloth hold, and none holds any; give a "
                       "pin without frequency and max_distance, or one distance for all");
     }
     if (way.empty()) way = ways_along_cloth(cloths_[cloth], held);

@@ -36,6 +36,7 @@ struct TriangleMesh {
   /// Vertices of each named part, those that each bone moves more than anything else, and those painted in one of eight
   /// colours ("color:red"), where there are several.
   std::vector<ClothAsset::VertexGroup> vertex_groups;
+  std::vector<Rgba8> paint;           ///< per vertex, white where a file that paints others says nothing; or empty
   std::vector<std::string> left_out;  ///< what the file has and this mesh has not, in plain words
 };
 

@@ -42,11 +42,18 @@ struct WhereVertexGroup {
 using Where =
     std::variant<WhereTop, WhereBoundary, WhereBox, WhereSphere, WhereVertices, WhereVertexGroup, WhereHanger>;
 
+/// One of the numbers of what vertices are painted in.
+enum class PaintChannel : uint8_t { red, green, blue, alpha };
+[[nodiscard]] const char* to_string(PaintChannel channel);
+
 /// How far the points of a pin may be from where it would hold them. All of a garment's points may have one on the
 /// skin: little where it is tight, more where it is free to swing.
 struct MaxDistance {
-  float least = 0;      ///< [m] >= 0
+  float least = 0;      ///< [m] >= 0; where 0 comes out, the point is held as by any pin
   float per_metre = 0;  ///< [m] >= 0 more for every metre along the cloth from the nearest point that a pin holds
+  /// Set: `least` where that channel of the vertices' paint is 0, `most` where it is 1, in proportion between them.
+  std::optional<PaintChannel> painted = {};
+  float most = 0;  ///< [m] >= 0, of a painted one; it may be below `least`
 };
 
 struct ScenePin {
@@ -181,6 +188,11 @@ struct Scene {
 /// Pixels that a selector takes, ascending, all copies included. @throws Error(invalid_data) when it selects none
 [[nodiscard]] std::vector<uint32_t> select_pixels(const ClothAsset& asset, const Transform& transform,
                                                   const Where& where);
+
+/// What the vertices are painted in, 0..1, at each of those pixels, in proportion within triangles of the mesh.
+/// @throws Error(invalid_data) when the asset has no paint
+[[nodiscard]] std::vector<float> paint_at(const ClothAsset& asset, PaintChannel channel,
+                                          std::span<const uint32_t> pixels);
 
 /// For every pixel the first one of the connected part that it is of, over springs and copies; itself where not valid.
 [[nodiscard]] std::vector<uint32_t> connected_parts(const ClothAsset& asset);

@@ -84,6 +84,9 @@ struct SourceImage {
   std::vector<uint8_t> bytes;
 };
 
+/// Red, green, blue and alpha, 0..255 for 0..1, as numbers of the file: no gamma is applied.
+using Rgba8 = std::array<uint8_t, 4>;
+
 /// glTF metallic-roughness, as far as importers give it.
 struct SourceMaterial {
   std::string name;
@@ -146,6 +149,9 @@ struct ClothAsset {
     std::vector<uint32_t> source_vertex;
   };
   std::vector<VertexGroup> vertex_groups;
+  /// What the vertices of the file are painted in, one for each, or empty where none is: maps for settings that differ
+  /// from place to place, such as the distance from its skin that the cloth may go.
+  std::vector<Rgba8> paint;
 
   [[nodiscard]] uint32_t pixel_count() const { return width * height; }
   [[nodiscard]] bool valid(uint32_t pixel) const { return chart[pixel] != kNoChart; }
