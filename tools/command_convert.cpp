@@ -28,11 +28,14 @@
 namespace geocloth {
 namespace {
 
+constexpr Point3 kUpByShape{0, 0, 0};
+
 struct ConvertArguments {
   std::filesystem::path mesh, asset, pictures, stages;
   std::vector<std::filesystem::path> reports;
   std::string parts;
   bool carry_loose = false;
+  Point3 up = kUpByShape;
   Layout layout = FlattenOptions{}.layout;
   uint32_t resolution = FlattenOptions{}.resolution;
   double spacing = 0;
@@ -56,6 +59,7 @@ ConvertOptions convert_options(const ConvertArguments& options) {
   result.flatten.resolution = options.resolution;
   result.flatten.spacing = options.spacing;
   result.refine = options.refine;
+  if (options.up != kUpByShape) result.up = options.up;
   result.stages = options.stages;
   return result;
 }
@@ -199,6 +203,17 @@ CommandRun add_convert(CLI::App& app) {
       "divide triangles until no edge is longer than this, so that a coarse mesh is drawn with the folds "
       "of its cloth; the vertices of the file stay the first ones",
       "none");
+  add_choice<Point3>(
+      app, "--up", options->up,
+      {{"auto", kUpByShape},
+       {"x", {1, 0, 0}},
+       {"y", {0, 1, 0}},
+       {"z", {0, 0, 1}},
+       {"-x", {-1, 0, 0}},
+       {"-y", {0, -1, 0}},
+       {"-z", {0, 0, -1}}},
+      "which way is up in the mesh: the grain of panels runs along it; auto: by the garment's shape, and "
+      "y where that does not tell");
   options->unit_option =
       add_choice<double>(app, "--unit", options->unit, {{"m", 1.0}, {"cm", 0.01}, {"mm", 0.001}, {"in", 0.0254}},
                          "unit of the mesh's coordinates", "what the file says, else m");

@@ -93,6 +93,7 @@ class Stages {
 struct Conversion {
   const TriangleMesh& mesh;
   Upright upright;
+  Point3 up{};  ///< in the image, if it is panels: one of the two ends of what is upright
   const Progress& progress;
   Stages& stages;
   const StageFiles& files;
@@ -174,8 +175,7 @@ FlatSurface lay_flat(const CleanSurface& surface, const Cuts& cuts, const Flatte
     with_wishes.prefer = cuts.options.prefer;
     FlatSurface flat = flatten(surface, cuts.surface, with_wishes, run.progress);
     flat.position = run.upright.undo(std::move(flat.position));
-    // Where possible the image stands as the file does.
-    if (options.layout == Layout::panels && run.upright.higher_end() != run.upright.up()) turn_atlas(flat);
+    if (options.layout == Layout::panels && run.up != run.upright.up()) turn_atlas(flat);
     return flat;
   });
 }
@@ -337,15 +337,16 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& optio
   report.source_faces = polygon_count(mesh);
   report.source_bbox_diagonal = bounding_diagonal(mesh.position);
 
-  Conversion run{mesh, {}, progress, stages, files};
+  Conversion run{mesh, {}, {}, progress, stages, files};
   const RepairResult repaired = stages.run("repair", [&] {
     RepairResult r = repair_mesh(mesh, options.repair, progress);
     put_in_canonical_order(r.surface);  // what is sampled to find up and down must not depend on the file's order
-    run.upright = find_upright(r.surface);
+    run.upright = options.up ? Upright(*options.up) : find_upright(r.surface);
     if (!run.upright.is_identity()) put_in_canonical_order(r.surface, run.upright);
     return r;
   });
-  report.up = run.upright.higher_end();
+  run.up = options.up.value_or(run.upright.higher_end());  // where possible the image stands as the file does
+  report.up = run.up;
   report.source = repaired.source;
   report.repairs = repaired.repairs;
   report.cleaned = repaired.cleaned;

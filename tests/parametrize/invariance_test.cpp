@@ -159,6 +159,34 @@ TEST(Invariance, LyingOnItsSide) {
   }
 }
 
+// A flag that hangs by its side, or a garment whose shape misleads.
+TEST(Invariance, UpMayBeTold) {
+  const TriangleMesh flag = as_mesh(test::disk(21, 11, 2, 1));
+  const auto converted_with = [](const TriangleMesh& mesh, const Point3& up) {
+    ConvertOptions options;
+    options.flatten.resolution = 48;
+    options.up = up;
+    ConvertResult result = convert(mesh, options);
+    EXPECT_EQ(result.report.up, up);
+    return result;
+  };
+  for (const Point3& up : {Point3{0, 1, 0}, Point3{1, 0, 0}, Point3{-1, 0, 0}, Point3{0, -1, 0}}) {
+    const ClothAsset asset = converted_with(flag, up).asset;
+    const std::vector<uint32_t> column = [&] {
+      std::vector<uint32_t> pixels;
+      for (uint32_t y = 0; y < asset.height; ++y) {
+        const uint32_t p = y * asset.width + asset.width / 2;
+        if (asset.valid(p)) pixels.push_back(p);
+      }
+      return pixels;
+    }();
+    const Vec3 way = asset.rest_position[column.front()] - asset.rest_position[column.back()];
+    EXPECT_NEAR(double{way.x} * up[0] + double{way.y} * up[1], std::abs(up[0]) * 2 + std::abs(up[1]), 0.01) << up[0];
+  }
+  const TriangleMesh shirt = worn_shirt();
+  expect_same_image(converted_with(shirt, {0, 1, 0}), converted_with(tipped(shirt, 0, kTips[0][1]), {0, 0, 1}), 1);
+}
+
 /// Left and right cost the same here: what decides between them must not be rounding.
 TEST(Invariance, SymmetricGarments) {
   for (const CleanSurface& surface : {test::shirt(8), test::cylinder(24, 9)}) {

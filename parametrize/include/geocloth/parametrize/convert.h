@@ -17,6 +17,9 @@ struct ConvertOptions {
   /// size is FlattenOptions::spacing, or follows from the mesh's area.
   double refine = 0;
   RepairOptions repair;
+  /// Of unit length: which way of the mesh is up, for the grain of panels and the image; not set: by the garment's
+  /// shape.
+  std::optional<Point3> up;
   /// Loose pieces that are up to a twentieth of the garment or three pixels across and lie on it all over, as buttons
   /// and sequins do, ride on it; else those that are smaller than a pixel do, as far as they are 1 % of the area
   /// together.
@@ -68,8 +71,8 @@ struct ConvertReport {
   /// [m] How far the asset was moved from where the file has it: nowhere, unless that is so far from the origin that
   /// single precision could not tell its points apart.
   Point3 moved{};
-  /// Unit length: what was taken for up, from the garment's shape where that does not stand along +y. It decides the
-  /// grain of panels; the asset lies as the file does.
+  /// Unit length: ConvertOptions::up, or what was taken for it from the garment's shape. It decides the grain of
+  /// panels; the asset lies as the file does.
   Point3 up{0, 1, 0};
   std::vector<Repair> repairs;
   Topology cleaned;
