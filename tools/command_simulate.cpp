@@ -221,13 +221,13 @@ void run(const SimulateArguments& options) {
 CommandRun add_simulate(CLI::App& app) {
   auto options = std::make_shared<SimulateArguments>();
   add_scene_input(app, options->input);
-  CLI::Option* output =
-      add_text(app, "-o,--output", "OUT", options->outputs,
-               "what to write, by its ending: .glb (animated), .pc2, .mdd, .obj (numbered), .png (numbered), .mp4, "
-               ".exr (numbered); may be given several times",
-               "default none")
-          ->check(ends_with({".glb", ".pc2", ".mdd", ".obj", ".png", ".mp4", ".exr"}))
-          ->allow_extra_args(false);
+  CLI::Option* output = add_text(app, "-o,--output", "OUT", options->outputs,
+                                 "what to write, by its ending: .glb (animated), .usda (the same for USD), .pc2, .mdd, "
+                                 ".obj (numbered), .png (numbered), .mp4, "
+                                 ".exr (numbered); may be given several times",
+                                 "default none")
+                            ->check(ends_with({".glb", ".usda", ".pc2", ".mdd", ".obj", ".png", ".mp4", ".exr"}))
+                            ->allow_extra_args(false);
   options->frames_option = add_number<uint32_t>(app, "--frames", "N", options->frames, 0, kMaxFrames, "frames",
                                                 "how long to run", "what the scene says");
   add_solver_options(app, options->solver);

@@ -4,6 +4,8 @@
 #include <bit>
 #include <cstring>
 #include <filesystem>
+#include <map>
+#include <numeric>
 #include <sstream>
 #include <string>
 
@@ -64,7 +66,7 @@ TEST_F(CacheWriters, AnUnknownEndingIsNoFormat) {
 }
 
 TEST_F(CacheWriters, NothingStandsBeforeCommitOrAfterAFailure) {
-  for (const char* name : {"a.glb", "a.obj", "a.pc2", "a.mdd", "a.exr"}) {
+  for (const char* name : {"a.glb", "a.usda", "a.obj", "a.pc2", "a.mdd", "a.exr"}) {
     const CacheDescription description{{sample()}, 60, 2};
     const auto writer = make_cache_writer(folder_ / name, description);
     const ClothSnapshot frame = waving_frame(*description.cloths[0], 0);
@@ -157,10 +159,133 @@ TEST_F(CacheWriters, ObjSeriesIsTheSourceMeshWelded) {
   EXPECT_EQ(points[second + asset.source.source_vertex[7]], expected.source_position[7]);
 }
 
+/// What stands between a declaration, from a place in the text on, and the bracket that closes its value.
+std::string usd_value(const std::string& text, const std::string& declaration, std::size_t from) {
+  const std::size_t found = text.find(declaration + " = ", from);
+  if (found == std::string::npos) return {};
+  const std::size_t begin = found + declaration.size() + 3;
+  std::size_t end = begin;
+  for (int open = 0; end < text.size(); ++end) {
+    if (text[end] == '[' || text[end] == '{') ++open;
+    if ((text[end] == ']' || text[end] == '}') && --open == 0) break;
+  }
+  return text.substr(begin, end + 1 - begin);
+}
+
+/// All numbers of a text.
+std::vector<float> usd_numbers(std::string text) {
+  std::ranges::replace_if(
+      text, [](char c) { return std::strchr("[](),{}", c) != nullptr; }, ' ');
+  std::istringstream words(text);
+  std::vector<float> numbers;
+  for (float number = 0; words >> number;) numbers.push_back(number);
+  EXPECT_TRUE(words.eof()) << text;
+  return numbers;
+}
+
+/// The samples of an attribute, by frame.
+std::map<int, std::vector<float>> usd_samples(const std::string& text, const std::string& declaration,
+                                              std::size_t from) {
+  std::istringstream lines(usd_value(text, declaration + ".timeSamples", from));
+  std::map<int, std::vector<float>> samples;
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t colon = line.find(": ");
+    if (colon != std::string::npos) samples[std::stoi(line)] = usd_numbers(line.substr(colon + 2));
+  }
+  return samples;
+}
+
+void expect_vectors(const std::vector<float>& numbers, const std::vector<Vec3>& expected) {
+  ASSERT_EQ(numbers.size(), 3 * expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i)
+    ASSERT_EQ((Vec3{numbers[3 * i], numbers[3 * i + 1], numbers[3 * i + 2]}), expected[i]) << i;
+}
+
+TEST_F(CacheWriters, UsdIsTheSourceMeshWeldedWithEveryFrame) {
+  const CacheDescription description{{sample(), sample()}, 24, 3};
+  const ClothAsset& asset = *description.cloths[0];
+  const SourceMesh& source = asset.source;
+  write("a.usda", description);
+  const std::string text = test::read_text(folder_ / "a.usda");
+  EXPECT_THAT(text, testing::StartsWith("#usda 1.0\n(\n"));
+  for (const char* line : {"    endTimeCode = 3\n", "    timeCodesPerSecond = 24\n", "    upAxis = \"Y\"\n",
+                           "    metersPerUnit = 1\n", "    defaultPrim = \"World\"\n", "\ndef Xform \"World\"\n{\n"})
+    EXPECT_THAT(text, testing::HasSubstr(line));
+  for (const char* pair : {"()", "[]", "{}"})
+    EXPECT_EQ(std::ranges::count(text, pair[0]), std::ranges::count(text, pair[1])) << pair;
+
+  std::size_t from = text.find("def Mesh \"sample___\"");
+  for (std::size_t cloth = 0; cloth < 2; ++cloth) {
+    ASSERT_NE(from, std::string::npos);
+    const auto points = usd_samples(text, "point3f[] points", from);
+    const auto normals = usd_samples(text, "normal3f[] primvars:normals", from);
+    ASSERT_EQ(points.size(), 4U);
+    const std::vector<Vec3> bound = bind_normals(asset);
+    for (uint32_t frame = 0; frame <= 3; ++frame) {
+      const ClothSnapshot state = waving_frame(asset, frame, {1.2F * static_cast<float>(cloth), 0, 0});
+      std::vector<Vec3> expected(source.source_vertex_count), expected_normals;
+      for (std::size_t v = 0; v < source.source_vertex.size(); ++v)
+        expected[source.source_vertex[v]] = state.source_position[v];
+      expect_vectors(points.at(static_cast<int>(frame)), expected);
+      evaluate_bound_normals(asset, bound, state.position, state.normal, expected_normals);
+      expect_vectors(normals.at(static_cast<int>(frame)), expected_normals);
+      const std::vector<float> extent = usd_samples(text, "float3[] extent", from).at(static_cast<int>(frame));
+      ASSERT_EQ(extent.size(), 6U);
+      for (const Vec3& p : expected) {
+        EXPECT_TRUE(p.x >= extent[0] && p.y >= extent[1] && p.z >= extent[2]);
+        EXPECT_TRUE(p.x <= extent[3] && p.y <= extent[4] && p.z <= extent[5]);
+      }
+    }
+    std::vector<float> corners, render_corners, uv;
+    for (const Triangle& t : source.triangle) {
+      for (const uint32_t v : t) {
+        corners.push_back(static_cast<float>(source.source_vertex[v]));
+        render_corners.push_back(static_cast<float>(v));
+      }
+    }
+    for (const Vec2& p : source.uv) uv.insert(uv.end(), {p.x, 1 - p.y});  // v up
+    const auto numbers = [&](const char* declaration) { return usd_numbers(usd_value(text, declaration, from)); };
+    EXPECT_EQ(numbers("int[] faceVertexCounts"), std::vector<float>(source.triangle.size(), 3));
+    EXPECT_EQ(numbers("int[] faceVertexIndices"), corners);
+    EXPECT_EQ(numbers("int[] primvars:normals:indices"), render_corners);
+    EXPECT_EQ(numbers("int[] primvars:st:indices"), render_corners);
+    EXPECT_EQ(numbers("texCoord2f[] primvars:st"), uv);
+    // Each face is of one part, and the parts have their materials.
+    std::vector<float> faces = numbers("int[] indices");
+    const std::size_t right = text.find("def GeomSubset \"right\"", from);
+    const std::vector<float> others = usd_numbers(usd_value(text, "int[] indices", right));
+    EXPECT_EQ(faces.size(), source.part[0].triangle_count);
+    faces.insert(faces.end(), others.begin(), others.end());
+    std::vector<float> all(source.triangle.size());
+    std::iota(all.begin(), all.end(), 0.F);
+    EXPECT_EQ(faces, all);
+    const std::string path = cloth == 0 ? "</World/sample___/" : "</World/sample____2/";
+    EXPECT_EQ(text.find("rel material:binding = " + path + "back>", right), text.find("rel material", right));
+    from = text.find("def Mesh \"sample____2\"", from);
+  }
+  EXPECT_THAT(text, testing::HasSubstr("color3f inputs:diffuseColor = (0.1, 0.2, 0.3)"));
+}
+
+// USD takes letters, digits and _ for names, and no name twice.
+TEST_F(CacheWriters, UsdNamesAreIdentifiers) {
+  ClothAsset asset = test::sample_asset();
+  asset.name = "3 \"Kleid\"\n";
+  asset.source.part[0].name = asset.source.part[1].name = "\xC3\xA4";
+  asset.source.material[0].name.clear();
+  const auto cloth = std::make_shared<const ClothAsset>(asset);
+  write("a.usda", {{cloth}, 60, 1});
+  const std::string text = test::read_text(folder_ / "a.usda");
+  for (const char* name : {"def Mesh \"_3__Kleid__\" (", "def GeomSubset \"__\" (", "def GeomSubset \"___2\" (",
+                           "def Material \"material\"\n"})
+    EXPECT_THAT(text, testing::HasSubstr(name));
+}
+
 TEST_F(CacheWriters, ARunWithoutFramesStillGivesAFile) {
   write("a.obj", {{sample()}, 60, 0});
   write("a.glb", {{sample()}, 60, 0});
-  EXPECT_THAT(folder_.entries(), testing::ElementsAre("a.glb", "a_0000.obj"));
+  write("a.usda", {{sample()}, 60, 0});
+  EXPECT_THAT(folder_.entries(), testing::ElementsAre("a.glb", "a.usda", "a_0000.obj"));
+  EXPECT_EQ(usd_samples(test::read_text(folder_ / "a.usda"), "point3f[] points", 0).size(), 1U);
 }
 
 TEST_F(CacheWriters, ExrHoldsTheGridBitForBit) {
@@ -251,7 +376,7 @@ TEST_F(CacheWriters, FacesThatACutOpensVanishInThatFrame) {
   const CacheDescription description{{sample()}, 30, 4};
   const ClothAsset& asset = *description.cloths[0];
   const std::shared_ptr<const ClothAsset> cut = opened(asset);
-  for (const char* name : {"a.glb", "a.obj"}) {
+  for (const char* name : {"a.glb", "a.obj", "a.usda"}) {
     const auto writer = make_cache_writer(folder_ / name, description);
     for (uint32_t frame = 0; frame <= 4; ++frame) {
       ClothSnapshot state = waving_frame(asset, frame);
@@ -289,14 +414,25 @@ TEST_F(CacheWriters, FacesThatACutOpensVanishInThatFrame) {
   };
   EXPECT_EQ(faces("a_0002.obj"), asset.source.triangle.size());
   EXPECT_EQ(faces("a_0003.obj"), cut->source.triangle.size());
+  const std::string usd = test::read_text(folder_ / "a.usda");
+  for (const auto& [declaration, each] : {std::pair{"int[] faceVertexCounts", 1U},
+                                          {"int[] faceVertexIndices", 3U},
+                                          {"int[] primvars:normals:indices", 3U},
+                                          {"int[] primvars:st:indices", 3U}}) {
+    const auto samples = usd_samples(usd, declaration, 0);
+    ASSERT_EQ(samples.size(), 2U) << declaration;
+    EXPECT_EQ(samples.at(0).size(), each * asset.source.triangle.size());
+    EXPECT_EQ(samples.at(3).size(), each * cut->source.triangle.size());
+  }
 }
 
 TEST_F(CacheWriters, SameFramesSameBytes) {
-  for (const char* ending : {"glb", "obj", "pc2", "mdd", "exr"}) {
+  for (const char* ending : {"glb", "usda", "obj", "pc2", "mdd", "exr"}) {
     write((std::string("a.") + ending).c_str(), {{sample()}, 60, 2});
     write((std::string("b.") + ending).c_str(), {{sample()}, 60, 2});
   }
   EXPECT_EQ(bytes("a.glb"), bytes("b.glb"));
+  EXPECT_EQ(bytes("a.usda"), bytes("b.usda"));
   EXPECT_EQ(bytes("a_0002.obj"), bytes("b_0002.obj"));
   EXPECT_EQ(bytes("a.pc2"), bytes("b.pc2"));
   EXPECT_EQ(bytes("a.mdd"), bytes("b.mdd"));
@@ -309,7 +445,8 @@ TEST_F(CacheWriters, AGltfThatCannotHoldTheMotionIsRefusedAtOnce) {
 }
 
 TEST_F(CacheWriters, AMissingFolderIsAnErrorAtOnce) {
-  for (const char* name : {"missing/a.glb", "missing/a.pc2", "missing/a.mdd", "missing/a.obj", "missing/a.exr"}) {
+  for (const char* name :
+       {"missing/a.glb", "missing/a.usda", "missing/a.pc2", "missing/a.mdd", "missing/a.obj", "missing/a.exr"}) {
     EXPECT_THROW(static_cast<void>(make_cache_writer(folder_ / name, CacheDescription{{sample()}, 60, 2})), Error);
   }
 }

@@ -21,7 +21,8 @@ struct Format {
   MakeWriter make;
   bool holds_one_cloth;
 };
-constexpr std::array<Format, 5> kFormats{{{".glb", make_gltf_writer, false},
+constexpr std::array<Format, 6> kFormats{{{".glb", make_gltf_writer, false},
+                                          {".usda", make_usd_writer, false},
                                           {".obj", make_obj_writer, false},
                                           {".pc2", make_pc2_writer, true},
                                           {".mdd", make_mdd_writer, true},

@@ -27,12 +27,13 @@ class CacheWriter : public FrameWriter {
 
 /// A writer by the ending of the path, or null for another ending. Several cloths are told apart as written below.
 ///   .glb  animated glTF: the garments with their materials; morph targets, played by three.js and Blender; a node each
+///   .usda  animated USD as text (Omniverse, Houdini, Maya, Unreal): a mesh each, with samples for every frame
 ///   .obj  a numbered file per frame, out_0001.obj ...; an object each
 ///   .pc2, .mdd  point caches (Blender, Maya, LightWave); out_1.pc2, out_2.pc2 ... when there are several
 ///   .exr  numbered vertex-animation textures of the grid, RGB = position [m], A = 1 where a pixel is valid;
 ///         out_1_0001.exr ... when there are several
-/// Points of .obj, .pc2 and .mdd stand in the order of the vertices of the source file, in metres, y up.
-/// The caches .glb, .pc2 and .mdd begin with frame 0; numbered files begin with frame 1.
+/// Points of .usda, .obj, .pc2 and .mdd stand in the order of the vertices of the source file, in metres, y up.
+/// The caches .glb, .usda, .pc2 and .mdd begin with frame 0; numbered files begin with frame 1.
 [[nodiscard]] std::unique_ptr<CacheWriter> make_cache_writer(const std::filesystem::path& path,
                                                              const CacheDescription& description);
 [[nodiscard]] std::unique_ptr<FrameWriter> make_cache_writer(const std::filesystem::path& path,

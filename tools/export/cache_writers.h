@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <charconv>
+#include <string>
+
 #include "export/cache_writer.h"
 
 /// The formats behind make_cache_writer, one file each.
@@ -16,6 +19,16 @@ namespace geocloth {
                                                            const CacheDescription& description);
 [[nodiscard]] std::unique_ptr<CacheWriter> make_exr_writer(const std::filesystem::path& path,
                                                            const CacheDescription& description);
+
+[[nodiscard]] std::unique_ptr<CacheWriter> make_usd_writer(const std::filesystem::path& path,
+                                                           const CacheDescription& description);
+
+/// With as many digits as give the number back.
+template <class Number>
+void append_number(std::string& text, Number value) {
+  char digits[32];
+  text.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
+}
 
 /// out.pc2, 0 of 2 -> out_1.pc2; the path itself when there is only one cloth.
 [[nodiscard]] std::filesystem::path cloth_path(const std::filesystem::path& path, std::size_t cloth,

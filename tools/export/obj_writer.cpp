@@ -2,7 +2,6 @@
 // Numbered Wavefront OBJ files of the source mesh: an object per cloth, a group and a material name per part. Points
 // are those of the source file in its order, so frames can be loaded as shapes of the mesh that the user already has;
 // texture coordinates keep their own indices, so the mesh stays welded. Digits round-trip the floats.
-#include <charconv>
 #include <string>
 
 #include "export/cache_writers.h"
@@ -13,9 +12,8 @@ namespace {
 
 void append_numbers(std::string& text, std::initializer_list<float> values) {
   for (const float value : values) {
-    char digits[32];
     text += ' ';
-    text.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
+    append_number(text, value);
   }
   text += '\n';
 }
