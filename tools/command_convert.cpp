@@ -34,7 +34,7 @@ struct ConvertArguments {
   std::filesystem::path mesh, asset, pictures, stages;
   std::vector<std::filesystem::path> reports;
   std::string parts;
-  bool carry_loose = false;
+  bool carry_loose = false, one_layer = false;
   Point3 up = kUpByShape;
   Layout layout = FlattenOptions{}.layout;
   uint32_t resolution = FlattenOptions{}.resolution;
@@ -51,6 +51,7 @@ ConvertOptions convert_options(const ConvertArguments& options) {
   ConvertOptions result;
   result.parts = options.parts;
   result.carry_loose = options.carry_loose;
+  result.one_layer = options.one_layer;
   if (options.unit_option->count() > 0) result.import.scale = options.unit;
   if (options.scale_option->count() > 0) result.import.scale = options.scale;
   if (options.weld_option->count() > 0) result.repair.weld_distance = options.weld;
@@ -234,6 +235,9 @@ CommandRun add_convert(CLI::App& app) {
       "--carry-loose", options->carry_loose,
       "let small loose pieces that lie on the cloth all over, such as buttons and sequins, ride on it and have "
       "no pixels [default off: only those smaller than a pixel]");
+  app.add_flag("--one-layer", options->one_layer,
+               "of cloth that was given a thickness (a closed shell), simulate one side and let the other ride on it "
+               "[default off: each side is cloth of its own]");
   app.callback([options, output] {
     if (options->parts != kListParts && output->count() == 0) throw CLI::RequiredError("--output");
     const std::string clash = find_name_clash({{"the mesh", options->mesh}}, written_files(*options));

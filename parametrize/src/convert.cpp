@@ -28,6 +28,7 @@
 #include "repair/border_loops.h"
 #include "repair/canonical_order.h"
 #include "repair/filled_holes.h"
+#include "repair/layers.h"
 #include "repair/small_pieces.h"
 #include "repair/upright.h"
 #include "report/mesh_warnings.h"
@@ -93,7 +94,8 @@ class Stages {
 struct Conversion {
   const TriangleMesh& mesh;
   Upright upright;
-  Point3 up{};  ///< in the image, if it is panels: one of the two ends of what is upright
+  Point3 up{};                   ///< in the image, if it is panels: one of the two ends of what is upright
+  std::vector<Point3> beside{};  ///< per vertex of the file: where the cloth is that it rides on; empty: there
   const Progress& progress;
   Stages& stages;
   const StageFiles& files;
@@ -266,7 +268,7 @@ bool lay_out(const CarriedSurface& carried, const FlattenOptions& options, bool 
   run.files.save(asset);
 
   run.stages.run("bind", [&] {
-    bind_source(run.mesh, clean, flat, raster, asset, carried.piece_of_point);
+    bind_source(run.mesh, clean, flat, raster, asset, carried.piece_of_point, run.beside);
     return true;
   });
   report.quality = run.stages.run("measure", [&] { return measure_quality(clean, flat, raster, asset, run.progress); });
@@ -337,9 +339,16 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& optio
   report.source_faces = polygon_count(mesh);
   report.source_bbox_diagonal = bounding_diagonal(mesh.position);
 
-  Conversion run{mesh, {}, {}, progress, stages, files};
+  Conversion run{mesh, {}, {}, {}, progress, stages, files};
+  std::vector<CarriedPart> sides;
   const RepairResult repaired = stages.run("repair", [&] {
     RepairResult r = repair_mesh(mesh, options.repair, progress);
+    if (options.one_layer) {
+      OneLayer layer = leave_one_layer(mesh, r.surface, options.repair);
+      r.surface = std::move(layer.surface);
+      sides = std::move(layer.carried);
+      run.beside = std::move(layer.beside);
+    }
     put_in_canonical_order(r.surface);  // what is sampled to find up and down must not depend on the file's order
     run.upright = options.up ? Upright(*options.up) : find_upright(r.surface);
     if (!run.upright.is_identity()) put_in_canonical_order(r.surface, run.upright);
@@ -360,9 +369,12 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& optio
   for (size_t i = 0; i < attempts.size(); ++i) {
     carried = stages.run("carry", [&] {
       const bool square = attempts[i].options.layout == Layout::square;
-      return attempts[i].carry ? carry_small_pieces(mesh, repaired.surface,
-                                                    square ? options.flatten : attempts[i].options, options.carry_loose)
-                               : carry_nothing(repaired.surface);
+      CarriedSurface of_surface =
+          attempts[i].carry ? carry_small_pieces(mesh, repaired.surface, square ? options.flatten : attempts[i].options,
+                                                 options.carry_loose)
+                            : carry_nothing(repaired.surface);
+      of_surface.carried.insert(of_surface.carried.end(), sides.begin(), sides.end());
+      return of_surface;
     });
     try {
       lay_out_with_holes(carried, attempts[i].options, run, result);
@@ -398,6 +410,7 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& optio
        {warning_of_spacing(result.asset.spacing, options.flatten.spacing), warning_of_coarse_triangles(result.asset),
         warning_of_loose_pieces(find_loose_pieces(carried.represented)),
         warning_of_cracks(find_cracks(repaired.surface)),
+        options.one_layer ? std::nullopt : warning_of_thickness(find_thickness(repaired.surface)),
         warning_of_folds(repaired, mesh.triangle.size(), report.source_bbox_diagonal)}) {
     if (warning) report.warnings.push_back(*warning);
   }

@@ -51,7 +51,7 @@ MeasureGroup group_of(const char* title, const std::vector<Row>& rows, bool has_
 
 double carried_share(const ConvertReport& report) {
   double share = 0;
-  for (const CarriedPart& part : report.carried) share += part.area_share;
+  for (const CarriedPart& part : report.carried) share += part.is_side ? 0 : part.area_share;
   return share;
 }
 

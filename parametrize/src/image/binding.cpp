@@ -294,7 +294,7 @@ void set_offsets(ClothAsset& asset) {
 }  // namespace
 
 void bind_source(const TriangleMesh& mesh, const CleanSurface& clean, const FlatSurface& flat, const Raster& raster,
-                 ClothAsset& asset, std::span<const uint32_t> carried_piece) {
+                 ClothAsset& asset, std::span<const uint32_t> carried_piece, std::span<const Point3> beside) {
   asset.name = mesh.name;
   asset.vertex_groups = mesh.vertex_groups;
   asset.paint = mesh.paint;
@@ -311,7 +311,7 @@ void bind_source(const TriangleMesh& mesh, const CleanSurface& clean, const Flat
       const FlatPlace place = point == kNone ? FlatPlace{} : places[point];
       if (place.vertex != kNone) of_vertex[v] = locator.at_vertex(place.vertex, place.chart);
       if (!of_vertex[v]) of_vertex[v] = carried.shared_place(v, asset.spacing, locator);
-      if (!of_vertex[v]) of_vertex[v] = locator.nearest(mesh.position[v]);
+      if (!of_vertex[v]) of_vertex[v] = locator.nearest(beside.empty() ? mesh.position[v] : beside[v]);
     }
     asset.binding.push_back(bind_at(asset, *of_vertex[v]));
   }

@@ -75,4 +75,20 @@ TriangleTree::Place TriangleTree::nearest(const Point3& p, const std::optional<P
   return tree_->place(tree_->boxes.closest_point_and_primitive(to_cgal(p), tree_->start(near)));
 }
 
+std::optional<TriangleTree::Hit> TriangleTree::first_hit(const Point3& from, const Point3& direction,
+                                                         uint32_t except) const {
+  const auto first = tree_->triangle.cbegin();
+  const auto number = [&](Triangles::const_iterator t) { return tree_->index[static_cast<std::size_t>(t - first)]; };
+  const Kernel::Ray_3 ray(to_cgal(from), Kernel::Vector_3(direction[0], direction[1], direction[2]));
+  const auto found =
+      tree_->boxes.first_intersected_primitive(ray, [&](Triangles::const_iterator t) { return number(t) == except; });
+  if (!found) return std::nullopt;
+  const Kernel::Plane_3 plane = (*found)->supporting_plane();
+  const Kernel::Vector_3 normal = plane.orthogonal_vector();
+  const double towards = normal * ray.to_vector();
+  if (towards == 0) return std::nullopt;  // it runs along the triangle
+  const double distance = normal * ((*found)->vertex(0) - to_cgal(from)) / towards;
+  return Hit{number(*found), std::max(distance, 0.0)};
+}
+
 }  // namespace geocloth

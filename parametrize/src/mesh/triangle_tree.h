@@ -26,6 +26,15 @@ class TriangleTree {
   /// @param near  what this tree gave for a point nearby, if anything: the search is faster then
   [[nodiscard]] Place nearest(const Point3& p, const std::optional<Place>& near = std::nullopt) const;
 
+  struct Hit {
+    uint32_t triangle;  ///< index into the triangles given
+    double distance;    ///< [m]
+  };
+  /// Where a ray first meets the mesh.
+  /// @param direction  of unit length
+  /// @param except     a triangle that it passes through, kNone: none
+  [[nodiscard]] std::optional<Hit> first_hit(const Point3& from, const Point3& direction, uint32_t except) const;
+
  private:
   struct Tree;
   std::unique_ptr<Tree> tree_;

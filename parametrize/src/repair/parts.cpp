@@ -25,30 +25,6 @@ double area_of(const TriangleMesh& mesh, uint32_t t) {
   return triangle_area(mesh.position[a], mesh.position[b], mesh.position[c]);
 }
 
-/// The triangles of a mesh in another order, some left out; parts are given anew.
-TriangleMesh with_triangles(const TriangleMesh& mesh, const std::vector<uint32_t>& order,
-                            std::vector<SourcePart> part) {
-  TriangleMesh result;
-  result.name = mesh.name;
-  result.position = mesh.position;
-  result.part = std::move(part);
-  result.material = mesh.material;
-  result.image = mesh.image;
-  result.vertex_groups = mesh.vertex_groups;
-  result.paint = mesh.paint;
-  result.left_out = mesh.left_out;
-  const auto pick = [&](const auto& from, auto& to) {
-    if (from.empty()) return;
-    to.reserve(order.size());
-    for (const uint32_t t : order) to.push_back(from[t]);
-  };
-  pick(mesh.triangle, result.triangle);
-  pick(mesh.polygon, result.polygon);
-  pick(mesh.uv, result.uv);
-  pick(mesh.normal, result.normal);
-  return result;
-}
-
 /// Per triangle the number of its connected piece, the piece of most area first.
 std::vector<uint32_t> connected_pieces(const TriangleMesh& mesh, const RepairOptions& options) {
   const WeldReach reach = weld_reach(options, bounding_diagonal(mesh.position));
@@ -159,6 +135,29 @@ class Selector {
 };
 
 }  // namespace
+
+TriangleMesh with_triangles(const TriangleMesh& mesh, const std::vector<uint32_t>& order,
+                            std::vector<SourcePart> part) {
+  TriangleMesh result;
+  result.name = mesh.name;
+  result.position = mesh.position;
+  result.part = std::move(part);
+  result.material = mesh.material;
+  result.image = mesh.image;
+  result.vertex_groups = mesh.vertex_groups;
+  result.paint = mesh.paint;
+  result.left_out = mesh.left_out;
+  const auto pick = [&](const auto& from, auto& to) {
+    if (from.empty()) return;
+    to.reserve(order.size());
+    for (const uint32_t t : order) to.push_back(from[t]);
+  };
+  pick(mesh.triangle, result.triangle);
+  pick(mesh.polygon, result.polygon);
+  pick(mesh.uv, result.uv);
+  pick(mesh.normal, result.normal);
+  return result;
+}
 
 TriangleMesh with_choosable_parts(TriangleMesh mesh, const RepairOptions& options) {
   if (mesh.part.size() != 1 || mesh.triangle.empty()) return mesh;

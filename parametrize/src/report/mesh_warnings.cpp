@@ -48,6 +48,16 @@ std::optional<std::string> warning_of_cracks(const Cracks& cracks) {
   return text;
 }
 
+std::optional<std::string> warning_of_thickness(const std::optional<double>& thickness) {
+  if (!thickness) return std::nullopt;
+  char text[256];
+  std::snprintf(text, sizeof text,
+                "the cloth has a thickness of %.2g m: its two sides move each for itself and show through each other; "
+                "--one-layer simulates one side, which the other one rides on",
+                *thickness);
+  return text;
+}
+
 std::optional<std::string> warning_of_folds(const RepairResult& repaired, std::size_t triangles, double size) {
   constexpr double kNotable = 0.01;  // of all triangles
   if (static_cast<double>(repaired.folded_faces) < kNotable * static_cast<double>(triangles)) return std::nullopt;

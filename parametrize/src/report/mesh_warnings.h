@@ -24,6 +24,10 @@ namespace geocloth {
 /// Where a garment may lie in pieces that no one meant to be apart.
 [[nodiscard]] std::optional<std::string> warning_of_cracks(const Cracks& cracks);
 
+/// Both sides of cloth with a thickness are cloth, each for itself.
+/// @param thickness  [m] as of find_thickness()
+[[nodiscard]] std::optional<std::string> warning_of_thickness(const std::optional<double>& thickness);
+
 /// Layers at one place can be the two sides of cloth, or a garment folded flat.
 /// @param triangles  of the file
 /// @param size       [m] of its bounding diagonal

@@ -156,7 +156,7 @@ void warn_of_carried(const ConvertReport& report, std::vector<std::string>& out)
   double share = 0;
   uint32_t pieces = 0;
   for (const CarriedPart& part : report.carried) {
-    if (part.faces == 0) continue;  // a hole
+    if (part.faces == 0 || part.is_side) continue;  // a hole
     share += part.area_share;
     ++pieces;
   }

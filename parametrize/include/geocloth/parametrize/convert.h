@@ -24,6 +24,9 @@ struct ConvertOptions {
   /// and sequins do, ride on it; else those that are smaller than a pixel do, as far as they are 1 % of the area
   /// together.
   bool carry_loose = false;
+  /// Of cloth that was given a thickness (a second side within, joined to the first one along hems) one side is
+  /// represented, and the other one rides on it.
+  bool one_layer = false;
   FlattenOptions flatten;
   /// Where Layout::panels is refused it gets up to six times the pixels, and after that falls back to Layout::square,
   /// with a warning in the report.
@@ -42,6 +45,7 @@ struct CarriedPart {
   uint32_t faces = 0;     ///< triangles left out; 0 for a hole
   double area_share = 0;  ///< of the clean surface
   std::string why;
+  bool is_side = false;  ///< the other side of thick cloth, see ConvertOptions::one_layer
 };
 
 /// A part of the file (SourcePart) as the image has it.

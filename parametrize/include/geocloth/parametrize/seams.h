@@ -17,7 +17,8 @@ namespace geocloth {
 /// those that no face uses, are bound to the nearest place. Pieces that the image leaves out ride on the cloth beside
 /// them: small ones as a whole, so that they keep their shape, larger ones vertex by vertex.
 /// @param carried_piece  per point of the clean surface: which such piece it is in, kNone for none; empty: all none
+/// @param beside  [m] per vertex of the file: where the cloth is that it is to ride on; empty: all where they are
 void bind_source(const TriangleMesh& mesh, const CleanSurface& clean, const FlatSurface& flat, const Raster& raster,
-                 ClothAsset& asset, std::span<const uint32_t> carried_piece = {});
+                 ClothAsset& asset, std::span<const uint32_t> carried_piece = {}, std::span<const Point3> beside = {});
 
 }  // namespace geocloth
