@@ -10,6 +10,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "export/cache_writers.h"
@@ -60,6 +61,13 @@ std::string indices_text(const std::vector<uint32_t>& indices) {
   return array_text(indices, [](std::string& text, uint32_t i) { text += std::to_string(i); });
 }
 
+/// One of the file, of the words one after the other.
+void write_line(OutputFile& file, std::size_t indent, std::initializer_list<std::string_view> words) {
+  std::string line(indent, ' ');
+  for (const std::string_view word : words) line += word;
+  file.write(line += '\n');
+}
+
 /// Values of an attribute from frames on.
 class Samples {
  public:
@@ -67,12 +75,11 @@ class Samples {
     if (sample_.empty() || sample_.back().second != value) sample_.emplace_back(frame, std::move(value));
   }
   /// @param declaration  "int[] indices"
-  void write(OutputFile& file, const std::string& indent, const std::string& declaration) const {
-    if (sample_.size() == 1) return file.write(indent + declaration + " = " + sample_.front().second + "\n");
-    file.write(indent + declaration + ".timeSamples = {\n");
-    for (const auto& [frame, value] : sample_)
-      file.write(indent + "    " + std::to_string(frame) + ": " + value + ",\n");
-    file.write(indent + "}\n");
+  void write(OutputFile& file, std::size_t indent, std::string_view declaration) const {
+    if (sample_.size() == 1) return write_line(file, indent, {declaration, " = ", sample_.front().second});
+    write_line(file, indent, {declaration, ".timeSamples = {"});
+    for (const auto& [frame, value] : sample_) write_line(file, indent + 4, {std::to_string(frame), ": ", value, ","});
+    write_line(file, indent, {"}"});
   }
 
  private:
@@ -105,49 +112,44 @@ class ClothMesh {
 
   /// @param taken  names in its scope
   void write(OutputFile& file, std::set<std::string>& taken) {
-    const std::string name = identifier(cloth_->name, "cloth", taken), path = "/World/" + name;
+    const std::string name = identifier(cloth_->name, "cloth", taken), path = "/World/" + name + "/";
     std::set<std::string> taken_inside;
     std::vector<std::string> material;
     for (const SourceMaterial& m : cloth_->source.material)
       material.push_back(identifier(m.name, "material", taken_inside));
-    const auto binding = [&](uint32_t m) { return "rel material:binding = <" + path + "/" + material[m] + ">\n"; };
 
-    file.write("    def Mesh \"" + name +
-               "\" (\n        prepend apiSchemas = [\"MaterialBindingAPI\"]\n    )\n    {\n");
-    const std::string in(8, ' ');
-    file.write(in + "uniform bool doubleSided = 1\n" + in + "uniform token subdivisionScheme = \"none\"\n");
-    extent_.write(file, in, "float3[] extent");
-    counts_.write(file, in, "int[] faceVertexCounts");
-    corners_.write(file, in, "int[] faceVertexIndices");
+    write_line(file, 4, {"def Mesh \"", name, "\" ("});
+    write_line(file, 8, {kBindsMaterial});
+    write_line(file, 4, {")"});
+    write_line(file, 4, {"{"});
+    write_line(file, 8, {"uniform bool doubleSided = 1"});
+    write_line(file, 8, {"uniform token subdivisionScheme = \"none\""});
+    extent_.write(file, 8, "float3[] extent");
+    counts_.write(file, 8, "int[] faceVertexCounts");
+    corners_.write(file, 8, "int[] faceVertexIndices");
     write_samples(file, points_, "point3f[] points");
-    file.write(in + "normal3f[] primvars:normals (\n" + in + "    interpolation = \"faceVarying\"\n" + in + ")\n");
+    write_line(file, 8, {"normal3f[] primvars:normals ("});
+    write_line(file, 12, {kByCorner});
+    write_line(file, 8, {")"});
     write_samples(file, normals_, "normal3f[] primvars:normals");
-    render_corners_.write(file, in, "int[] primvars:normals:indices");
-    if (!cloth_->source.uv.empty()) {
-      const auto append_uv = [](std::string& text, const Vec2& uv) { append_tuple(text, {uv.x, 1 - uv.y}); };
-      file.write(in + "texCoord2f[] primvars:st = " + array_text(cloth_->source.uv, append_uv) + " (\n" + in +
-                 "    interpolation = \"faceVarying\"\n" + in + ")\n");
-      render_corners_.write(file, in, "int[] primvars:st:indices");
-    }
+    render_corners_.write(file, 8, "int[] primvars:normals:indices");
+    if (!cloth_->source.uv.empty()) write_uv(file);
     if (parts_.size() == 1) {
-      file.write(in + binding(parts_.front().material));
+      write_line(file, 8, {"rel material:binding = <", path, material[parts_.front().material], ">"});
     } else {
-      file.write(in + "uniform token subsetFamily:materialBind:familyType = \"nonOverlapping\"\n");
-      for (const Part& part : parts_) {
-        file.write("\n" + in + "def GeomSubset \"" + identifier(part.name, "part", taken_inside) + "\" (\n" + in +
-                   "    prepend apiSchemas = [\"MaterialBindingAPI\"]\n" + in + ")\n" + in + "{\n");
-        file.write(in + "    uniform token elementType = \"face\"\n" + in +
-                   "    uniform token familyName = \"materialBind\"\n");
-        part.faces.write(file, in + "    ", "int[] indices");
-        file.write(in + "    " + binding(part.material) + in + "}\n");
-      }
+      write_line(file, 8, {"uniform token subsetFamily:materialBind:familyType = \"nonOverlapping\""});
+      for (const Part& part : parts_)
+        write_part(file, part, identifier(part.name, "part", taken_inside), path + material[part.material]);
     }
     for (size_t m = 0; m < material.size(); ++m)
-      write_material(file, cloth_->source.material[m], material[m], path + "/" + material[m]);
-    file.write("    }\n");
+      write_material(file, cloth_->source.material[m], material[m], path + material[m]);
+    write_line(file, 4, {"}"});
   }
 
  private:
+  static constexpr std::string_view kBindsMaterial = "prepend apiSchemas = [\"MaterialBindingAPI\"]";
+  static constexpr std::string_view kByCorner = "interpolation = \"faceVarying\"";
+
   struct Part {
     std::string name;
     uint32_t material = 0;
@@ -180,35 +182,63 @@ class ClothMesh {
   }
 
   static void add_sample(OutputFile& scratch, uint32_t frame, const std::string& value) {
-    scratch.write(std::string(12, ' ') + std::to_string(frame) + ": " + value + ",\n");
+    write_line(scratch, 12, {std::to_string(frame), ": ", value, ","});
   }
 
-  static void write_samples(OutputFile& file, OutputFile& scratch, const std::string& declaration) {
+  static void write_samples(OutputFile& file, OutputFile& scratch, std::string_view declaration) {
     scratch.close();
-    file.write(std::string(8, ' ') + declaration + ".timeSamples = {\n");
+    write_line(file, 8, {declaration, ".timeSamples = {"});
     file.append_file(scratch.temporary_path());
-    file.write(std::string(8, ' ') + "}\n");
+    write_line(file, 8, {"}"});
   }
 
-  static void write_material(OutputFile& file, const SourceMaterial& material, const std::string& name,
-                             const std::string& path) {
-    const std::string in(8, ' ');
-    const auto input = [&](const char* declaration, float value) {
-      std::string text = in + "        " + declaration + " = ";
+  void write_uv(OutputFile& file) const {
+    const auto append_uv = [](std::string& text, const Vec2& uv) { append_tuple(text, {uv.x, 1 - uv.y}); };
+    write_line(file, 8, {"texCoord2f[] primvars:st = ", array_text(cloth_->source.uv, append_uv), " ("});
+    write_line(file, 12, {kByCorner});
+    write_line(file, 8, {")"});
+    render_corners_.write(file, 8, "int[] primvars:st:indices");
+  }
+
+  /// @param material  its path
+  static void write_part(OutputFile& file, const Part& part, std::string_view name, std::string_view material) {
+    write_line(file, 0, {});
+    write_line(file, 8, {"def GeomSubset \"", name, "\" ("});
+    write_line(file, 12, {kBindsMaterial});
+    write_line(file, 8, {")"});
+    write_line(file, 8, {"{"});
+    write_line(file, 12, {"uniform token elementType = \"face\""});
+    write_line(file, 12, {"uniform token familyName = \"materialBind\""});
+    part.faces.write(file, 12, "int[] indices");
+    write_line(file, 12, {"rel material:binding = <", material, ">"});
+    write_line(file, 8, {"}"});
+  }
+
+  static void write_material(OutputFile& file, const SourceMaterial& material, std::string_view name,
+                             std::string_view path) {
+    const auto input = [&](std::string_view declaration, float value) {
+      std::string text;
       append_number(text, value);
-      return text + '\n';
+      write_line(file, 16, {declaration, " = ", text});
     };
     std::string color;
     append_tuple(color, {material.base_color[0], material.base_color[1], material.base_color[2]});
-    file.write("\n" + in + "def Material \"" + name + "\"\n" + in + "{\n");
-    file.write(in + "    token outputs:surface.connect = <" + path + "/surface.outputs:surface>\n\n");
-    file.write(in + "    def Shader \"surface\"\n" + in + "    {\n");
-    file.write(in + "        uniform token info:id = \"UsdPreviewSurface\"\n");
-    file.write(in + "        color3f inputs:diffuseColor = " + color + "\n");
-    file.write(input("float inputs:metallic", material.metallic) + input("float inputs:roughness", material.roughness));
-    if (material.alpha_mask || material.alpha_blend) file.write(input("float inputs:opacity", material.base_color[3]));
-    if (material.alpha_mask) file.write(input("float inputs:opacityThreshold", material.alpha_cutoff));
-    file.write(in + "        token outputs:surface\n" + in + "    }\n" + in + "}\n");
+    write_line(file, 0, {});
+    write_line(file, 8, {"def Material \"", name, "\""});
+    write_line(file, 8, {"{"});
+    write_line(file, 12, {"token outputs:surface.connect = <", path, "/surface.outputs:surface>"});
+    write_line(file, 0, {});
+    write_line(file, 12, {"def Shader \"surface\""});
+    write_line(file, 12, {"{"});
+    write_line(file, 16, {"uniform token info:id = \"UsdPreviewSurface\""});
+    write_line(file, 16, {"color3f inputs:diffuseColor = ", color});
+    input("float inputs:metallic", material.metallic);
+    input("float inputs:roughness", material.roughness);
+    if (material.alpha_mask || material.alpha_blend) input("float inputs:opacity", material.base_color[3]);
+    if (material.alpha_mask) input("float inputs:opacityThreshold", material.alpha_cutoff);
+    write_line(file, 16, {"token outputs:surface"});
+    write_line(file, 12, {"}"});
+    write_line(file, 8, {"}"});
   }
 
   std::shared_ptr<const ClothAsset> cloth_;  ///< as the last cut left it
@@ -233,16 +263,25 @@ class UsdWriter final : public CacheWriter {
   void finish() override {
     std::string rate;
     append_number(rate, frame_rate_);
-    file_.write("#usda 1.0\n(\n    defaultPrim = \"World\"\n    endTimeCode = " +
-                std::to_string(std::max(frame_, 1U) - 1) + "\n    framesPerSecond = " + rate +
-                "\n    metersPerUnit = 1\n    startTimeCode = 0\n    timeCodesPerSecond = " + rate +
-                "\n    upAxis = \"Y\"\n)\n\ndef Xform \"World\"\n{\n");
+    write_line(file_, 0, {"#usda 1.0"});
+    write_line(file_, 0, {"("});
+    write_line(file_, 4, {"defaultPrim = \"World\""});
+    write_line(file_, 4, {"endTimeCode = ", std::to_string(std::max(frame_, 1U) - 1)});
+    write_line(file_, 4, {"framesPerSecond = ", rate});
+    write_line(file_, 4, {"metersPerUnit = 1"});
+    write_line(file_, 4, {"startTimeCode = 0"});
+    write_line(file_, 4, {"timeCodesPerSecond = ", rate});
+    write_line(file_, 4, {"upAxis = \"Y\""});
+    write_line(file_, 0, {")"});
+    write_line(file_, 0, {});
+    write_line(file_, 0, {"def Xform \"World\""});
+    write_line(file_, 0, {"{"});
     std::set<std::string> taken;
     for (std::size_t i = 0; i < meshes_.size(); ++i) {
-      if (i > 0) file_.write("\n");
+      if (i > 0) write_line(file_, 0, {});
       meshes_[i]->write(file_, taken);
     }
-    file_.write("}\n");
+    write_line(file_, 0, {"}"});
     meshes_.clear();
     file_.close();
   }
