@@ -59,6 +59,18 @@ double share(uint32_t i, uint32_t n) {
 
 }  // namespace
 
+TriangleMesh as_mesh(std::vector<Point3> position, std::vector<Triangle> triangle) {
+  TriangleMesh mesh;
+  mesh.name = "garment";
+  mesh.position = std::move(position);
+  mesh.triangle = std::move(triangle);
+  mesh.polygon.resize(mesh.triangle.size());
+  std::iota(mesh.polygon.begin(), mesh.polygon.end(), 0U);
+  mesh.part = {{"garment", 0, 0, static_cast<uint32_t>(mesh.triangle.size())}};
+  mesh.material.emplace_back();
+  return mesh;
+}
+
 CleanSurface disk(uint32_t nx, uint32_t ny, double width, double height) {
   return grid({nx, ny}, [&](uint32_t x, uint32_t y) {
     return Point3{width * share(x, nx - 1), height * share(y, ny - 1), 0.1 * width * std::sin(3 * share(x, nx - 1))};

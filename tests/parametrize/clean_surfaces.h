@@ -18,6 +18,9 @@ struct GridSurface {
   bool wrap_x = false, wrap_y = false;
 };
 
+/// A file's mesh of one part, "garment".
+TriangleMesh as_mesh(std::vector<Point3> position, std::vector<Triangle> triangle);
+
 CleanSurface disk(uint32_t nx, uint32_t ny, double width = 1, double height = 1);
 CleanSurface cylinder(uint32_t around, uint32_t along, double radius = 1, double height = 2);
 CleanSurface torus(uint32_t around, uint32_t along);

@@ -17,17 +17,7 @@
 namespace geocloth {
 namespace {
 
-TriangleMesh as_mesh(std::vector<Point3> position, std::vector<Triangle> triangle) {
-  TriangleMesh mesh;
-  mesh.name = "garment";
-  mesh.position = std::move(position);
-  mesh.triangle = std::move(triangle);
-  mesh.polygon.resize(mesh.triangle.size());
-  std::iota(mesh.polygon.begin(), mesh.polygon.end(), 0U);
-  mesh.part = {{"garment", 0, 0, static_cast<uint32_t>(mesh.triangle.size())}};
-  mesh.material.emplace_back();
-  return mesh;
-}
+using test::as_mesh;
 
 ConvertResult convert_at(const TriangleMesh& mesh, uint32_t resolution, Layout layout = Layout::panels) {
   ConvertOptions options;

@@ -17,18 +17,7 @@ namespace geocloth {
 namespace {
 
 TriangleMesh as_mesh(const CleanSurface& surface) {
-  TriangleMesh mesh;
-  mesh.name = "garment";
-  mesh.position = surface.position;
-  mesh.triangle = surface.triangle;
-  mesh.polygon.resize(mesh.triangle.size());
-  std::iota(mesh.polygon.begin(), mesh.polygon.end(), 0U);
-  SourcePart part;
-  part.name = "garment";
-  part.triangle_count = static_cast<uint32_t>(mesh.triangle.size());
-  mesh.part.push_back(part);
-  mesh.material.emplace_back();
-  return mesh;
+  return test::as_mesh(surface.position, surface.triangle);
 }
 
 /// A shirt without any symmetry, as bodies and their clothes are.

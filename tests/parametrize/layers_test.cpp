@@ -20,26 +20,12 @@
 namespace geocloth {
 namespace {
 
+using test::as_mesh;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
 constexpr double kThickness = 0.01;  // [m]
-
-TriangleMesh as_mesh(std::vector<Point3> position, std::vector<Triangle> triangle) {
-  TriangleMesh mesh;
-  mesh.name = "garment";
-  mesh.position = std::move(position);
-  mesh.triangle = std::move(triangle);
-  mesh.polygon.resize(mesh.triangle.size());
-  std::iota(mesh.polygon.begin(), mesh.polygon.end(), 0U);
-  SourcePart part;
-  part.name = "cloth";
-  part.triangle_count = static_cast<uint32_t>(mesh.triangle.size());
-  mesh.part.push_back(part);
-  mesh.material.emplace_back();
-  return mesh;
-}
 
 std::vector<Point3> vertex_normals(const CleanSurface& s) {
   std::vector<Point3> normal(s.position.size(), Point3{0, 0, 0});
