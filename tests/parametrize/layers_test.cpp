@@ -121,7 +121,7 @@ TEST(Layers, AShirtOfFourOpeningsIsThatAgain) {
   EXPECT_THAT(plain.report.warnings, Not(Contains(HasSubstr("--one-layer"))));
 }
 
-/// A sheet whose edges are rounded: half a circle of facets joins its sides.
+/// A sheet two of whose edges are rounded: half a circle of facets joins its sides.
 TriangleMesh quilt(uint32_t facets) {
   constexpr double kLong = 1;
   std::vector<std::array<double, 2>> outline;  // across: along the sheet, and its height
@@ -148,6 +148,14 @@ TriangleMesh quilt(uint32_t facets) {
       triangle.push_back({b, a + around, b + around});
     }
   }
+  for (const uint32_t row : {0U, kRows - 1}) {
+    const auto middle = static_cast<uint32_t>(position.size());
+    position.push_back({kLong / 2, 0, kLong * row / (kRows - 1)});
+    for (uint32_t i = 0; i < around; ++i) {
+      const uint32_t a = row * around + i, b = row * around + (i + 1) % around;
+      triangle.push_back(row == 0 ? Triangle{a, b, middle} : Triangle{b, a, middle});
+    }
+  }
   return as_mesh(std::move(position), std::move(triangle));
 }
 
@@ -159,6 +167,20 @@ TEST(Layers, RoundedEdgesDoNotJoinTheSides) {
     expect_topology(one.report.welded, 1, 1, 1);
     EXPECT_NEAR(one.report.carried[0].area_share, 0.5, 0.02);
   }
+}
+
+TEST(Layers, OfSidesThatAreTurnedInsideOutOneStays) {
+  TriangleMesh tube = thickened(test::cylinder(32, 24, 0.3, 1), false);
+  for (Triangle& t : tube.triangle) std::swap(t[1], t[2]);
+  expect_topology(converted(tube, true).report.welded, 1, 2, 0);
+}
+
+// Its front and its back are as near to each other as the sides of thick cloth.
+TEST(Layers, AGarmentThatLiesFlatIsNotThick) {
+  CleanSurface bag = test::cylinder(64, 24, 0.3, 1);
+  for (Point3& p : bag.position) p[2] *= 0.02;
+  EXPECT_FALSE(find_thickness(bag).has_value());
+  EXPECT_FALSE(find_layers(bag).has_value());
 }
 
 TEST(Layers, ClothThatHasNoneIsRefusedAndToldApart) {

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <map>
 #include <numeric>
@@ -28,6 +29,7 @@ constexpr double kFacing = -0.5;      // cosine of partners' normals, at most
 constexpr double kSharp = -0.5;       // and of neighbours across an edge that may join two sides
 constexpr double kSmooth = 0.5;       // and of those that continue each other
 constexpr double kWithPartner = 0.6;  // share of a component's area: less is no thick cloth
+constexpr double kOpen = 0.3;         // length of a component's border / the root of its area: more are openings
 constexpr double kUnlike = 2;         // ratio of the ways from a triangle to its partner and from there on
 
 constexpr uint32_t kSampled = 2000;  // triangles
@@ -46,19 +48,20 @@ class ThickCloth {
         opposite_(opposite_half_edges(surface.triangle)),
         tree_(surface.position, surface.triangle),
         reach_(kThickest * bounding_diagonal(surface.position)),
+        is_open_(surface.component_count, 0),
         inwards_(surface.component_count, -1) {
-    std::vector<double> volume(surface.component_count, 0);
-    std::vector<uint8_t> is_open(surface.component_count, 0);
+    std::vector<double> border(surface.component_count, 0), area(surface.component_count, 0);
     for (uint32_t t = 0; t < size(); ++t) {
       const Point3 &a = corner(t, 0), n = cross(corner(t, 1) - a, corner(t, 2) - a);
       normal_.push_back(direction_of(n).value_or(Point3{0, 0, 0}));
       area_.push_back(length(n) / 2);
-      volume[surface.component[t]] += dot(a, n);
+      area[surface.component[t]] += area_.back();
       for (uint32_t k = 0; k < 3; ++k)
-        if (opposite_[3 * t + k] == kNone) is_open[surface.component[t]] = 1;
+        if (opposite_[3 * t + k] == kNone)
+          border[surface.component[t]] += distance(corner(t, k), corner(t, (k + 1) % 3));
     }
-    for (uint32_t c = 0; c < surface.component_count; ++c)
-      if (is_open[c] == 0 && volume[c] < 0) inwards_[c] = 1;
+    for (uint32_t c = 0; c < surface.component_count; ++c) is_open_[c] = border[c] > kOpen * std::sqrt(area[c]) ? 1 : 0;
+    find_inwards();
   }
 
   [[nodiscard]] uint32_t size() const { return static_cast<uint32_t>(surface_.triangle.size()); }
@@ -73,17 +76,33 @@ class ThickCloth {
     if (area_[t] == 0) return {};
     const auto hit = tree_.first_hit(middle, inwards(t), t);
     if (!hit || hit->distance > reach_ || cosine(t, hit->triangle) > kFacing) return {};
+    // The front and the back of a garment that lies flat.
+    const uint32_t c = surface_.component[t];
+    if (is_open_[c] != 0 && surface_.component[hit->triangle] == c) return {};
     return {hit->triangle, hit->distance};
   }
 
  private:
+  /// Against the normals, but for components that are wound inside out: where a sample of triangles has more partners.
+  void find_inwards() {
+    const uint32_t step = 1 + size() / kSampled;
+    std::vector<double> gain(surface_.component_count, 0);
+    for (const double direction : {-1.0, 1.0}) {
+      std::ranges::fill(inwards_, direction);
+      for (uint32_t t = 0; t < size(); t += step)
+        if (partner_of(t).triangle != kNone) gain[surface_.component[t]] += direction * area_[t];
+    }
+    for (uint32_t c = 0; c < gain.size(); ++c) inwards_[c] = gain[c] > 0 ? 1 : -1;
+  }
+
   [[nodiscard]] const Point3& corner(uint32_t t, size_t k) const { return surface_.position[surface_.triangle[t][k]]; }
 
   const CleanSurface& surface_;
   std::vector<uint32_t> opposite_;
   TriangleTree tree_;
   double reach_;
-  std::vector<double> inwards_;  // of each component: along the normals, 1, or against them, -1
+  std::vector<uint8_t> is_open_;  // of each component: it has openings, as cloth has and thick cloth has not
+  std::vector<double> inwards_;   // of each component: along the normals, 1, or against them, -1
   std::vector<Point3> normal_;
   std::vector<double> area_;
 };
