@@ -30,6 +30,7 @@ constexpr double kSharp = -0.5;       // and of neighbours across an edge that m
 constexpr double kSmooth = 0.5;       // and of those that continue each other
 constexpr double kWithPartner = 0.6;  // share of a component's area: less is no thick cloth
 constexpr double kOpen = 0.3;         // length of a component's border / the root of its area: more are openings
+constexpr double kCrumb = 0.01;       // share of a component's area: smaller regions of one side are mistakes
 constexpr double kUnlike = 2;         // ratio of the ways from a triangle to its partner and from there on
 
 constexpr uint32_t kSampled = 2000;  // triangles
@@ -154,6 +155,7 @@ class LayerFinder {
     choose_sides();
     grow_smoothly();
     close_regions();
+    turn_crumbs();
     Layers layers;
     double way = 0, area = 0;
     for (uint32_t t = 0; t < cloth_.size(); ++t) {
@@ -253,19 +255,35 @@ class LayerFinder {
 
   /// Walls between the sides are of the other one, what is inside one side of that.
   void close_regions() {
-    std::vector<uint32_t> opposite = cloth_.opposite();
-    for (uint32_t h = 0; h < opposite.size(); ++h) {
-      if (opposite[h] == kNone) continue;
-      if (side_[h / 3] != Side::unknown || side_[opposite[h] / 3] != Side::unknown) opposite[h] = kNone;
-    }
-    const Components region = connected_components(opposite);
+    const Components region = connected_on_sides();
     std::vector<uint8_t> touches_other(region.count, 0);
-    for (uint32_t h = 0; h < opposite.size(); ++h) {
+    for (uint32_t h = 0; h < cloth_.opposite().size(); ++h) {
       const uint32_t o = cloth_.opposite()[h];
       if (o != kNone && side_[o / 3] == Side::other) touches_other[region.of_triangle[h / 3]] = 1;
     }
     for (uint32_t t = 0; t < cloth_.size(); ++t)
       if (side_[t] == Side::unknown) side_[t] = touches_other[region.of_triangle[t]] != 0 ? Side::other : Side::kept;
+  }
+
+  /// What is small and lies within the other side, or apart from its own, has been misjudged.
+  void turn_crumbs() {
+    const Components region = connected_on_sides(), whole = connected_components(cloth_.opposite());
+    std::vector<double> of_region(region.count, 0), of_whole(whole.count, 0);
+    for (uint32_t t = 0; t < cloth_.size(); ++t) {
+      of_region[region.of_triangle[t]] += cloth_.area(t);
+      of_whole[whole.of_triangle[t]] += cloth_.area(t);
+    }
+    for (uint32_t t = 0; t < cloth_.size(); ++t)
+      if (of_region[region.of_triangle[t]] < kCrumb * of_whole[whole.of_triangle[t]])
+        side_[t] = side_[t] == Side::kept ? Side::other : Side::kept;
+  }
+
+  /// Regions of one side.
+  [[nodiscard]] Components connected_on_sides() const {
+    std::vector<uint32_t> opposite = cloth_.opposite();
+    for (uint32_t h = 0; h < opposite.size(); ++h)
+      if (opposite[h] != kNone && side_[h / 3] != side_[opposite[h] / 3]) opposite[h] = kNone;
+    return connected_components(opposite);
   }
 
   /// Per point: the mean of the ways of the triangles around it that are of the other side.
