@@ -151,7 +151,7 @@ class LayerFinder {
   }
 
   std::optional<Layers> find() {
-    keep_thin_components(connected_components(cloth_.opposite()));
+    keep_thin_components();
     choose_sides();
     grow_smoothly();
     close_regions();
@@ -185,15 +185,15 @@ class LayerFinder {
   }
 
   /// What has no thickness stays as it is.
-  void keep_thin_components(const Components& components) {
-    std::vector<double> area(components.count, 0), thick(components.count, 0);
+  void keep_thin_components() {
+    std::vector<double> area(surface_.component_count, 0), thick(surface_.component_count, 0);
     for (uint32_t t = 0; t < cloth_.size(); ++t) {
-      area[components.of_triangle[t]] += cloth_.area(t);
-      if (has_partner(t)) thick[components.of_triangle[t]] += cloth_.area(t);
+      area[surface_.component[t]] += cloth_.area(t);
+      if (has_partner(t)) thick[surface_.component[t]] += cloth_.area(t);
     }
     std::vector<uint8_t> is_thin(cloth_.size());
     for (uint32_t t = 0; t < cloth_.size(); ++t) {
-      const uint32_t c = components.of_triangle[t];
+      const uint32_t c = surface_.component[t];
       is_thin[t] = thick[c] < kWithPartner * area[c] ? 1 : 0;
       if (is_thin[t] != 0) side_[t] = Side::kept;
     }
@@ -267,14 +267,14 @@ class LayerFinder {
 
   /// What is small and lies within the other side, or apart from its own, has been misjudged.
   void turn_crumbs() {
-    const Components region = connected_on_sides(), whole = connected_components(cloth_.opposite());
-    std::vector<double> of_region(region.count, 0), of_whole(whole.count, 0);
+    const Components region = connected_on_sides();
+    std::vector<double> of_region(region.count, 0), of_component(surface_.component_count, 0);
     for (uint32_t t = 0; t < cloth_.size(); ++t) {
       of_region[region.of_triangle[t]] += cloth_.area(t);
-      of_whole[whole.of_triangle[t]] += cloth_.area(t);
+      of_component[surface_.component[t]] += cloth_.area(t);
     }
     for (uint32_t t = 0; t < cloth_.size(); ++t)
-      if (of_region[region.of_triangle[t]] < kCrumb * of_whole[whole.of_triangle[t]])
+      if (of_region[region.of_triangle[t]] < kCrumb * of_component[surface_.component[t]])
         side_[t] = side_[t] == Side::kept ? Side::other : Side::kept;
   }
 
