@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <numeric>
 
@@ -20,6 +19,7 @@
 #include "mesh/point_math.h"
 #include "mesh/triangle_tree.h"
 #include "repair/chosen_triangles.h"
+#include "repair/part_words.h"
 
 namespace geocloth {
 namespace {
@@ -342,10 +342,9 @@ std::vector<CarriedPart> other_sides(const TriangleMesh& mesh, const std::vector
       const Triangle& v = mesh.triangle[*t];
       area += triangle_area(mesh.position[v[0]], mesh.position[v[1]], mesh.position[v[2]]);
     }
-    char why[128];
-    std::snprintf(why, sizeof why, ": the other side of cloth that is %.2g m thick", thickness);
-    carried.push_back({p, static_cast<uint32_t>(last - first), area / total,
-                       "a side" + (part.name.empty() ? "" : " of '" + part.name + "'") + why, true});
+    carried.push_back(
+        {p, static_cast<uint32_t>(last - first), area / total,
+         "a side" + of_part(mesh, p) + ": the other side of cloth that is " + rounded(thickness) + " m thick", true});
   }
   return carried;
 }

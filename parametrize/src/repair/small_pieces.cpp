@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -20,6 +19,7 @@
 #include "mesh/triangle_tree.h"
 #include "repair/border_loops.h"
 #include "repair/narrow_pieces.h"
+#include "repair/part_words.h"
 #include "repair/sewn_groups.h"
 
 namespace geocloth {
@@ -48,12 +48,6 @@ std::vector<double> component_areas(const CleanSurface& clean) {
   return area;
 }
 
-std::string rounded(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2g", value);
-  return text;
-}
-
 /// The part of the file that a triangle of it belongs to, by number.
 uint32_t part_of(const TriangleMesh& mesh, uint32_t source_triangle) {
   for (uint32_t p = 0; p < mesh.part.size(); ++p) {
@@ -61,10 +55,6 @@ uint32_t part_of(const TriangleMesh& mesh, uint32_t source_triangle) {
     if (source_triangle >= part.first_triangle && source_triangle - part.first_triangle < part.triangle_count) return p;
   }
   return 0;
-}
-
-std::string of_part(const TriangleMesh& mesh, uint32_t part) {
-  return part < mesh.part.size() && !mesh.part[part].name.empty() ? " of '" + mesh.part[part].name + "'" : "";
 }
 
 /// Components to leave out as one piece, and why.
