@@ -5,7 +5,7 @@
 set -eu
 
 packages="g++ cmake ninja-build pkg-config git ca-certificates
-  libcgal-dev libeigen3-dev libassimp-dev libpugixml-dev libdraco-dev libmeshoptimizer-dev libtbb-dev libhwy-dev
+  libcgal-dev libeigen3-dev libassimp-dev libpugixml-dev libdraco-dev libmeshoptimizer-dev zlib1g-dev libtbb-dev libhwy-dev
   libcli11-dev libfmt-dev nlohmann-json3-dev
   libpng-dev libjpeg-dev libstb-dev libopenexr-dev libglfw3-dev libimgui-dev
   libvulkan-dev glslang-tools spirv-tools libgtest-dev libgmock-dev"

@@ -2,8 +2,8 @@
 #include "import/gltf_animation.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
+#include <map>
 #include <string_view>
 #include <utility>
 
@@ -13,244 +13,163 @@ namespace geocloth::import_detail {
 namespace {
 
 using Json = GltfFile::Json;
+using Path = NodeAnimation::Path;
+using Way = NodeAnimation::Way;
+using Sampler = NodeAnimation::Sampler;
+using Channel = NodeAnimation::Channel;
 
-constexpr std::size_t kListedNames = 40, kNameLength = 60;
-
-std::string name_of(const Json& animation) {
-  const auto name = animation.find("name");
-  return name == animation.end() ? std::string() : name->get<std::string>();
-}
-
-std::string title_of(const Json& animations, std::size_t i) {
-  const std::string name = name_of(animations[i]).substr(0, kNameLength);
-  return label("animations", i) + (name.empty() ? "" : " '" + name + "'");
-}
-
-std::string list_names(const Json& animations) {
-  std::string out;
-  for (std::size_t i = 0; i < std::min(animations.size(), kListedNames); ++i) {
-    const std::string name = name_of(animations[i]).substr(0, kNameLength);
-    out += (i > 0 ? ", " : "") + std::to_string(i) + (name.empty() ? "" : " '" + name + "'");
+std::vector<std::string> animation_names(const Json& animations) {
+  std::vector<std::string> out;
+  for (const Json& animation : animations) {
+    const auto name = animation.find("name");
+    out.push_back(name == animation.end() ? std::string() : name->get<std::string>());
   }
-  const std::size_t more = animations.size() - std::min(animations.size(), kListedNames);
-  return more > 0 ? out + " and " + std::to_string(more) + " more" : out;
+  return out;
 }
 
-/// A name goes before a number: some exporters name animations by numbers.
-std::size_t find_clip(const GltfFile& gltf, const std::string& clip) {
-  const Json& animations = gltf.array("animations");
-  if (animations.empty()) gltf.bad("has no animation; export it with one, or use it as a mesh that stands still");
-  if (clip.empty()) return 0;
-  for (std::size_t i = 0; i < animations.size(); ++i) {
-    if (name_of(animations[i]) == clip) return i;
-  }
-  std::size_t number = 0;
-  const char* const end = clip.data() + clip.size();
-  const auto [at, error] = std::from_chars(clip.data(), end, number);
-  if (error == std::errc() && at == end && number < animations.size()) return number;
-  gltf.bad("has no animation '" + clip.substr(0, kNameLength) + "'; it has " + list_names(animations));
-}
-
-/// Where a time lies between keys.
-struct Between {
-  std::size_t left, right;
-  double share;   ///< 0..1 of the way from left to right
-  double length;  ///< [s] from left to right
-};
-
-Between find_keys(const std::vector<float>& keys, double time) {
-  const auto after =
-      std::upper_bound(keys.begin(), keys.end(), time, [](double t, float key) { return t < double{key}; });
-  const auto right = static_cast<std::size_t>(after - keys.begin());
-  if (right == 0) return {0, 0, 0, 0};
-  if (right == keys.size()) return {right - 1, right - 1, 0, 0};
-  // At a key itself, the next one does not count, whatever it holds.
-  if (time == double{keys[right - 1]}) return {right - 1, right - 1, 0, 0};
-  const double start = double{keys[right - 1]}, length = double{keys[right]} - start;
-  return {right - 1, right, (time - start) / length, length};
-}
-
-Eigen::Quaterniond turn_of(const float* v) {
-  return Eigen::Quaterniond(double{v[3]}, double{v[0]}, double{v[1]}, double{v[2]}).normalized();
-}
-
-Eigen::Vector3d first_three(const std::vector<double>& v) {
-  return {v[0], v[1], v[2]};
+/// "animations[2] 'Walk'"
+std::string title_of(const std::string& name, std::size_t i) {
+  return label("animations", i) + (name.empty() ? "" : " '" + name.substr(0, kShownName) + "'");
 }
 
 bool is_unit_integer(const GltfAccessor& a) {
   return a.normalized && (a.component_size == 1 || a.component_size == 2);
 }
 
+class AnimationReader {
+ public:
+  AnimationReader(const GltfFile& gltf, const GltfData& data, std::size_t number, std::string title,
+                  const std::vector<std::size_t>& targets)
+      : gltf_(gltf),
+        data_(data),
+        json_(gltf.array("animations")[number]),
+        targets_(targets),
+        animation_(std::move(title)) {}
+
+  NodeAnimation read() {
+    for (std::size_t i = 0; i < json_["channels"].size(); ++i) read_channel(i);
+    if (animation_.empty()) gltf_.bad(animation_.title() + " moves no node, skin or morph target");
+    return std::move(animation_);
+  }
+
+ private:
+  void read_channel(std::size_t i) {
+    const std::string where = animation_.title() + "." + label("channels", i);
+    const Json& json = json_["channels"][i];
+    const Json& target = json["target"];
+    // What has no node to move is for extensions (glTF 2.0, section 3.11).
+    if (!target.contains("node")) return;
+    const std::optional<Path> path = read_path(target, where);
+    if (!path) return;
+    Channel channel{target["node"].get<std::size_t>(), 0, *path, 3};
+    if (channel.path == Path::rotation) channel.width = 4;
+    if (channel.path == Path::weights) {
+      const auto mesh = gltf_.reference(gltf_.array("nodes")[channel.node], "mesh", "meshes", where);
+      channel.width = mesh ? targets_[*mesh] : 0;
+      if (channel.width == 0) gltf_.bad(where + " moves morph targets of a node that has none");
+    }
+    const auto number = json["sampler"].get<std::size_t>();
+    const std::string from = animation_.title() + "." + label("samplers", number);
+    const Json& sampler = json_["samplers"][number];
+    if (!sampler_.contains(number)) sampler_.emplace(number, animation_.add_sampler(read_sampler(sampler, from)));
+    channel.sampler = sampler_.at(number);
+    check_values(sampler, channel, from);
+    count_numbers(channel.width);
+    animation_.add_channel(channel);
+  }
+
+  /// Nothing for what an extension moves.
+  [[nodiscard]] std::optional<Path> read_path(const Json& target, const std::string& where) const {
+    const auto path = target.find("path");
+    if (path == target.end() || !path->is_string()) gltf_.bad(where + ".target.path is missing");
+    constexpr std::pair<std::string_view, Path> kPaths[] = {{"translation", Path::translation},
+                                                            {"rotation", Path::rotation},
+                                                            {"scale", Path::scale},
+                                                            {"weights", Path::weights}};
+    for (const auto& [name, meaning] : kPaths) {
+      if (*path == name) return meaning;
+    }
+    if (*path == "pointer") return std::nullopt;
+    gltf_.bad(where + ".target.path is '" + path->get<std::string>().substr(0, kShownName) +
+              "'; it must be translation, rotation, scale or weights");
+  }
+
+  Sampler read_sampler(const Json& sampler, const std::string& where) {
+    Sampler out;
+    if (const auto way = sampler.find("interpolation"); way != sampler.end()) {
+      if (*way == "STEP") {
+        out.way = Way::step;
+      } else if (*way == "CUBICSPLINE") {
+        out.way = Way::cubic;
+      } else if (*way != "LINEAR") {
+        gltf_.bad(where + ".interpolation is not LINEAR, STEP or CUBICSPLINE");
+      }
+    }
+    const GltfAccessor &input = data_.attribute(sampler, "input", where),
+                       &output = data_.attribute(sampler, "output", where);
+    if (input.components != 1 || input.component_type != 5126) gltf_.bad(where + ".input is not of single floats");
+    count_numbers(input.count + output.count * output.components);
+    out.time = data_.floats(sampler["input"].get<std::size_t>());
+    out.value = data_.floats(sampler["output"].get<std::size_t>());
+    check_keys(out, where);
+    return out;
+  }
+
+  void count_numbers(std::size_t more) {
+    numbers_ += more;
+    if (numbers_ > kMaxElements) {
+      fail(gltf_.path, ErrorCode::limit, animation_.title() + " has more than 100 million numbers");
+    }
+  }
+
+  void check_keys(const Sampler& sampler, const std::string& where) const {
+    if (sampler.time.empty()) gltf_.bad(where + ".input has no times");
+    for (std::size_t i = 0; i < sampler.time.size(); ++i) {
+      if (!std::isfinite(sampler.time[i])) {
+        gltf_.bad(where + ".input: time " + std::to_string(i) + " is not a finite number");
+      }
+      if (i > 0 && sampler.time[i] < sampler.time[i - 1]) {
+        gltf_.bad(where + ".input: time " + std::to_string(i) + " is before the one ahead of it");
+      }
+    }
+  }
+
+  /// That a sampler fits what a channel moves with it.
+  void check_values(const Json& sampler, const Channel& channel, const std::string& where) const {
+    const GltfAccessor& output = data_.attribute(sampler, "output", where);
+    const bool place = channel.path == Path::translation || channel.path == Path::scale;
+    const std::size_t components = channel.path == Path::weights ? 1 : channel.width;
+    if (output.components != components) {
+      gltf_.bad(where + ".output has " + std::to_string(output.components) + " components; its channel needs " +
+                std::to_string(components));
+    }
+    if (output.component_type != 5126 && (place || !is_unit_integer(output))) {
+      gltf_.bad(where + ".output is not of floats" + (place ? "" : " or normalized integers"));
+    }
+    const Sampler& read = animation_.sampler(channel.sampler);
+    const std::size_t values = read.time.size() * (read.way == Way::cubic ? 3 : 1) * channel.width;
+    if (read.value.size() != values) {
+      gltf_.bad(where + ".output has " + std::to_string(output.count) + " elements; its " +
+                std::to_string(read.time.size()) + " times need " + std::to_string(values / components));
+    }
+  }
+
+  const GltfFile& gltf_;
+  const GltfData& data_;
+  const Json& json_;
+  const std::vector<std::size_t>& targets_;
+  NodeAnimation animation_;
+  std::map<std::size_t, std::size_t> sampler_;  ///< of the file that were read: their numbers in animation_
+  std::size_t numbers_ = 0;                     ///< read so far, and those of one pose
+};
+
 }  // namespace
 
-NodePose blend_pose(const NodePose& from, const NodePose& to, double share) {
-  NodePose out = to;
-  out.place.translation = (1 - share) * from.place.translation + share * to.place.translation;
-  out.place.scale = (1 - share) * from.place.scale + share * to.place.scale;
-  out.place.rotation = from.place.rotation.normalized().slerp(share, to.place.rotation.normalized());
-  for (std::size_t i = 0; i < out.weight.size(); ++i) {
-    out.weight[i] = (1 - share) * from.weight[i] + share * to.weight[i];
-  }
-  return out;
-}
-
-GltfAnimation::GltfAnimation(const GltfFile& gltf, const GltfData& data, const std::string& clip,
-                             const std::vector<std::size_t>& targets) {
-  const Json& animations = gltf.array("animations");
-  const std::size_t number = find_clip(gltf, clip);
-  title_ = title_of(animations, number);
-  const Json& animation = animations[number];
-  for (std::size_t i = 0; i < animation["channels"].size(); ++i) read_channel(gltf, data, animation, i, targets);
-  if (channel_.empty()) gltf.bad(title_ + " moves no node, skin or morph target");
-}
-
-void GltfAnimation::read_channel(const GltfFile& gltf, const GltfData& data, const Json& animation, std::size_t i,
-                                 const std::vector<std::size_t>& targets) {
-  const std::string where = title_ + "." + label("channels", i);
-  const Json& json = animation["channels"][i];
-  const Json& target = json["target"];
-  // What has no node to move is for extensions (glTF 2.0, section 3.11).
-  if (!target.contains("node")) return;
-  const auto path = target.find("path");
-  if (path == target.end() || !path->is_string()) gltf.bad(where + ".target.path is missing");
-  constexpr std::pair<std::string_view, Path> kPaths[] = {{"translation", Path::translation},
-                                                          {"rotation", Path::rotation},
-                                                          {"scale", Path::scale},
-                                                          {"weights", Path::weights}};
-  const auto known =
-      std::find_if(std::begin(kPaths), std::end(kPaths), [&](const auto& p) { return *path == p.first; });
-  if (known == std::end(kPaths)) {
-    if (*path == "pointer") return;
-    gltf.bad(where + ".target.path is '" + path->get<std::string>().substr(0, kNameLength) +
-             "'; it must be translation, rotation, scale or weights");
-  }
-  Channel channel{target["node"].get<std::size_t>(), json["sampler"].get<std::size_t>(), known->second, 3};
-  if (channel.path == Path::rotation) channel.width = 4;
-  if (channel.path == Path::weights) {
-    const auto mesh = gltf.reference(gltf.array("nodes")[channel.node], "mesh", "meshes", where);
-    channel.width = mesh ? targets[*mesh] : 0;
-    if (channel.width == 0) gltf.bad(where + " moves morph targets of a node that has none");
-  }
-  const std::string from = title_ + "." + label("samplers", channel.sampler);
-  const Json& sampler = animation["samplers"][channel.sampler];
-  if (!sampler_.contains(channel.sampler)) {
-    sampler_.emplace(channel.sampler, read_sampler(gltf, data, sampler, from));
-  }
-  check_values(gltf, data, sampler, channel, from);
-  count_numbers(gltf, channel.width);
-  if (channel.path != Path::weights) moved_.insert(channel.node);
-  channel_.push_back(channel);
-}
-
-GltfAnimation::Sampler GltfAnimation::read_sampler(const GltfFile& gltf, const GltfData& data, const Json& sampler,
-                                                   const std::string& where) {
-  Sampler out;
-  if (const auto way = sampler.find("interpolation"); way != sampler.end()) {
-    if (*way == "STEP") {
-      out.way = Way::step;
-    } else if (*way == "CUBICSPLINE") {
-      out.way = Way::cubic;
-    } else if (*way != "LINEAR") {
-      gltf.bad(where + ".interpolation is not LINEAR, STEP or CUBICSPLINE");
-    }
-  }
-  const GltfAccessor &input = data.attribute(sampler, "input", where),
-                     &output = data.attribute(sampler, "output", where);
-  if (input.components != 1 || input.component_type != 5126) gltf.bad(where + ".input is not of single floats");
-  count_numbers(gltf, input.count + output.count * output.components);
-  out.time = data.floats(sampler["input"].get<std::size_t>());
-  out.value = data.floats(sampler["output"].get<std::size_t>());
-  check_keys(gltf, out, where);
-  duration_ = std::max(duration_, double{out.time.back()});
-  return out;
-}
-
-void GltfAnimation::count_numbers(const GltfFile& gltf, std::size_t more) {
-  numbers_ += more;
-  if (numbers_ > kMaxElements) fail(gltf.path, ErrorCode::limit, title_ + " has more than 100 million numbers");
-}
-
-void GltfAnimation::check_keys(const GltfFile& gltf, const Sampler& sampler, const std::string& where) const {
-  if (sampler.time.empty()) gltf.bad(where + ".input has no times");
-  for (std::size_t i = 0; i < sampler.time.size(); ++i) {
-    if (!std::isfinite(sampler.time[i])) {
-      gltf.bad(where + ".input: time " + std::to_string(i) + " is not a finite number");
-    }
-    if (i > 0 && sampler.time[i] < sampler.time[i - 1]) {
-      gltf.bad(where + ".input: time " + std::to_string(i) + " is before the one ahead of it");
-    }
-  }
-}
-
-/// That a sampler fits what a channel moves with it.
-void GltfAnimation::check_values(const GltfFile& gltf, const GltfData& data, const Json& sampler,
-                                 const Channel& channel, const std::string& where) const {
-  const GltfAccessor& output = data.attribute(sampler, "output", where);
-  const bool place = channel.path == Path::translation || channel.path == Path::scale;
-  const std::size_t components = channel.path == Path::weights ? 1 : channel.width;
-  if (output.components != components) {
-    gltf.bad(where + ".output has " + std::to_string(output.components) + " components; its channel needs " +
-             std::to_string(components));
-  }
-  if (output.component_type != 5126 && (place || !is_unit_integer(output))) {
-    gltf.bad(where + ".output is not of floats" + (place ? "" : " or normalized integers"));
-  }
-  const Sampler& read = sampler_.at(channel.sampler);
-  const std::size_t values = read.time.size() * (read.way == Way::cubic ? 3 : 1) * channel.width;
-  if (read.value.size() != values) {
-    gltf.bad(where + ".output has " + std::to_string(output.count) + " elements; its " +
-             std::to_string(read.time.size()) + " times need " + std::to_string(values / components));
-  }
-}
-
-void GltfAnimation::apply(double time, std::vector<NodePose>& pose) const {
-  std::vector<double> value;
-  for (const Channel& channel : channel_) {
-    NodePose& node = pose[channel.node];
-    if (channel.path == Path::weights && node.weight.size() != channel.width) continue;  // is not shown
-    sample(sampler_.at(channel.sampler), channel, time, value);
-    switch (channel.path) {
-      case Path::translation:
-        node.place.translation = first_three(value);
-        break;
-      case Path::rotation:
-        node.place.rotation = Eigen::Quaterniond(value[3], value[0], value[1], value[2]).normalized();
-        break;
-      case Path::scale:
-        node.place.scale = first_three(value);
-        break;
-      case Path::weights:
-        node.weight = value;
-        break;
-    }
-  }
-}
-
-void GltfAnimation::sample(const Sampler& sampler, const Channel& channel, double time, std::vector<double>& out) {
-  const std::size_t width = channel.width;
-  const Between at = find_keys(sampler.time, time);
-  const double t = at.share;
-  out.resize(width);
-  if (sampler.way == Way::cubic) {
-    // Of a key: the slope towards it, its value, the slope away from it.
-    const float *left = sampler.value.data() + 3 * width * at.left,
-                *right = sampler.value.data() + 3 * width * at.right;
-    const double end = t * t * (3 - 2 * t), away = at.length * t * (1 - t) * (1 - t), to = at.length * t * t * (t - 1);
-    for (std::size_t k = 0; k < width; ++k) {
-      out[k] = (1 - end) * double{left[width + k]} + end * double{right[width + k]};
-      if (at.left != at.right) out[k] += away * double{left[2 * width + k]} + to * double{right[k]};
-    }
-    return;
-  }
-  const float *left = sampler.value.data() + width * at.left, *right = sampler.value.data() + width * at.right;
-  if (sampler.way == Way::linear && channel.path == Path::rotation) {
-    const Eigen::Quaterniond turn = turn_of(left).slerp(t, turn_of(right));
-    out = {turn.x(), turn.y(), turn.z(), turn.w()};
-    return;
-  }
-  const double share = sampler.way == Way::step ? 0 : t;
-  for (std::size_t k = 0; k < width; ++k) out[k] = (1 - share) * double{left[k]} + share * double{right[k]};
+NodeAnimation read_gltf_animation(const GltfFile& gltf, const GltfData& data, const std::string& clip,
+                                  const std::vector<std::size_t>& targets) {
+  const std::vector<std::string> names = animation_names(gltf.array("animations"));
+  const std::size_t number = find_clip(gltf.path, names, clip);
+  return AnimationReader(gltf, data, number, title_of(names[number], number), targets).read();
 }
 
 }  // namespace geocloth::import_detail

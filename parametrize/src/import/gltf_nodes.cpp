@@ -19,14 +19,6 @@ std::vector<double> gltf_numbers(const Json& object, const char* key) {
   return out;
 }
 
-Eigen::Matrix4d NodePlace::matrix() const {
-  Eigen::Affine3d out = Eigen::Affine3d::Identity();
-  out.translate(translation);
-  out.rotate(rotation.normalized());
-  out.scale(scale);
-  return out.matrix();
-}
-
 NodePlace node_place(const Json& node) {
   const std::vector<double> t = gltf_numbers(node, "translation"), r = gltf_numbers(node, "rotation"),
                             s = gltf_numbers(node, "scale");
@@ -34,19 +26,6 @@ NodePlace node_place(const Json& node) {
   if (!t.empty()) out.translation = {t[0], t[1], t[2]};
   if (!r.empty()) out.rotation = {r[3], r[0], r[1], r[2]};
   if (!s.empty()) out.scale = {s[0], s[1], s[2]};
-  return out;
-}
-
-NodePlace node_place(const Eigen::Matrix4d& matrix) {
-  NodePlace out;
-  Eigen::Matrix3d turn = matrix.topLeftCorner<3, 3>();
-  out.translation = matrix.topRightCorner<3, 1>();
-  out.scale = turn.colwise().norm();
-  if (turn.determinant() < 0) out.scale[0] = -out.scale[0];
-  for (Eigen::Index k = 0; k < 3; ++k) {
-    if (out.scale[k] != 0) turn.col(k) /= out.scale[k];
-  }
-  out.rotation = Eigen::Quaterniond(turn).normalized();
   return out;
 }
 
@@ -105,12 +84,6 @@ std::vector<std::size_t> count_targets(const GltfFile& gltf) {
   return out;
 }
 
-void add_target(std::vector<float>& values, const std::vector<float>& target, double weight) {
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    values[i] = static_cast<float>(double{values[i]} + weight * double{target[i]});
-  }
-}
-
 std::vector<Eigen::Matrix4d> inverse_bind_matrices(const GltfFile& gltf, const GltfData& data, std::size_t skin) {
   const Json& json = gltf.array("skins")[skin];
   std::vector<Eigen::Matrix4d> out;
@@ -122,7 +95,7 @@ std::vector<Eigen::Matrix4d> inverse_bind_matrices(const GltfFile& gltf, const G
   return out;
 }
 
-SkinWeights::SkinWeights(const GltfData& data, const Json& attributes) {
+SkinWeights read_skin_weights(const GltfData& data, const Json& attributes) {
   struct Set {
     std::vector<float> joint, weight;
   };
@@ -130,29 +103,23 @@ SkinWeights::SkinWeights(const GltfData& data, const Json& attributes) {
   for (std::size_t i = 0; attributes.contains("JOINTS_" + std::to_string(i)); ++i) {
     sets.push_back({data.floats(attributes["JOINTS_" + std::to_string(i)].get<std::size_t>()),
                     data.floats(attributes["WEIGHTS_" + std::to_string(i)].get<std::size_t>())});
-    for (const float joint : sets.back().joint) {
-      joints_needed_ = std::max(joints_needed_, static_cast<std::size_t>(joint) + 1);
-    }
   }
+  SkinWeights out;
+  std::vector<SkinWeights::Hold> holds;
   for (std::size_t vertex = 0; 4 * vertex < sets[0].joint.size(); ++vertex) {
-    first_.push_back(hold_.size());
-    double sum = 0;
+    holds.clear();
     for (const Set& set : sets) {
       for (std::size_t k = 4 * vertex; k < 4 * vertex + 4; ++k) {
-        if (set.weight[k] == 0) continue;
-        hold_.push_back({static_cast<uint32_t>(set.joint[k]), set.weight[k]});
-        sum += double{set.weight[k]};
+        holds.push_back({static_cast<uint32_t>(set.joint[k]), set.weight[k]});
       }
     }
-    if (sum > 0) continue;
-    hold_.resize(first_.back());
-    hold_.push_back({static_cast<uint32_t>(sets[0].joint[4 * vertex]), 1});
+    out.add(holds);
   }
-  first_.push_back(hold_.size());
+  return out;
 }
 
-void SkinWeights::check(const GltfFile& gltf, std::size_t joints) const {
-  if (joints_needed_ > joints) gltf.bad("a mesh names a joint that its skin lacks");
+void check_joints(const GltfFile& gltf, const SkinWeights& weights, std::size_t joints) {
+  if (weights.joints_needed() > joints) gltf.bad("a mesh names a joint that its skin lacks");
 }
 
 }  // namespace geocloth::import_detail

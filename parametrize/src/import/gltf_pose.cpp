@@ -103,8 +103,8 @@ class Poser {
   }
 
   [[nodiscard]] SkinWeights skin_weights(const Json& attributes, std::size_t joints) const {
-    SkinWeights weights(data_, attributes);
-    weights.check(gltf_, joints);
+    SkinWeights weights = read_skin_weights(data_, attributes);
+    check_joints(gltf_, weights, joints);
     return weights;
   }
 

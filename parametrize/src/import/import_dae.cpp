@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // COLLADA ahead of assimp, which allocates the counts that a file announces, adds offsets and strides without a bound,
-// and follows node instances by recursion. Arrays, accessors, weights and instances are held against what is there;
-// animations, lights and cameras are taken out.
+// and follows node instances by recursion. Arrays, accessors, weights, keys and instances are held against what is
+// there; lights and cameras are taken out, and animations where nobody asks for them.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -18,6 +18,7 @@ namespace geocloth::import_detail {
 namespace {
 
 constexpr std::string_view kXmlBlank = " \t\r\n";
+constexpr double kMaxKeyPairs = 2e10;  ///< of all channels of an animation: half a minute of assimp's
 
 std::size_t count_words(std::string_view text) {
   std::size_t count = 0;
@@ -49,14 +50,14 @@ class DaeReader {
     if (!root_) bad("this is no COLLADA file");
   }
 
-  DaeText read() {
-    for (const char* name : {"library_animations", "library_animation_clips", "library_cameras", "library_lights"}) {
-      while (root_.remove_child(name)) {
-      }
-    }
+  DaeText read(bool animated) {
+    for (const char* name : {"library_animation_clips", "library_cameras", "library_lights"}) remove_all(name);
+    if (!animated) remove_all("library_animations");
     walk(root_);
     for (const pugi::xml_node accessor : accessors_) check_accessor(accessor);
     for (const pugi::xml_node skin : skins_) check_skin(skin);
+    for (const pugi::xml_node sampler : samplers_) check_sampler(sampler);
+    for (const pugi::xml_node channel : channels_) check_channel(channel);
     check_hierarchy(file_, instances());
     DaeText out;
     mend_unit();
@@ -71,11 +72,18 @@ class DaeReader {
  private:
   struct Array {
     std::size_t count = 0;
-    bool numbers = false;
+    pugi::xml_node node;
   };
   struct Accessor {
     std::size_t count = 0, stride = 1;
+    std::size_t size = 0;  ///< numbers of an element, as assimp counts them
+    pugi::xml_node array;
   };
+
+  void remove_all(const char* name) {
+    while (root_.remove_child(name)) {
+    }
+  }
 
   static std::string tag(pugi::xml_node node) { return std::string("<").append(node.name()).append(">"); }
   [[noreturn]] void bad(const std::string& what) const { fail(file_, ErrorCode::invalid_data, what); }
@@ -130,6 +138,8 @@ class DaeReader {
       if (name.ends_with("_array")) add_array(child);
       if (name == "accessor") accessors_.push_back(child);
       if (name == "skin") skins_.push_back(child);
+      if (name == "sampler") samplers_.push_back(child);
+      if (name == "channel") channels_.push_back(child);
       static_cast<void>(number(child, "count", 0));
       static_cast<void>(number(child, "stride", 0));
       if (name == "input" && number(child, "offset", 0) > 64) bad("<input> has an offset beyond 64");
@@ -170,16 +180,19 @@ class DaeReader {
   void add_array(pugi::xml_node node) {
     const std::size_t count = number(node, "count", 0);
     if (count_words(node.text().get()) < count) bad(tag(node) + " has fewer values than it says");
-    array_[reference_to(node)] = {count, std::strcmp(node.name(), "float_array") == 0};
+    array_[reference_to(node)] = {count, node};
   }
 
   void check_accessor(pugi::xml_node node) {
     const auto array = array_.find(node.attribute("source").value());
     if (array == array_.end()) return;  // assimp refuses what it cannot resolve
-    const Accessor a{number(node, "count", 0), number(node, "stride", 1)};
+    Accessor a{number(node, "count", 0), number(node, "stride", 1), 0, array->second.node};
     const std::size_t offset = number(node, "offset", 0);
-    const auto params =
-        static_cast<std::size_t>(std::distance(node.children("param").begin(), node.children("param").end()));
+    std::size_t params = 0;
+    for (const pugi::xml_node param : node.children("param")) {
+      a.size += std::strcmp(param.attribute("type").value(), "float4x4") == 0 ? std::size_t{16} : std::size_t{1};
+      ++params;
+    }
     if (a.stride == 0 || params > std::max<std::size_t>(a.stride, 1) || offset > array->second.count ||
         a.count > (array->second.count - offset) / a.stride) {
       bad("an <accessor> reaches beyond its array");
@@ -228,6 +241,41 @@ class DaeReader {
     }
   }
 
+  /// assimp goes through all keys of a channel for each of its times, and copies values without a bound.
+  void check_sampler(pugi::xml_node sampler) {
+    const Accessor times = input(sampler, "INPUT"), values = input(sampler, "OUTPUT");
+    if (times.count == 0 || times.count != values.count) bad("an animation does not have a value for each time");
+    if (times.size > times.stride || values.size > values.stride || values.size > 16) {
+      bad("an animation has values of an impossible size");
+    }
+    check_times(times.array.text().get());
+    key_pairs_ += double(times.count) * double(times.count);
+    if (key_pairs_ > kMaxKeyPairs) {
+      fail(file_, ErrorCode::limit, "its animation has too many keys; export fewer, or as FBX or glTF");
+    }
+    values_[reference_to(sampler)] = values.size;
+  }
+
+  void check_times(std::string_view text) const {
+    for (std::size_t at = text.find_first_not_of(kXmlBlank); at != std::string_view::npos;) {
+      const std::size_t end = std::min(text.find_first_of(kXmlBlank, at), text.size());
+      double time = 0;
+      const auto [stop, error] = std::from_chars(text.data() + at, text.data() + end, time);
+      if (error != std::errc() || stop != text.data() + end || !(std::abs(time) < 1e9)) {
+        bad("an animation has a time '" + std::string(text.substr(at, std::min<std::size_t>(end - at, 30))) + "'");
+      }
+      at = text.find_first_not_of(kXmlBlank, end);
+    }
+  }
+
+  /// One number of a transform, "node/turn.ANGLE" or "node/matrix(1)(2)", takes one number of a key.
+  void check_channel(pugi::xml_node channel) const {
+    const std::string_view target = channel.attribute("target").value();
+    const auto size = values_.find(channel.attribute("source").value());
+    const bool one = target.find_first_of(".(", std::min(target.find('/'), target.size())) != std::string_view::npos;
+    if (one && size != values_.end() && size->second != 1) bad("an animation has values of an impossible size");
+  }
+
   /// Nodes numbered in the order of the document, with their children and the nodes they instance.
   std::vector<std::array<uint64_t, 2>> instances() const {
     std::map<std::string, uint64_t> by_id;
@@ -269,13 +317,15 @@ class DaeReader {
   pugi::xml_node root_;
   std::map<std::string, Array> array_;
   std::map<std::string, Accessor> accessor_;  ///< by the "#id" of their <source>
-  std::vector<pugi::xml_node> accessors_, skins_;
+  std::vector<pugi::xml_node> accessors_, skins_, samplers_, channels_;
+  std::map<std::string, std::size_t> values_;  ///< of a key, by the "#id" of samplers
+  double key_pairs_ = 0;
 };
 
 }  // namespace
 
-DaeText read_dae(const std::filesystem::path& file, std::string_view bytes) {
-  return DaeReader(file, bytes).read();
+DaeText read_dae(const std::filesystem::path& file, std::string_view bytes, bool animated) {
+  return DaeReader(file, bytes).read(animated);
 }
 
 }  // namespace geocloth::import_detail

@@ -58,6 +58,10 @@ struct MemoryFile {
   std::string name, bytes;
 };
 
+enum class Format { obj, gltf, glb, ply, stl, fbx, dae };
+/// What a file is by its ending.
+/// @throws Error(unsupported) for an ending that is not known
+[[nodiscard]] Format format_of(const std::filesystem::path& file);
 /// Whether a file is glTF by its ending.
 /// @throws Error(unsupported) for an ending that is not known
 [[nodiscard]] bool is_gltf(const std::filesystem::path& file);
@@ -83,14 +87,17 @@ void check_ply(const std::filesystem::path& file, std::string_view bytes);
 /// The same for STL. @returns it as assimp reads it: without padding at the end, words in small letters
 [[nodiscard]] std::string checked_stl(const std::filesystem::path& file, std::string text);
 /// Walks the records of a binary FBX file, or looks for the opening of a textual one, and at its connections.
-void check_fbx(const std::filesystem::path& file, std::string_view bytes);
+/// @param animated  whether animations are wanted; else those of the file do not matter
+/// @returns it as assimp reads it
+[[nodiscard]] std::string checked_fbx(const std::filesystem::path& file, std::string bytes, bool animated);
 
 struct DaeText {
-  std::string text;            ///< for assimp: without animations, lights and cameras
+  std::string text;            ///< for assimp: without lights and cameras, and animations but where they are asked for
   double metres_per_unit = 1;  ///< as the file says; assimp applies it
 };
 /// Checks the XML of a DAE file and every count, offset and index of it that assimp relies on.
-[[nodiscard]] DaeText read_dae(const std::filesystem::path& file, std::string_view bytes);
+/// @param animated  whether animations are of interest
+[[nodiscard]] DaeText read_dae(const std::filesystem::path& file, std::string_view bytes, bool animated);
 
 /// Refuses a graph of "parent has child" that has a circle, is deeper than 512 levels, or unfolds to more than a
 /// million nodes: importers follow it by recursion.

@@ -4,24 +4,32 @@
 #include <charconv>
 #include <cstring>
 
+#include "import/fbx_curves.h"
 #include "import/import_detail.h"
 
 namespace geocloth::import_detail {
 namespace {
 
+/// What assimp reads animations by; under another name it leaves them alone.
+constexpr std::string_view kClip = "AnimationStack";
+constexpr char kNoName = '_';
+
 class FbxChecker {
  public:
-  FbxChecker(const std::filesystem::path& file, std::string_view bytes) : file_(file), bytes_(bytes) {}
+  FbxChecker(const std::filesystem::path& file, std::string_view bytes, bool animated)
+      : file_(file), bytes_(bytes), animated_(animated), curves_(file) {}
 
-  /// Pairs of parent and child object, after check().
-  std::vector<std::array<uint64_t, 2>> connections;
+  // After check():
+  std::vector<std::array<uint64_t, 2>> connections;  ///< pairs of parent and child object
+  std::vector<std::size_t> clips;                    ///< where the names of records of animations begin
 
   void check() {
     if (bytes_.size() < 27) bad(file_, "the file is cut off in its header");
     wide_ = read_le<uint32_t>(bytes_, 23) >= 7500;
     std::size_t at = 27;
+    FbxCurve none;
     while (at < bytes_.size()) {
-      const std::size_t next = walk(at, bytes_.size(), 0);
+      const std::size_t next = walk(at, bytes_.size(), 0, none);
       if (next == 0) return;  // the empty record that ends the list; a footer follows
       at = next;
     }
@@ -33,8 +41,10 @@ class FbxChecker {
     return wide_ ? read_le<uint64_t>(bytes_, at) : uint64_t{read_le<uint32_t>(bytes_, at)};
   }
 
-  /// Checks one record and those inside it. @returns where the next begins, 0 after an empty record
-  std::size_t walk(std::size_t at, std::size_t limit, std::size_t depth) {
+  /// Checks one record and those inside it.
+  /// @param around  keys of the record that it is in
+  /// @returns where the next begins, 0 after an empty record
+  std::size_t walk(std::size_t at, std::size_t limit, std::size_t depth, FbxCurve& around) {
     const std::size_t word = wide_ ? 8 : 4, head = 3 * word + 1;
     if (depth > 64) bad(file_, "its records nest more than 64 levels deep");
     if (head > limit - at) bad(file_, "a record is cut off");
@@ -46,13 +56,18 @@ class FbxChecker {
     }
     std::size_t inside = at + head + name;
     check_properties(inside, inside + property_bytes, properties);
-    if (name == 1 && bytes_[at + head] == 'C') read_connection(bytes_.substr(inside, property_bytes));
+    const std::string_view called = bytes_.substr(at + head, name), values = bytes_.substr(inside, property_bytes);
+    if (called == "C") read_connection(values);
+    if (called == kClip) clips.push_back(at + head);
+    if (animated_) read_fbx_keys(file_, called, values, around);
     inside += property_bytes;
+    FbxCurve own;
     while (inside < end) {
-      const std::size_t next = walk(inside, end, depth + 1);
+      const std::size_t next = walk(inside, end, depth + 1, own);
       if (next == 0) break;
       inside = next;
     }
+    curves_.add(own);
     return end;
   }
 
@@ -116,7 +131,8 @@ class FbxChecker {
 
   const std::filesystem::path& file_;
   std::string_view bytes_;
-  bool wide_ = false;
+  bool animated_, wide_ = false;
+  FbxCurveCheck curves_;
 };
 
 /// Reads the next integer after `at`, across blanks and commas.
@@ -153,14 +169,24 @@ void check_text(const std::filesystem::path& file, std::string_view bytes) {
 
 }  // namespace
 
-void check_fbx(const std::filesystem::path& file, std::string_view bytes) {
+std::string checked_fbx(const std::filesystem::path& file, std::string bytes, bool animated) {
   if (!bytes.starts_with("Kaydara FBX Binary")) {
     check_text(file, bytes);
-    return check_hierarchy(file, text_connections(bytes));
+    check_hierarchy(file, text_connections(bytes));
+    if (animated) {
+      check_text_curves(file, bytes);
+    } else {
+      for (std::size_t at = 0; (at = bytes.find(kClip, at)) != std::string::npos; ++at) bytes[at] = kNoName;
+    }
+    return bytes;
   }
-  FbxChecker checker(file, bytes);
+  FbxChecker checker(file, bytes, animated);
   checker.check();
   check_hierarchy(file, std::move(checker.connections));
+  if (!animated) {
+    for (const std::size_t at : checker.clips) bytes[at] = kNoName;
+  }
+  return bytes;
 }
 
 }  // namespace geocloth::import_detail

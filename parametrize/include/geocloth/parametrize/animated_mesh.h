@@ -13,7 +13,9 @@ namespace geocloth {
 
 /// When the animation of a file plays, and what it shows.
 struct AnimationOptions {
-  std::string clip = {};  ///< name of the animation, or its number in the file from 0; empty: the first one
+  /// Name of the animation, what of it is behind a bar ("Armature|Walk" of Blender), or its number in the file from 0;
+  /// empty: the first one.
+  std::string clip = {};
   /// [s] >= 0. Before, the nodes go evenly from where they are when the file opens to where the animation begins.
   double start = 0;
   double speed = 1;        ///< > 0: seconds of the animation in a second
@@ -21,12 +23,15 @@ struct AnimationOptions {
   std::string parts = {};  ///< which parts of the file, as of select_parts(); empty: all
 };
 
-/// The triangles of a glTF file as one of its animations moves nodes, skins and morph targets. They are those of the
-/// scene with which the file opens, the same surface as import_mesh() gives, but not in its order of vertices.
+/// The triangles of a glTF, FBX or DAE file as one of its animations moves nodes, skins and morph targets (not those of
+/// DAE). They are those of the scene with which the file opens, the same surface as import_mesh() gives, but of glTF
+/// not in its order of vertices. Skins of FBX files open as they are bound, wherever their bones are. What assimp reads
+/// of FBX and DAE goes evenly between keys. All that moves in a DAE file is one animation.
 class AnimatedMesh {
  public:
   /// Reads everything that playing needs; the file is not needed afterwards.
-  /// @throws Error as import_mesh(); Error(unsupported) for a file that is no glTF; Error(invalid_data) when it has no
+  /// @throws Error as import_mesh(); Error(unsupported) for a file of another format; Error(invalid_data) when it has
+  /// no
   ///   animation or none of that name or number (lists those it has), or when the animation is broken;
   ///   Error(invalid_argument) for options out of range, or when the file has no such parts
   explicit AnimatedMesh(const std::filesystem::path& path, const AnimationOptions& options = {});

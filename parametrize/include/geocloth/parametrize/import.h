@@ -24,8 +24,9 @@ struct ImportOptions {
 ///   Error(limit) when it is absurdly large
 [[nodiscard]] TriangleMesh import_mesh(const std::filesystem::path& path, const ImportOptions& options = {});
 
-/// How many animations a glTF file has, which import_mesh() does not play; 0 for other files.
-/// @throws Error as import_mesh for what is no glTF
+/// How many animations a file has, which import_mesh() does not play (a DAE file has one at most); 0 for formats
+/// without.
+/// @throws Error as import_mesh()
 [[nodiscard]] size_t count_animations(const std::filesystem::path& path);
 
 }  // namespace geocloth
