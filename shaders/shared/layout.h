@@ -45,8 +45,8 @@ const uint kBindingSeamSprings = 12u;       // buffer SeamSpring[]
 const uint kBindingSplitOffset = 13u;       // buffer uint[rows + 1]
 const uint kBindingSplitPixel = 14u;        // buffer uint[]
 const uint kBindingPins = 15u;              // buffer PinTarget[]
-const uint kBindingColliderShapes = 16u;    // buffer ColliderShape[colliders]
-const uint kBindingColliderPoses = 17u;     // buffer ColliderPose[(substeps + 1) * colliders], [substep][collider]
+const uint kBindingColliderShapes = 16u;    // buffer ColliderShape[colliders], and again those that some cloths meet
+const uint kBindingColliderPoses = 17u;     // buffer ColliderPose[(substeps + 1) * colliders], [substep][collider], and as well
 const uint kBindingSubsteps = 18u;          // buffer Substep[substeps]
 const uint kBindingMeasures = 19u;          // buffer uint[kMeasureCount], bits of non-negative floats, atomicMax
 const uint kBindingInverseMass = 20u;       // buffer float[pixels], read when the pins change
@@ -95,7 +95,7 @@ const float kLeaveNear = 2.0f;  // [spacings] ClothParams::leave_near
 struct ClothParams {
   uint width;
   uint height;
-  uint collider_count;
+  uint collider_count;  // that the cloth meets
   uint air;           // 1: wind, drag or pressure act
   vec4 gravity_step;  // xyz: dt^2 g [m]; w: dt over that of the frame before
   vec4 wind;          // xyz: mean velocity of the air [m/s]
@@ -130,6 +130,10 @@ struct ClothParams {
   uint self_most_in_bucket;  // a fuller bucket of the hash is left out
   uint inter_points;         // of all cloths that collide with each other; 0: this one with none
   uint inter_buckets;        // of their hash, a power of two
+  uint first_shape;          // of the colliders that the cloth meets, in the buffer of shapes
+  uint first_pose;           // of them before the first substep, in the buffer of poses
+  uint unused1;
+  uint unused2;
   FrameField whole;
   FrameField taken;
   FrameField carrier;  // the motion of a collider that may take the cloth along
@@ -243,7 +247,7 @@ struct PassConstants {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(ClothParams) == 400 && offsetof(ClothParams, whole) == 208 &&
+static_assert(sizeof(ClothParams) == 416 && offsetof(ClothParams, whole) == 224 &&
               offsetof(ClothParams, gravity_step) == 16 && offsetof(ClothParams, dt) == 96);
 static_assert(sizeof(Wave) == 32 && sizeof(Substep) == 16 + 32 * kWindWaves);
 static_assert(sizeof(PinTarget) == 96 && sizeof(Attachment) == 8 && sizeof(SeamSpring) == 44 &&

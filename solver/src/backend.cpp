@@ -16,7 +16,7 @@ ScheduleOptions schedule_options(const SimulationData& data, uint32_t cloth, con
   const ClothFrame& f = frame.cloths[cloth];
   const bool attached = c.attachments && !f.pins.empty();
   const bool slack = c.evenness == Evenness::squeezed || c.short_seams || f.slack_pins || f.params.air != 0;
-  const bool spans = (c.attachments && !frame.shapes.empty()) || (attached && slack);
+  const bool spans = (c.attachments && f.params.collider_count > 0) || (attached && slack);
   return {.substeps = static_cast<uint32_t>(frame.substeps.size()),
           .relaxation_steps = data.relaxation_steps,
           .rescale = f.params.gravity_step.w != 1,
@@ -32,8 +32,8 @@ ScheduleOptions schedule_options(const SimulationData& data, uint32_t cloth, con
                   !f.held_open && !frame.may_sleep,
           .self_collision = f.params.self_points > 0,
           .inter_collision = f.params.inter_points > 0,
-          .collide = !frame.shapes.empty() || f.params.max_step > 0,
-          .cell_rounds = frame.shapes.empty() ? 0 : f.cell_rounds,
+          .collide = f.params.collider_count > 0 || f.params.max_step > 0,
+          .cell_rounds = f.params.collider_count == 0 ? 0 : f.cell_rounds,
           .check = data.check,
           .asleep = f.asleep,
           .motion = frame.measure_motion || f.params.carried_at >= 0,

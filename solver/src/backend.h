@@ -128,8 +128,11 @@ struct ClothFrame {
 
 /// One frame. Poses and waves are already evaluated for every substep.
 struct FrameInput {
+  /// All colliders, and after them again those that a cloth meets which does not meet all: see
+  /// ClothParams::first_shape.
   std::vector<shader::ColliderShape> shapes;
-  std::vector<shader::ColliderPose> poses;  ///< (substeps + 1) * shapes: pose s is before substep s, s + 1 after it
+  /// (substeps + 1) * colliders: pose s is before substep s, s + 1 after it; then those of the other lists as well.
+  std::vector<shader::ColliderPose> poses;
   std::shared_ptr<const std::vector<float>>
       collider_numbers;  ///< see shader::ColliderShape; another one when it changes
   std::vector<shader::Substep> substeps;
@@ -138,6 +141,17 @@ struct FrameInput {
   bool may_sleep = false;       ///< cloth that comes to rest: no pass at the frame's end may go on moving it
   bool measure_motion = false;  ///< for longest_way()
   uint32_t motion_word = 0;     ///< 0 or 1 by turns
+};
+
+/// The colliders that a cloth meets in a frame.
+struct MetColliders {
+  MetColliders(const FrameInput& frame, const shader::ClothParams& params)
+      : shapes(std::span(frame.shapes).subspan(params.first_shape, params.collider_count)),
+        poses(std::span(frame.poses)
+                  .subspan(params.first_pose, (frame.substeps.size() + 1) * size_t{params.collider_count})) {}
+
+  std::span<const shader::ColliderShape> shapes;
+  std::span<const shader::ColliderPose> poses;  ///< (substeps + 1) * shapes
 };
 
 /// What differs between the ways to run the passes. Positions are relative to the solver's origin everywhere.

@@ -330,9 +330,8 @@ void collider_poses(std::span<const Transform> from, std::span<const Collider> t
   }
 }
 
-bool may_slip_through(std::span<const shader::ColliderShape> shapes, float spacing) {
-  return std::any_of(shapes.begin(), shapes.end(),
-                     [&](const shader::ColliderShape& s) { return shader::meets_triangles(spacing, s); });
+bool may_slip_through(const shader::ColliderShape& shape, float spacing) {
+  return shader::meets_triangles(spacing, shape);
 }
 
 bool may_open_cells(std::span<const shader::ColliderShape> shapes, float spacing) {

@@ -48,7 +48,7 @@ void collider_poses(std::span<const Transform> from, std::span<const Collider> t
 /// Whether a collider is thin enough, or has edges or corners that are, to slip through between pixels. A body is as
 /// thick as its thickest part: triangle contact with a body costs ten times what its pixels cost.
 /// @param spacing  [m] of the pixels
-[[nodiscard]] bool may_slip_through(std::span<const shader::ColliderShape> shapes, float spacing);
+[[nodiscard]] bool may_slip_through(const shader::ColliderShape& shape, float spacing);
 
 /// Whether one of them opens cells between points, which only a substep's contacts keep apart.
 [[nodiscard]] bool may_open_cells(std::span<const shader::ColliderShape> shapes, float spacing);

@@ -161,6 +161,7 @@ Solver::Impl::Impl(std::span<const ClothDesc> cloths, const SolverSettings& sett
     cloth.material = desc.material;
     cloth.self_collision = desc.self_collision;
     cloth.inter_collision = desc.inter_collision;
+    cloth.meets = desc.meets;
     cloth.start = desc.transform;
     cloth.scale = desc.transform.scale;
     cloth.displaced_in = clock().dt;
@@ -276,7 +277,7 @@ bool Solver::Impl::anything_deforms() const {
 void Solver::Impl::take_shapes(std::span<const Collider> asked_before) {
   // Most often only poses change, and the field of a body has half a million numbers.
   const auto looks_the_same = [](const Collider& a, const Collider& b) {
-    return a.shape == b.shape && a.friction == b.friction;
+    return a.shape == b.shape && a.friction == b.friction && a.groups == b.groups;
   };
   if (collider_numbers_ && std::ranges::equal(asked_before, colliders_to_, looks_the_same)) return;
   std::vector<float> numbers;
@@ -290,7 +291,8 @@ void Solver::Impl::take_shapes(std::span<const Collider> asked_before) {
       scene_changed_ = scene_changed_ || !(deform_[i] > 0 || looks_the_same(asked_before[i], colliders_to_[i]));
   } else {
     scene_changed_ = scene_changed_ || !same_numbers ||
-                     !std::equal(before.begin(), before.end(), shapes_.begin(), shapes_.end(), same_shape);
+                     !std::equal(before.begin(), before.end(), shapes_.begin(), shapes_.end(), same_shape) ||
+                     !std::ranges::equal(asked_before, colliders_to_, {}, &Collider::groups, &Collider::groups);
   }
 }
 
@@ -395,6 +397,13 @@ std::vector<uint32_t> Solver::Impl::held_pixels(uint32_t cloth) const {
   for (const auto& [pixel, pin] : cloth_at(cloth).pins)
     if (pin.held()) held.push_back(pixel);
   return held;
+}
+
+void Solver::Impl::set_meets(uint32_t cloth, uint32_t groups) {
+  static_cast<void>(cloth_at(cloth));
+  Cloth& c = cloths_[cloth];
+  c.disturbed = c.disturbed || groups != c.meets;
+  c.meets = groups;
 }
 
 void Solver::Impl::set_pressure(uint32_t cloth, float pressure) {
@@ -700,6 +709,10 @@ std::vector<uint32_t> Solver::held_pixels(uint32_t cloth) const {
 void Solver::set_parent(uint32_t cloth, const Transform& pose, const Vec3& inertia_scale, bool teleport) {
   impl_->set_parent(cloth, pose, inertia_scale, teleport);
 }
+void Solver::set_meets(uint32_t cloth, uint32_t groups) {
+  impl_->set_meets(cloth, groups);
+}
+
 void Solver::set_pressure(uint32_t cloth, float pressure) {
   impl_->set_pressure(cloth, pressure);
 }

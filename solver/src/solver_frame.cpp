@@ -23,14 +23,6 @@ bool blows(const std::optional<Wind>& wind) {
   return wind && length(wind->velocity) > 0 && (wind->drag > 0 || wind->lift > 0);
 }
 
-/// [m] that a collider goes in a substep; planes are too thick to slip through anything.
-float longest_way(std::span<const shader::ColliderShape> shapes) {
-  float way = 0;
-  for (const shader::ColliderShape& s : shapes)
-    if (s.kind != shader::kShapePlane) way = std::max(way, s.way);
-  return way;
-}
-
 constexpr float kFastWay = 0.2F;    // spacings in a substep
 constexpr float kLimitSteps = 512;  // of 1: plans are made anew for another limit, which is not for every frame
 
@@ -116,7 +108,6 @@ void Solver::Impl::fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const {
   frame.params.stretch_limit = stretch_limit(cloth);
   frame.params.width = cloth.asset->width;
   frame.params.height = cloth.asset->height;
-  frame.params.collider_count = static_cast<uint32_t>(colliders_to_.size());
   set_self_numbers(cloth.self, frame.params);
   if (meets_others(cloth)) {
     frame.params.inter_points = inter_.points;
@@ -301,8 +292,8 @@ void Solver::Impl::choose_compliance_step(Cloth& cloth) const {
 float Solver::Impl::fastest_about(const Cloth& cloth) const {
   const auto frame_time = static_cast<float>(settings_.frame_time);
   float way = 0;
-  for (const shader::ColliderShape& shape : frame_.shapes)
-    way = std::max(way, shape.way * static_cast<float>(usual_substeps_));
+  for (size_t i = 0; i < colliders_to_.size(); ++i)
+    if (meets(cloth, i)) way = std::max(way, frame_.shapes[i].way * static_cast<float>(usual_substeps_));
   for (const auto& [pixel, pin] : cloth.pins) way = std::max(way, length(pin.target - pin.from));
   const float wind = wind_ ? (1 + wind_->turbulence) * length(wind_->velocity) : 0;
   constexpr float kAnySpeed = 1e6F;  // planes that turn have no bound
@@ -393,7 +384,7 @@ void Solver::Impl::choose_factors() {
     bool misses = false;
     for (uint32_t i = 0; i < frame_.shapes.size(); ++i) {
       const shader::ColliderShape& shape = frame_.shapes[i];
-      if (shape.kind == shader::kShapePlane) continue;
+      if (shape.kind == shader::kShapePlane || !meets(cloth, i)) continue;
       const Haste haste = haste_of(shape, spacing, most);
       const bool nearly_fast = shape.way > kNearly * haste.way;
       if (nearly_fast && !box) box = box_of_pins(cloth);
@@ -432,16 +423,17 @@ void Solver::Impl::find_movers() {
 
 /// Whether a collider that moves in this frame may touch the cloth. Waits for the device, for a sleeping cloth once.
 bool Solver::Impl::is_reached(uint32_t index) {
-  if (movers_.empty()) return false;
   Cloth& cloth = cloths_[index];
+  if (std::ranges::none_of(movers_, [&](uint32_t i) { return meets(cloth, i); })) return false;
   if (!cloth.resting) {
     std::vector<vec4> position;
     backend_->read_positions(index, position);
     cloth.resting = box_of(*cloth.asset, position);
   }
   const float margin = cloth.material.thickness + cloth.asset->spacing * cloth.scale;
-  return std::any_of(movers_.begin(), movers_.end(),
-                     [&](uint32_t i) { return may_reach(frame_.shapes, frame_.poses, i, *cloth.resting, margin); });
+  return std::any_of(movers_.begin(), movers_.end(), [&](uint32_t i) {
+    return meets(cloth, i) && may_reach(frame_.shapes, frame_.poses, i, *cloth.resting, margin);
+  });
 }
 
 /// Decides by what was measured two frames ago, on both backends, so that none waits and both decide alike.
@@ -510,15 +502,43 @@ bool Solver::Impl::is_calm(uint32_t c) {
   return false;
 }
 
+/// [m] that a collider goes in a substep; planes are too thick to slip through anything.
+float Solver::Impl::longest_way(const Cloth& cloth) const {
+  float way = 0;
+  for (size_t i = 0; i < colliders_to_.size(); ++i)
+    if (frame_.shapes[i].kind != shader::kShapePlane && meets(cloth, i)) way = std::max(way, frame_.shapes[i].way);
+  return way;
+}
+
+/// Where the colliders that a cloth meets are in the frame; lists of those that not all cloths meet come after all.
+Solver::Impl::Meets Solver::Impl::met_by(const Cloth& cloth) {
+  const auto known = std::ranges::find(meets_, cloth.meets, &Meets::groups);
+  if (known != meets_.end()) return *known;
+  const size_t all = colliders_to_.size();
+  Meets met{cloth.meets, 0, 0, 0};
+  for (size_t i = 0; i < all; ++i) met.count += meets(cloth, i) ? 1U : 0U;
+  if (met.count < all) {
+    met.first_shape = static_cast<uint32_t>(frame_.shapes.size());
+    met.first_pose = static_cast<uint32_t>(frame_.poses.size());
+    for (size_t i = 0; i < all; ++i)
+      if (meets(cloth, i)) frame_.shapes.push_back(frame_.shapes[i]);
+    for (size_t k = 0; k < all * (substeps_ + 1); ++k)
+      if (meets(cloth, k % all)) frame_.poses.push_back(frame_.poses[k]);
+  }
+  return meets_.emplace_back(met);
+}
+
 /// Runs the frame for the cloths with so many times the usual substeps. Those of other groups are left as they are.
 void Solver::Impl::run_group(uint32_t factor) {
   substeps_ = usual_substeps_ * factor;
+  frame_.shapes.resize(colliders_to_.size());
+  frame_.poses.resize(colliders_to_.size() * (usual_substeps_ + 1));
+  meets_.clear();
   if (factor > 1) {
     collider_poses(frames_from_, colliders_to_, deform_, substeps_, origin_, frame_.poses);
     measure_ways(frame_.shapes, frame_.poses, substeps_, thickest(cloths_));
   }
   substep_inputs(clock(), wind_, origin_, frame_.substeps);
-  const float way = longest_way(frame_.shapes);
   for (size_t c = 0; c < cloths_.size(); ++c) {
     Cloth& cloth = cloths_[c];
     ClothFrame& frame = frame_.cloths[c];
@@ -526,7 +546,7 @@ void Solver::Impl::run_group(uint32_t factor) {
     frame.asleep = !belongs || cloth.asleep;
     frame.pins_changed = belongs && cloth.pins_anew;
     if (!belongs) continue;
-    const float spacing = cloth.asset->spacing * cloth.scale;
+    const float spacing = cloth.asset->spacing * cloth.scale, way = longest_way(cloth);
     const bool hasty = factor > 1 && cloth.meets_fast;
     const bool seams = cloth.asset->splits.rows() > 0;
     const auto in_step = [&](const std::optional<float>& usual) {
@@ -536,10 +556,14 @@ void Solver::Impl::run_group(uint32_t factor) {
     frame.cell_rounds = cloth.collide_cells ? cell_rounds(seen, spacing, seams, hasty) : 0;
     choose_compliance_step(cloth);
     fill_cloth_frame(cloth, frame);
+    const Meets met = met_by(cloth);
+    frame.params.collider_count = met.count;
+    frame.params.first_shape = met.first_shape;
+    frame.params.first_pose = met.first_pose;
     frame.params.spacing = spacing;
     const bool leaves = cloth.collide_cells && !hasty;
     frame.params.leave_near = leaves ? shader::kLeaveNear * spacing : 0;
-    frame.held_open = hasty && may_open_cells(frame_.shapes, spacing);
+    frame.held_open = hasty && may_open_cells(MetColliders(frame_, frame.params).shapes, spacing);
     frame.params.grip = grip_of(frame, spacing);
     measure_ride(cloth, frame);
     if (!cloth.asleep) cloth.displaced_in = clock().dt;
@@ -562,7 +586,9 @@ void Solver::Impl::step() {
   fall_asleep();
   uint32_t most = 1;
   for (Cloth& cloth : cloths_) {
-    cloth.collide_cells = cloth.collide_cells || may_slip_through(frame_.shapes, cloth.asset->spacing * cloth.scale);
+    for (size_t i = 0; i < colliders_to_.size(); ++i)
+      cloth.collide_cells = cloth.collide_cells ||
+                            (meets(cloth, i) && may_slip_through(frame_.shapes[i], cloth.asset->spacing * cloth.scale));
     most = std::max(most, cloth.factor);
   }
   for (uint32_t factor = 1; factor <= most; ++factor)

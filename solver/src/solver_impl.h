@@ -34,6 +34,7 @@ class Solver::Impl {
   void set_pins(uint32_t cloth, std::span<const Pin> pins);
   [[nodiscard]] std::vector<uint32_t> held_pixels(uint32_t cloth) const;
   void set_pressure(uint32_t cloth, float pressure);
+  void set_meets(uint32_t cloth, uint32_t groups);
   void set_parent(uint32_t cloth, const Transform& pose, const Vec3& inertia_scale, bool teleport);
   CutResult cut(uint32_t cloth, const std::array<Vec3, 3>& triangle);
   CutResult tear(uint32_t cloth, float stretch);
@@ -76,6 +77,10 @@ class Solver::Impl {
     double time = 0;                  ///< [s] of the frame
     std::optional<float> way;  ///< [m] that the fastest collider goes in a substep as seen from the cloth, if it rides
   };
+  /// What cloths of the same groups meet, in frame_.
+  struct Meets {
+    uint32_t groups, first_shape, first_pose, count;
+  };
   /// Where a cloth is that no pins tell of.
   struct Seen {
     ClothBox box;     ///< [m] relative to the origin, at the start of the next frame
@@ -108,6 +113,7 @@ class Solver::Impl {
     SelfNumbers self;
     std::optional<InterCollision> inter_collision;
     float pressure = 0;            ///< [Pa]
+    uint32_t meets = 0;            ///< groups of colliders
     bool collide_cells = false;    ///< a collider was met that may slip through between pixels
     bool teleport = false;         ///< the parent jumps before the next frame
     double placed_at = -1;         ///< [s] time_ when a state was written where the parent had jumped to
@@ -188,6 +194,11 @@ class Solver::Impl {
   void look_at(uint32_t cloth);
   void let_seen_go(Cloth& cloth) const;
   void choose_compliance_step(Cloth& cloth) const;
+  [[nodiscard]] bool meets(const Cloth& cloth, size_t collider) const {
+    return (cloth.meets & colliders_to_[collider].groups) != 0;
+  }
+  [[nodiscard]] Meets met_by(const Cloth& cloth);
+  [[nodiscard]] float longest_way(const Cloth& cloth) const;
   void run_group(uint32_t factor);
   [[nodiscard]] const Ride* ride_of(uint32_t cloth);
   [[nodiscard]] float way_seen_from(const Ride* ride, uint32_t collider) const;
@@ -216,6 +227,7 @@ class Solver::Impl {
   std::shared_ptr<const std::vector<float>> collider_numbers_;  ///< of their hulls and meshes
   std::optional<Wind> wind_;
   std::vector<uint32_t> movers_;  ///< colliders that go on evenly in the next frame
+  std::vector<Meets> meets_;      ///< of the cloths that were told about the next frame
   bool scene_changed_ = true;     ///< since the last step, other than by what moves evenly
   double time_ = 0;               ///< [s] at the start of the next frame
   double step_length_ = 0;        ///< [s] of a substep, that the last frame's were to have without haste; 0: no frame

@@ -24,7 +24,7 @@ namespace {
 using shader::vec4;
 
 constexpr uint32_t kMagic = 0x53434C47;  // "GLCS"; read in another order of bytes it is another number
-constexpr uint32_t kVersion = 4;         ///< one more whenever what is written changes, or what a frame makes of it
+constexpr uint32_t kVersion = 5;         ///< one more whenever what is written changes, or what a frame makes of it
 
 /// Of one point.
 struct SavedPoint {
@@ -235,6 +235,7 @@ void exchange(Bytes& bytes, SavedCollider& c) {
   }
   bytes.value(c.field);
   bytes.value(c.collider.friction);
+  bytes.value(c.collider.groups);
   bytes.value(c.collider.pose);
   bytes.value(c.from);
   bytes.value(c.way);
@@ -288,7 +289,7 @@ struct Solver::Impl::SavedCloth {
   std::optional<Seen> seen;
   double look_again = 0;
   float limit = 0, reach = 0, strayed = 0, pressure = 0;
-  uint32_t calm_frames = 0;
+  uint32_t calm_frames = 0, meets = 0;
   std::array<float, 2> longest_way{};
   std::array<uint32_t, 2> left_behind{};
   std::vector<SavedPoint> points;  ///< valid pixels in their order
@@ -329,6 +330,7 @@ struct Solver::Impl::SavedCloth {
     bytes.value(reach);
     bytes.value(strayed);
     bytes.value(pressure);
+    bytes.value(meets);
     bytes.value(calm_frames);
     bytes.value(longest_way);
     bytes.value(left_behind);
@@ -469,6 +471,7 @@ void Solver::Impl::keep_cloth(uint32_t index, SavedCloth& saved) {
   saved.reach = cloth.reach;
   saved.strayed = cloth.strayed;
   saved.pressure = cloth.pressure;
+  saved.meets = cloth.meets;
   saved.calm_frames = cloth.calm_frames;
   ClothMemory memory;
   backend_->read_memory(index, memory);
@@ -702,6 +705,7 @@ void Solver::Impl::take_cloth(SavedCloth& saved, uint32_t index) {
   cloth.reach = saved.reach;
   cloth.strayed = saved.strayed;
   cloth.pressure = saved.pressure;
+  cloth.meets = saved.meets;
   cloth.calm_frames = saved.calm_frames;
   cloth.resting.reset();
 

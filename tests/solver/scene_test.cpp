@@ -124,6 +124,44 @@ TEST(Scene, PresetsAreNamed) {
   for (const MaterialPreset& preset : material_presets()) EXPECT_FALSE(preset.source.empty());
 }
 
+// Two characters, each with a body, and a floor for both; a third cloth meets nothing.
+TEST(Scene, ClothsMeetTheCollidersThatTheyName) {
+  const Scene scene = parse_scene(R"({ "version": 1, "cloths": [ { "asset": "a.glb", "ignores": ["body 2"] },
+      { "asset": "b.glb", "collides_with": ["floor", "body 2"] }, { "asset": "c.glb", "collides_with": [] } ],
+    "colliders": [ { "shape": "sphere", "name": "body 1", "center": [0, 0, 0], "radius": 1 },
+      { "shape": "sphere", "name": "body 2", "center": [0, 0, 0], "radius": 1 },
+      { "shape": "plane", "name": "floor", "point": [0, 0, 0], "normal": [0, 1, 0] },
+      { "shape": "sphere", "center": [0, 0, 0], "radius": 1 } ] })",
+                                  "scene.json");
+  const std::vector<std::vector<bool>> expected{
+      {true, false, true, true}, {false, true, true, false}, {false, false, false, false}};
+  for (size_t c = 0; c < expected.size(); ++c)
+    for (size_t i = 0; i < scene.colliders.size(); ++i)
+      EXPECT_EQ((scene.cloths[c].meets & scene.colliders[i].collider.groups) != 0, expected[c][i]) << c << " " << i;
+  const Scene plain = parse_scene(kFull, "scene.json");
+  EXPECT_EQ(plain.cloths[0].meets, ~0U);
+}
+
+TEST(Scene, AsManyGroupsAsThereAreBits) {
+  const auto characters = [](int count) {
+    std::string cloths, colliders;
+    for (int i = 0; i < count; ++i) {
+      const std::string comma = i > 0 ? "," : "", name = "body " + std::to_string(i);
+      cloths += comma + R"({ "asset": "a.glb", "collides_with": [")" + name + "\"] }";
+      colliders += comma + R"({ "shape": "sphere", "name": ")" + name + R"(", "center": [0, 0, 0], "radius": 1 })";
+    }
+    return R"({ "version": 1, "cloths": [)" + cloths + R"(], "colliders": [)" + colliders + "] }";
+  };
+  EXPECT_EQ(parse_scene(characters(32), "scene.json").cloths[31].meets, 1U << 31U);
+  try {
+    static_cast<void>(parse_scene(characters(33), "scene.json"));
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::limit);
+    EXPECT_THAT(error.what(), HasSubstr("scene.json: colliders: the cloths part these into more than 32 groups"));
+  }
+}
+
 TEST(Scene, WindIsLinearBetweenItsKeys) {
   const Scene scene =
       parse_scene(R"({"version":1,"cloths":[{"asset":"a.glb"}],"wind":{"velocity":[1,2,3],"turbulence":0.5,
@@ -192,6 +230,11 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{"Version", "\"version\": 1", "\"version\": 2", "only version 1"},
         BadScene{"SelfCollision", "\"self_collision\": false", "\"self_collision\": 1", "self_collision: must be"},
         BadScene{"InterCollision", "\"self_collision\": false", "\"inter_collision\": 1", "inter_collision: must be"},
+        BadScene{"IgnoresNobody", "\"self_collision\": false", "\"ignores\": [\"bell\"]",
+                 "cloths[0].ignores[0]: there is no collider \"bell\"; the nearest is \"ball\""},
+        BadScene{"IgnoresAndCollides", "\"self_collision\": false", R"("ignores": ["ball"], "collides_with": [])",
+                 "cloths[0].ignores: and \"collides_with\" say the same"},
+        BadScene{"IgnoresANumber", "\"self_collision\": false", "\"ignores\": [1]", "cloths[0].ignores[0]: must be"},
         BadScene{"SelfDistance", "\"self_collision\": false", "\"self_collision\": { \"distance\": 0 }",
                  "self_collision: distance"},
         BadScene{"NegativeSelfDistance", "\"self_collision\": false", "\"self_collision\": { \"distance\": -0.01 }",

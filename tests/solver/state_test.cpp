@@ -150,9 +150,11 @@ Scene busy() {
     if (f % 3 == 1) all.insert(all.begin(), {"", Capsule{{2, 0, 0}, {3, 0, 0}, 0.1F, 0.2F}, 0.1F, {}});
     if (f > 6)
       all.push_back({"hull", convex_hull(std::vector<Vec3>{{0, 1, 0}, {0, 1.2F, 0}, {0.2F, 1, 0}, {0, 1, 0.2F}})});
+    all.back().groups = 2;
     solver.set_colliders(all);
     if (f == 5) solver.set_gravity({0, -9, 1});
     if (f % 4 == 2) solver.set_pressure(2, 0.5F * t);
+    if (f == 3) solver.set_meets(1, 2);
   };
   return scene;
 }
@@ -422,7 +424,7 @@ TEST_P(State, OfOthersIsRefusedAndLeavesTheSolverAsItIs) {
   EXPECT_THAT(refusal(solver, bytes), testing::HasSubstr("it does not begin as one"));
   bytes = before;
   bytes[4] = std::byte{200};
-  EXPECT_THAT(refusal(solver, bytes), testing::HasSubstr("it has version 200, this library reads version 4"));
+  EXPECT_THAT(refusal(solver, bytes), testing::HasSubstr("it has version 200, this library reads version 5"));
   bytes = before;
   bytes.push_back({});
   EXPECT_THAT(refusal(solver, bytes), testing::HasSubstr("1 bytes too many"));

@@ -181,21 +181,18 @@ GltfBytes read_gltf_bytes(const std::filesystem::path& file) {
   return out;
 }
 
-AssimpFile read_with_assimp(const std::filesystem::path& file, bool animated) {
-  AssimpFile out{format_of(file), std::make_unique<Assimp::Importer>(), nullptr, {}, 1, {}};
+AssimpFile::AssimpFile(const std::filesystem::path& file, bool animated) : format(format_of(file)) {
   const std::vector<std::byte> bytes = read_not_empty(file);
-  std::vector<MemoryFile> files = prepare(file, bytes, out, animated);
+  std::vector<MemoryFile> files = prepare(file, bytes, *this, animated);
   const std::string name = files[0].name;
-  Assimp::Importer& importer = *out.importer;
   importer.SetIOHandler(new MeshFiles(file, std::move(files)));
   // FBX: a node for each model, unless it is to move by each of its parts.
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, animated);
-  out.scene = importer.ReadFile(name, 0);
-  if (out.scene == nullptr || out.scene->mRootNode == nullptr) {
+  scene = importer.ReadFile(name, 0);
+  if (scene == nullptr || scene->mRootNode == nullptr) {
     fail(file, ErrorCode::invalid_data,
          "cannot be read as a mesh (" + std::string(importer.GetErrorString()) + "); is the file cut off or damaged?");
   }
-  return out;
 }
 
 double metres_per_unit(const AssimpFile& file) {

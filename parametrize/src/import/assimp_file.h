@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -16,18 +15,18 @@ namespace geocloth::import_detail {
 /// A file as assimp read it. No post-processing step of assimp runs: those merge, split and reorder vertices by all
 /// attributes at once.
 struct AssimpFile {
-  Format format;
-  std::unique_ptr<Assimp::Importer> importer;  ///< which owns the scene
-  const aiScene* scene;                        ///< has a root node
-  ObjText obj;                                 ///< of an OBJ file
-  double applied_unit;                         ///< metres per unit of the file that assimp applied
-  std::vector<std::string> left_out;           ///< what of the file is not in the scene
-};
+  /// What assimp takes on trust is checked before it sees the bytes (import_*.cpp), and it reads them from memory.
+  /// @param animated  whether animations are wanted, and nodes as they move: those of FBX are chains of nodes then
+  /// @throws Error as import_mesh()
+  AssimpFile(const std::filesystem::path& file, bool animated);
 
-/// What assimp takes on trust is checked before it sees the bytes (import_*.cpp), and it reads them from memory.
-/// @param animated  whether animations are wanted, and nodes as they move: those of FBX are chains of nodes then
-/// @throws Error as import_mesh()
-[[nodiscard]] AssimpFile read_with_assimp(const std::filesystem::path& file, bool animated);
+  Format format;
+  Assimp::Importer importer;          ///< which owns the scene
+  const aiScene* scene = nullptr;     ///< has a root node
+  ObjText obj = {};                   ///< of an OBJ file
+  double applied_unit = 1;            ///< metres per unit of the file that assimp applied
+  std::vector<std::string> left_out;  ///< what of the file is not in the scene
+};
 
 /// Metres per unit of the scene's coordinates, as the file says.
 [[nodiscard]] double metres_per_unit(const AssimpFile& file);

@@ -216,7 +216,7 @@ ReadScene read_assimp_scene(const std::filesystem::path& path, const AnimationOp
     fail(path, ErrorCode::unsupported,
          "only glTF, FBX and DAE files (.gltf, .glb, .vrm, .fbx, .dae) can be played; export the animation as one");
   }
-  AssimpFile file = read_with_assimp(path, true);
+  AssimpFile file(path, true);
   const double scale = metres_per_unit(file);
   SceneMesh from = mesh_of_scene(path, file, scale);
   if (from.mesh.triangle.empty()) bad(path, "has no faces; a body needs triangles");

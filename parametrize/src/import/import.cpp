@@ -27,7 +27,7 @@ void fail(const std::filesystem::path& file, ErrorCode code, const std::string& 
 namespace {
 
 TriangleMesh read(const std::filesystem::path& path, const ImportOptions& options) {
-  AssimpFile file = read_with_assimp(path, false);
+  AssimpFile file(path, false);
   const double scale = options.scale ? *options.scale / file.applied_unit : metres_per_unit(file);
   TriangleMesh mesh = mesh_of_scene(path, file, scale).mesh;
   if (mesh.triangle.empty()) fail(path, ErrorCode::invalid_data, "has no faces; cloth needs triangles or polygons");
@@ -45,7 +45,7 @@ size_t count_animations(const std::filesystem::path& path) {
     const GltfBytes file = read_gltf_bytes(path);
     return GltfFile(path, file.bytes, file.binary).array("animations").size();
   }
-  return format == Format::fbx || format == Format::dae ? count_clips(read_with_assimp(path, true)) : 0;
+  return format == Format::fbx || format == Format::dae ? count_clips(AssimpFile(path, true)) : 0;
 }
 
 TriangleMesh import_mesh(const std::filesystem::path& path, const ImportOptions& options) {

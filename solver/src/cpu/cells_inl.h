@@ -55,7 +55,7 @@ HWY_INLINE Mask<D> near_cells(D d, const Meeting& meeting, ClothState& state, si
   const auto slack = hn::Add(hn::Add(way, way), hn::Add(longest, longest));
   Mask<D> any = hn::Gt(hn::Zero(d), hn::Zero(d));
   for (size_t c = 0; c < meeting.guards.count; ++c) {
-    const auto open = hn::Ge(longest, hn::Set(d, shader::open_side(meeting.params, meeting.frame.shapes[c])));
+    const auto open = hn::Ge(longest, hn::Set(d, shader::open_side(meeting.params, meeting.met.shapes[c])));
     any = hn::Or(any, hn::And(open, Guards::near(d, meeting.guards.guards[c], first, slack)));
   }
   return hn::And(any, large);
@@ -129,7 +129,7 @@ HWY_NOINLINE void collide_cells(D d, const SweepFrame& frame, uint32_t substep, 
   const Meeting meeting(frame, substep);
   const uint32_t odd = shader::cell_corner(group, 0, 0).x;
   float least = std::numeric_limits<float>::max();
-  for (const shader::ColliderShape& shape : meeting.frame.shapes)
+  for (const shader::ColliderShape& shape : meeting.met.shapes)
     least = std::min(least, shader::open_side(meeting.params, shape));
   CellBatch<D> batch;
   for (uint32_t row = rows.first; row < rows.last; ++row) {

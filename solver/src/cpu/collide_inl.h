@@ -150,8 +150,8 @@ struct Guards {
   size_t count;
 
   Guards(const SweepFrame& frame, uint32_t substep)
-      : guards(frame.guards + substep * frame.contexts[substep].frame.shapes.size()),
-        count(frame.contexts[substep].frame.shapes.size()) {}
+      : guards(frame.guards + size_t{substep} * frame.contexts[substep].cloth.params.collider_count),
+        count(frame.contexts[substep].cloth.params.collider_count) {}
 
   /// Points that are nearer to a guard than that.
   template <ColliderGuard::Kind kKind, class D>
@@ -219,7 +219,8 @@ struct Meeting {
   const PassContext& context;
   const FrameInput& frame;
   const shader::ClothParams& params;
-  const shader::ColliderPose* poses;
+  MetColliders met;
+  const shader::ColliderPose* poses;  ///< before the substep
   const float* numbers;
   Guards guards;
 
@@ -227,18 +228,19 @@ struct Meeting {
       : context(sweep.contexts[substep]),
         frame(context.frame),
         params(context.cloth.params),
-        poses(frame.poses.data() + substep * frame.shapes.size()),
+        met(frame, params),
+        poses(met.poses.data() + substep * met.shapes.size()),
         numbers(frame.collider_numbers ? frame.collider_numbers->data() : nullptr),
         guards(sweep, substep) {}
 
   /// A collider as it is when the substep begins, and when it has ended.
   template <bool kMayDeform = true>
   [[nodiscard]] PosedAs<kMayDeform> begun(size_t collider) const {
-    return {numbers, frame.shapes[collider], poses[collider]};
+    return {numbers, met.shapes[collider], poses[collider]};
   }
   template <bool kMayDeform = true>
   [[nodiscard]] PosedAs<kMayDeform> ended(size_t collider) const {
-    return {numbers, frame.shapes[collider], poses[frame.shapes.size() + collider]};
+    return {numbers, met.shapes[collider], poses[met.shapes.size() + collider]};
   }
 };
 
@@ -295,7 +297,7 @@ constexpr float kRoomForRounding = 1.00001F;
 /// push_out() of lib/collide.h.
 template <bool kMayDeform, class D>
 HWY_INLINE void push_out(D d, const Meeting& meeting, Mask<D> lanes, PointStates<D>& points) {
-  const size_t count = meeting.frame.shapes.size();
+  const size_t count = meeting.met.shapes.size();
   const auto thickness = hn::Set(d, meeting.params.thickness), room = hn::Set(d, kRoomForRounding);
   const Points<D> start{points.previous.x, points.previous.y, points.previous.z};
   const Points<D> none = set(d, 0, 0, 0);
@@ -308,7 +310,7 @@ HWY_INLINE void push_out(D d, const Meeting& meeting, Mask<D> lanes, PointStates
     for (size_t i = 0; i < count; ++i) {
       const auto near_guard = Guards::near(d, meeting.guards.guards[i], points.position, hn::Add(way, way));
       if (hn::AllFalse(d, hn::And(again, near_guard))) continue;
-      const shader::ColliderShape& shape = meeting.frame.shapes[i];
+      const shader::ColliderShape& shape = meeting.met.shapes[i];
       const auto before = meeting.begun<kMayDeform>(i), after = meeting.ended<kMayDeform>(i);
       const Points<D> local = to_local(d, after, points.position);
       const bool swept = round == 0 && !before.deforms();
@@ -547,7 +549,7 @@ HWY_NOINLINE void collide(D d, const SweepFrame& frame, uint32_t substep, std::s
 template <class D>
 HWY_NOINLINE float depth_of(D d, const SweepFrame& frame, uint32_t substep, uint32_t i) {
   const Meeting meeting(frame, substep);
-  const size_t count = meeting.frame.shapes.size();
+  const size_t count = meeting.met.shapes.size();
   const Points<D> position = load(d, at(frame.state->position, i));
   const auto free = free_lanes(d, &frame.state->inverse_mass[i]);
   auto depth = hn::Zero(d);
@@ -555,7 +557,7 @@ HWY_NOINLINE float depth_of(D d, const SweepFrame& frame, uint32_t substep, uint
     const auto near = hn::And(free, Guards::near(d, meeting.guards.guards[c], position, hn::Zero(d)));
     if (hn::AllFalse(d, near)) continue;
     const Points<D> local = to_local(d, meeting.ended(c), position);
-    const auto own = hn::Neg(distance_to_shape(d, meeting.numbers, meeting.frame.shapes[c], local));
+    const auto own = hn::Neg(distance_to_shape(d, meeting.numbers, meeting.met.shapes[c], local));
     depth = max_of(d, depth, hn::IfThenElseZero(free, own));
   }
   return hn::GetLane(hn::MaxOfLanes(d, depth));

@@ -33,12 +33,13 @@ void guard_field(const shader::ColliderShape& shape, const shader::ColliderPose&
 }  // namespace
 
 void guard_colliders(const FrameInput& frame, const shader::ClothParams& params, std::vector<ColliderGuard>& guards) {
-  const size_t count = frame.shapes.size();
+  const MetColliders met(frame, params);
+  const size_t count = met.shapes.size();
   guards.clear();
   for (size_t s = 0; s < frame.substeps.size(); ++s) {
     for (size_t c = 0; c < count; ++c) {
-      const shader::ColliderShape& shape = frame.shapes[c];
-      const shader::ColliderPose& pose = frame.poses[(s + 1) * count + c];
+      const shader::ColliderShape& shape = met.shapes[c];
+      const shader::ColliderPose& pose = met.poses[(s + 1) * count + c];
       const float x = pose.row0.w, y = pose.row1.w, z = pose.row2.w;
       const float margin = params.thickness + shader::kGripped * params.spacing + 2 * shape.way +
                            kGuardRounding * (1 + std::abs(x) + std::abs(y) + std::abs(z));

@@ -7,7 +7,7 @@
 
 namespace geocloth::cpu {
 
-/// Guards of all colliders for every substep; see ColliderGuard.
+/// Guards of the colliders that a cloth meets, for every substep; see ColliderGuard.
 void guard_colliders(const FrameInput& frame, const shader::ClothParams& params, std::vector<ColliderGuard>& guards);
 
 }  // namespace geocloth::cpu

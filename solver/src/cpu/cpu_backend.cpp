@@ -308,7 +308,7 @@ class CpuBackend final : public SolverBackend {
     }
     cloth.options = schedule_options(data_, c, frame);
     if (cloth.options.asleep) return false;
-    state.has_yields = !frame.shapes.empty();
+    state.has_yields = input.params.collider_count > 0;
     cloth.sweeps = by_sweeps() && cloth.sweep.begin(frame, input, cloth.options, threads, state);
     if (!cloth.sweeps) cloth.schedules.make(options_of_substeps(cloth.options));
     return true;

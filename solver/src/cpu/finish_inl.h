@@ -30,7 +30,7 @@ HWY_NOINLINE void hold_way(D d, ClothState& state, std::span<const Run> runs) {
 /// kept_out() of lib/finish.h.
 template <class D>
 HWY_INLINE void keep_out(D d, const Meeting& meeting, Mask<D> lanes, const Points<D>& start, Points<D>& moved) {
-  const size_t count = meeting.frame.shapes.size();
+  const size_t count = meeting.met.shapes.size();
   const auto thickness = hn::Set(d, meeting.params.thickness), slack = hn::Set(d, shader::kContactSlack);
   const Points<D> none = set(d, 0, 0, 0);
   Points<D> position = moved, last = none;
@@ -42,7 +42,7 @@ HWY_INLINE void keep_out(D d, const Meeting& meeting, Mask<D> lanes, const Point
       const auto way = length(d, sub(position, start));
       const auto near_guard = Guards::near(d, meeting.guards.guards[i], position, hn::Add(way, way));
       if (hn::AllFalse(d, hn::And(again, near_guard))) continue;
-      const shader::ColliderShape& shape = meeting.frame.shapes[i];
+      const shader::ColliderShape& shape = meeting.met.shapes[i];
       const Posed pose = meeting.ended(i);
       const Points<D> local = to_local(d, pose, position);
       const Nearest<D> near = nearest_of_shape(d, meeting.numbers, shape, local);
@@ -67,12 +67,12 @@ HWY_INLINE void keep_out(D d, const Meeting& meeting, Mask<D> lanes, const Point
 /// is_left() of lib/finish.h.
 template <class D>
 HWY_INLINE Mask<D> left_near(D d, const Meeting& meeting, const Points<D>& start, const Points<D>& moved) {
-  const size_t count = meeting.frame.shapes.size();
+  const size_t count = meeting.met.shapes.size();
   const auto leave = hn::Set(d, meeting.params.leave_near);
   const auto reach = hn::Set(d, meeting.params.thickness + meeting.params.leave_near);
   Mask<D> left = hn::Gt(hn::Zero(d), hn::Zero(d));
   for (size_t i = 0; i < count; ++i) {
-    const shader::ColliderShape& shape = meeting.frame.shapes[i];
+    const shader::ColliderShape& shape = meeting.met.shapes[i];
     if (!shader::is_thin(meeting.params, shape)) continue;
     for (const Points<D>* point : {&start, &moved}) {
       if (hn::AllFalse(d, Guards::near(d, meeting.guards.guards[i], *point, leave))) continue;
@@ -86,14 +86,14 @@ HWY_INLINE Mask<D> left_near(D d, const Meeting& meeting, const Points<D>& start
 /// held_by_friction() of lib/finish.h.
 template <class D>
 HWY_INLINE Vec<D> held_by_friction(D d, const Meeting& meeting, const Points<D>& start, const Points<D>& way) {
-  const size_t count = meeting.frame.shapes.size();
+  const size_t count = meeting.met.shapes.size();
   const auto zero = hn::Zero(d), one = hn::Set(d, 1.F);
   const auto reach = hn::Set(d, meeting.params.thickness + shader::kGripped * meeting.params.spacing);
   const auto per_gap = hn::Set(d, 1.F / (shader::kGripped * meeting.params.spacing));
   const auto per_slide = hn::Set(d, 1.F / (shader::kSlides * meeting.params.spacing));
   auto friction = zero;
   for (size_t i = 0; i < count; ++i) {
-    const shader::ColliderShape& shape = meeting.frame.shapes[i];
+    const shader::ColliderShape& shape = meeting.met.shapes[i];
     const auto own = hn::Set(d, std::sqrt(meeting.params.friction * shape.friction));
     const auto more = hn::Gt(own, friction);
     if (hn::AllFalse(d, hn::And(more, Guards::near(d, meeting.guards.guards[i], start, zero)))) continue;

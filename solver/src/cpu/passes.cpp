@@ -30,9 +30,10 @@ using shader::vec4;
 
 constexpr float kNoNumber = 0;  ///< where no collider has numbers, so that none is asked for
 
-shader::ColliderSet colliders_of(const FrameInput& frame) {
-  return {frame.shapes.data(), frame.poses.data(), static_cast<uint32_t>(frame.shapes.size()),
-          frame.collider_numbers ? frame.collider_numbers->data() : &kNoNumber};
+shader::ColliderSet colliders_of(const PassContext& context) {
+  const MetColliders met(context.frame, context.cloth.params);
+  return {met.shapes.data(), met.poses.data(), static_cast<uint32_t>(met.shapes.size()),
+          context.frame.collider_numbers ? context.frame.collider_numbers->data() : &kNoNumber};
 }
 
 /// Calls body(pixel) for every pixel.
@@ -192,7 +193,7 @@ void collide_triangle(const PassContext& context, ClothState& state, const CellT
   const shader::ClothParams& params = context.cloth.params;
   const Vec3Array &position = state.position, &previous = state.previous;
   const shader::MovedTriangle moved = shader::collide_triangle(
-      colliders_of(context.frame), params, context.substep,
+      colliders_of(context), params, context.substep,
       {position.at(t.a), position.at(t.b), position.at(t.c), previous.at(t.a), previous.at(t.b), previous.at(t.c)},
       vec3(state.inverse_mass[t.a], state.inverse_mass[t.b], state.inverse_mass[t.c]));
   move_corner(params, state, t.a, moved.a, moved.start_a);
@@ -218,7 +219,7 @@ void collide_cells(const PassContext& context, ClothState& state, uint32_t group
 }
 
 void collide(const PassContext& context, ClothState& state) {
-  const shader::ColliderSet set = colliders_of(context.frame);
+  const shader::ColliderSet set = colliders_of(context);
   for_pixels(context.threads, state, [&](uint32_t i) {
     if (state.inverse_mass[i] == 0) return;
     const shader::ClothParams& params = context.cloth.params;
@@ -236,7 +237,7 @@ void hold_way(const PassContext& context, ClothState& state) {
 }
 
 void give_way(const PassContext& context, ClothState& state) {
-  const shader::ColliderSet set = colliders_of(context.frame);
+  const shader::ColliderSet set = colliders_of(context);
   for_pixels(context.threads, state, [&](uint32_t i) {
     if (state.inverse_mass[i] != 0)
       state.set_point(i, shader::way_given(set, context.cloth.params, context.substep, state.point(i)));
@@ -271,7 +272,7 @@ float copy_gap(const PassContext& context, const ClothState& state) {
 
 /// Largest depth of a pixel in a collider [m].
 float penetration_of_pixels(const PassContext& context, const ClothState& state, uint32_t first, uint32_t last) {
-  const shader::ColliderSet set = colliders_of(context.frame);
+  const shader::ColliderSet set = colliders_of(context);
   float depth = 0;
   for (uint32_t i = first; i < last; ++i) {
     if (state.inverse_mass[i] == 0) continue;
@@ -330,7 +331,7 @@ void normal_pixels(ClothState& state, uint32_t first, uint32_t last) {
 }
 
 vec3 out_of_cleft(const PassContext& context, const vec3& start, const vec3& position) {
-  return shader::out_of_cleft(colliders_of(context.frame), context.cloth.params, context.substep, start, position);
+  return shader::out_of_cleft(colliders_of(context), context.cloth.params, context.substep, start, position);
 }
 
 void run_pass(const PassStep& step, const PassContext& context, ClothState& state, Measures& measures) {

@@ -174,9 +174,9 @@ HWY_NOINLINE Mask<D> collide_triangles(D d, const Meeting& meeting, Mask<D> lane
   Mask<D> moved = hn::Gt(hn::Zero(d), hn::Zero(d));
   lanes = hn::AndNot(hn::Le(max_of(d, t.mass), hn::Zero(d)), lanes);
   auto side = longest_side(d, t.now);
-  const size_t count = meeting.frame.shapes.size();
+  const size_t count = meeting.met.shapes.size();
   for (size_t i = 0; i < count; ++i) {
-    const shader::ColliderShape& shape = meeting.frame.shapes[i];
+    const shader::ColliderShape& shape = meeting.met.shapes[i];
     const auto open = hn::Set(d, shader::open_side(meeting.params, shape));
     Mask<D> met = hn::AndNot(hn::Lt(side, open), lanes);
     if (hn::AllFalse(d, met)) continue;

@@ -91,6 +91,12 @@ std::string in_quotes(std::string_view text) {
   return out + (text.size() > kLongest ? "...\"" : "\"");
 }
 
+std::string nearest_and_all(std::string_view word, const std::vector<std::string_view>& list) {
+  const std::string_view nearest = nearest_word(word, list);
+  return (nearest.empty() ? "; all are " : "; the nearest is \"" + std::string(nearest) + "\", all are ") +
+         listed(list);
+}
+
 nlohmann::json JsonReader::parse(std::string_view text, const std::string& name) {
   try {
     return nlohmann::json::parse(text, DuplicateKeys(name));

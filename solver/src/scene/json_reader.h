@@ -23,6 +23,8 @@ namespace geocloth {
 
 /// A user's text for a message: short, on one line, in quotation marks.
 [[nodiscard]] std::string in_quotes(std::string_view text);
+/// How a message goes on that there is no such word.
+[[nodiscard]] std::string nearest_and_all(std::string_view word, const std::vector<std::string_view>& list);
 
 /// A place in a JSON document that knows its path, so that every complaint can name it: "scene.json:
 /// colliders[0].radius: must be a number, not a string". All readers throw Error(invalid_data).

@@ -13,6 +13,7 @@
 
 #include "check_input.h"
 #include "colliders/surface_bounds.h"
+#include "scene/collision_groups.h"
 #include "scene/json_reader.h"
 
 namespace geocloth {
@@ -37,13 +38,6 @@ double in_range(const JsonReader& json, double low, double high) {
     json.fail("must be from " + nlohmann::json(low).dump() + " to " + nlohmann::json(high).dump());
   }
   return value;
-}
-
-/// How a message goes on that there is no such word.
-std::string nearest_and_all(std::string_view word, const std::vector<std::string_view>& list) {
-  const std::string_view nearest = nearest_word(word, list);
-  return (nearest.empty() ? "; all are " : "; the nearest is \"" + std::string(nearest) + "\", all are ") +
-         listed(list);
 }
 
 /// What places a cloth or a mesh is the transform's.
@@ -279,7 +273,7 @@ SceneMesh read_skin(const JsonReader& json, const std::filesystem::path& folder)
 SceneCloth read_cloth(const JsonReader& json, const std::filesystem::path& folder) {
   expect_no_placing(json);
   json.expect_object({"asset", "material", "transform", "inertia_scale", "motion", "pins", "skin", "cuts", "tear",
-                      "pressure", "self_collision", "inter_collision"});
+                      "pressure", "self_collision", "inter_collision", "collides_with", "ignores"});
   SceneCloth cloth;
   const std::string asset = json.at("asset").text();
   if (asset.empty()) json.at("asset").fail("must name an asset file");
@@ -531,6 +525,7 @@ Scene parse_scene(std::string_view text, const std::filesystem::path& path) {
     if (sleep.has("time")) scene.sleep_time = static_cast<float>(in_range(sleep.at("time"), 0, 1e6));
   }
   check_names(scene, json);
+  read_collision_groups(json, scene);
   return scene;
 }
 

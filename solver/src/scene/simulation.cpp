@@ -150,7 +150,7 @@ Simulation::Simulation(Scene scene, SolverSettings settings, const BodyReader& b
     std::shared_ptr<const ClothAsset>& asset = assets[cloth.asset];
     if (!asset) asset = std::make_shared<const ClothAsset>(read_asset(cloth.asset));
     const Transform start = compose(pose_at(cloth.motion, 0), cloth.transform);
-    cloths_.push_back({asset, cloth.material, start, cloth.self_collision, cloth.inter_collision});
+    cloths_.push_back({asset, cloth.material, start, cloth.self_collision, cloth.inter_collision, cloth.meets});
     std::vector<Vec3> begins = asset->rest_position;
     for (Vec3& p : begins) p = apply(start, p);
     if (skins_[c]) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <variant>
@@ -49,6 +50,7 @@ struct Collider {
   float friction = 0.3F;  ///< Coulomb coefficient >= 0
   Transform pose = {};    ///< scale must be 1
   bool teleport = false;  ///< in the next frame it is at its pose at once, without a velocity
+  uint32_t groups = 1;    ///< bits: a cloth meets it that meets one of these, see Solver::set_meets()
 };
 
 /// Signed distance [m] of a point to the collider's surface in its pose, negative inside. Ellipsoid: exact to 1e-6 of

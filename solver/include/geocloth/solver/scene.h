@@ -110,6 +110,7 @@ struct SceneCloth {
   std::optional<SceneMesh> skin = {};
   std::optional<SelfCollision> self_collision = {};    ///< see ClothDesc
   std::optional<InterCollision> inter_collision = {};  ///< see ClothDesc
+  uint32_t meets = ~uint32_t{0};                       ///< see ClothDesc
   std::vector<SceneCut> cuts;
   float pressure = 0;  ///< [Pa] see Solver::set_pressure
   float tear = 0;      ///< above 1: the stretch that it tears at, see Solver::tear; 0: never

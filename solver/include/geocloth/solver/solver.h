@@ -38,6 +38,7 @@ struct ClothDesc {
   Transform transform = {};  ///< where its rest shape starts; scale also scales rest lengths and areas
   std::optional<SelfCollision> self_collision = {};    ///< none: it passes through itself
   std::optional<InterCollision> inter_collision = {};  ///< none: it passes through other cloths
+  uint32_t meets = ~uint32_t{0};                       ///< Collider::groups that it meets; others are not there for it
 };
 
 struct Wind {
@@ -169,6 +170,11 @@ class Solver {
   /// on: above 0 it inflates what is closed and wound outwards, and fills a sail. It is the same however large the
   /// volume is; a gas that is shut in loses pressure as it grows, which is for the caller to say. 0 for a new cloth.
   void set_pressure(uint32_t cloth, float pressure);
+
+  /// From the next step on a cloth meets the colliders that are in one of these groups (bits), and no others: a cape
+  /// may pass through the arms of its wearer, and each of many characters have its own. A cloth moves as if the others
+  /// did not exist, and costs as much. Pins may follow colliders that their cloth does not meet.
+  void set_meets(uint32_t cloth, uint32_t groups);
 
   /// Cuts a cloth, as it is now, where it meets a triangle: springs and bends that cross it are severed, cells that it
   /// crosses are open from now on (not drawn, not met by colliders or wind), and the copies of a point part where the

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Cloth moves as if the colliders that it does not meet did not exist. A cape that its wearer's arms catch on, or ten
+// characters that push each other's skirts, are what people get otherwise.
+#include <span>
+#include <vector>
+
+#include "solver_fixture.h"
+#include "support/machine.h"
+
+namespace geocloth {
+namespace {
+
+enum : uint32_t { kFloor = 1, kBall = 2, kThin = 4, kHull = 8 };
+
+/// A floor, a fast ball, a thin rod that triangles meet, and a hull that comes closer.
+std::vector<Collider> colliders_at(int frame) {
+  const auto t = static_cast<float>(frame);
+  std::vector<Collider> all{
+      {"floor", Plane{{0, -0.55F, 0}, {0, 1, 0}}},
+      {"ball", Sphere{{0.1F, -0.9F + 0.12F * t, 0.05F}, 0.15F}},
+      {"rod", Capsule{{-1, -0.1F, 0.02F}, {1, -0.1F, 0.02F}, 0.01F, 0.01F}},
+      {"hull",
+       convex_hull(std::vector<Vec3>{{-0.3F, -0.4F, -0.4F}, {0.1F, -0.4F, -0.4F}, {0, 0, -0.4F}, {0, -0.2F, -0.1F}})}};
+  for (uint32_t i = 0; i < all.size(); ++i) all[i].groups = 1U << i;
+  all[3].pose.translate = {0, 0, 0.01F * t};
+  return all;
+}
+
+std::vector<Collider> only(const std::vector<Collider>& all, uint32_t groups) {
+  std::vector<Collider> out;
+  for (const Collider& c : all)
+    if ((c.groups & groups) != 0) out.push_back(c);
+  return out;
+}
+
+ClothDesc sheet(uint32_t charts, uint32_t meets) {
+  ClothDesc cloth = test::describe(test::make_sheet({.nx = 10, .ny = 10, .charts_x = charts, .charts_y = charts}));
+  cloth.meets = meets;
+  return cloth;
+}
+
+class CollisionGroups : public test::MachineTest<> {};
+class CollisionGroupsOnEveryPath : public CollisionGroups {};
+
+TEST_P(CollisionGroupsOnEveryPath, WhatAClothDoesNotMeetDoesNotExistForIt) {
+  const bool also_plain = machine().backend == Backend::cpu;
+  std::vector<ClothDesc> cloths{sheet(1, ~0U),   sheet(2, kFloor | kThin), sheet(1, 0),
+                                      sheet(2, kBall), sheet(1, kFloor | kThin), sheet(1, kHull | 64)};
+  SolverSettings settings;
+  settings.substeps = 4;
+  settings.check_copies = true;
+  const int frames = machine().slow() ? 5 : 12;
+  if (machine().slow()) cloths.resize(2);
+  for (const SolverPath path : {SolverPath::automatic, SolverPath::plain}) {
+    if (path == SolverPath::plain && !also_plain) continue;
+    settings.path = path;
+    Solver together = make(cloths, settings);
+    for (int f = 0; f < frames; ++f) {
+      together.set_colliders(colliders_at(f), f == 0);
+      together.step();
+    }
+    for (uint32_t c = machine().slow() ? 1 : 0; c < cloths.size(); ++c) {
+      Solver alone = make(cloths[c], settings);
+      for (int f = 0; f < frames; ++f) {
+        alone.set_colliders(only(colliders_at(f), cloths[c].meets), f == 0);
+        alone.step();
+      }
+      EXPECT_EQ(test::positions_of(together, c), test::positions_of(alone)) << c;
+      EXPECT_EQ(test::velocities_of(together, c), test::velocities_of(alone)) << c;
+      EXPECT_LE(alone.statistics().penetration, together.statistics().penetration) << c;
+    }
+    EXPECT_NE(test::positions_of(together, 0), test::positions_of(together, 1));
+  }
+}
+
+TEST_P(CollisionGroups, ChangeWhileItRuns) {
+  std::vector<ClothDesc> cloths{sheet(1, kFloor), sheet(1, kFloor)};
+  SolverSettings settings;
+  settings.substeps = 4;
+  Solver solver = make(cloths, settings);
+  std::vector<Collider> floor = only(colliders_at(0), kFloor);
+  floor[0].shape = Plane{{0, -0.5F, 0}, {0, 1, 0}};
+  solver.set_colliders(floor);
+  test::run(solver, 4);
+  solver.set_meets(1, kBall);
+  test::run(solver, 6);
+  const auto lowest = [&](uint32_t cloth) {
+    float low = 1;
+    for (const Vec3& p : test::positions_of(solver, cloth)) low = std::min(low, p.y);
+    return low;
+  };
+  EXPECT_GT(lowest(0), -0.5F);
+  EXPECT_LT(lowest(1), -0.55F);
+  floor[0].groups = kBall;
+  solver.set_colliders(floor);
+  test::run(solver, 4);
+  EXPECT_LT(lowest(0), -0.5F);
+  EXPECT_GT(lowest(1), -0.5F);
+  EXPECT_THROW(solver.set_meets(2, 0), Error);
+}
+
+// What lies on something falls when that is not there for it any more, though it was asleep.
+TEST_P(CollisionGroups, AChangeWakesCloth) {
+  Material material;
+  material.damping = 40;
+  const test::SheetOptions flat{.nx = 6, .ny = 6, .horizontal = true, .center = {0, 0.003F, 0}};
+  const std::vector<ClothDesc> cloths(2, test::describe(test::make_sheet(flat), material));
+  SolverSettings settings;
+  settings.substeps = 2;
+  settings.sleep_speed = 0.05F;
+  settings.sleep_time = 0.05F;
+  Solver solver = make(cloths, settings);
+  std::vector<Collider> floor{{"", Plane{{0, 0, 0}, {0, 1, 0}}}};
+  solver.set_colliders(floor);
+  for (int f = 0; f < 60 && !(solver.asleep(0) && solver.asleep(1)); ++f) solver.step();
+  ASSERT_TRUE(solver.asleep(0) && solver.asleep(1));
+  solver.set_meets(1, 2);
+  test::run(solver, 3);
+  EXPECT_TRUE(solver.asleep(0));
+  EXPECT_FALSE(solver.asleep(1));
+  EXPECT_LT(test::positions_of(solver, 1)[0].y, 0);
+  floor[0].groups = 2;
+  solver.set_colliders(floor);
+  test::run(solver, 1);
+  EXPECT_FALSE(solver.asleep(0));
+}
+
+// What is not met does not wake it, however near it comes.
+TEST_P(CollisionGroups, SleepersSleepOnBesideWhatTheyDoNotMeet) {
+  Material material;
+  material.damping = 40;
+  const test::SheetOptions flat{.nx = 6, .ny = 6, .horizontal = true, .center = {0, 0.003F, 0}};
+  ClothDesc cloth = test::describe(test::make_sheet(flat), material);
+  cloth.meets = kFloor;
+  SolverSettings settings;
+  settings.substeps = 2;
+  settings.sleep_speed = 0.05F;
+  settings.sleep_time = 0.05F;
+  Solver solver = make(cloth, settings);
+  const auto scene_at = [](float x) {
+    return std::vector<Collider>{{"", Plane{{0, 0, 0}, {0, 1, 0}}, 0.3F, {}, false, kFloor},
+                                 {"", Sphere{{x, 0, 0}, 0.2F}, 0.3F, {}, false, kBall}};
+  };
+  int f = 0;
+  for (; f < 60 && !solver.asleep(0); ++f) {
+    solver.set_colliders(scene_at(2));
+    solver.step();
+  }
+  ASSERT_TRUE(solver.asleep(0));
+  for (int k = 0; k < 5; ++k) {
+    solver.set_colliders(scene_at(2 - 0.5F * static_cast<float>(k)));
+    solver.step();
+    EXPECT_TRUE(solver.asleep(0)) << k;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(On, CollisionGroups, test::first_machine(), test::kMachineName);
+INSTANTIATE_TEST_SUITE_P(On, CollisionGroupsOnEveryPath, test::every_machine(), test::kMachineName);
+
+}  // namespace
+}  // namespace geocloth
