@@ -149,6 +149,17 @@ TEST_F(SceneWarnings, TellThatNothingHoldsACloth) {
               ElementsAre(HasSubstr("cloths[0] (sheet.glb): it has no pins, and there are no colliders")));
   EXPECT_THAT(warnings(sheet, kFloor), IsEmpty());
   EXPECT_THAT(warnings(sheet, R"(,"gravity":[0,0,0])"), IsEmpty());
+  EXPECT_THAT(warnings(R"({"asset":"sheet.glb","collides_with":[]})", kFloor),
+              ElementsAre(HasSubstr("cloths[0] (sheet.glb): it has no pins, and it meets no collider")));
+}
+
+TEST_F(SceneWarnings, SayNothingOfCollidersThatAClothDoesNotMeet) {
+  const auto sheet = [](const std::string& more) {
+    return R"({"asset":"sheet.glb","pins":[{"where":{"vertex_group":"top"}}])" + more + "}";
+  };
+  const std::string around = R"(,"colliders":[{"name":"ball","shape":"sphere","center":[0,0,0],"radius":3}])";
+  EXPECT_THAT(warnings(sheet(""), around, 1), ElementsAre(HasSubstr("points begin inside collider \"ball\"")));
+  EXPECT_THAT(warnings(sheet(R"(,"ignores":["ball"])"), around), IsEmpty());
 }
 
 /// A knight with 8 animations stood still, and nothing said so.
