@@ -85,7 +85,7 @@ std::string group_names(const ClothAsset& asset) {
 std::vector<std::pair<const char*, std::array<double, 2>>> paint_ranges(const ClothAsset& asset) {
   std::vector<std::pair<const char*, std::array<double, 2>>> ranges;
   if (asset.paint.empty()) return ranges;
-  for (const auto channel : {PaintChannel::red, PaintChannel::green, PaintChannel::blue, PaintChannel::alpha}) {
+  for (const PaintChannel channel : kPaintChannels) {
     uint8_t least = 255, most = 0;
     for (const Rgba8& color : asset.paint) {
       least = std::min(least, color[static_cast<size_t>(channel)]);

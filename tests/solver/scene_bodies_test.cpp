@@ -273,7 +273,40 @@ TEST_F(PlayingBodies, ABackstopWantsASurfaceAndADistance) {
   EXPECT_THAT(said(R"(,"max_distance":0.1,"backstop":-0.01)"), HasSubstr("cloths[0].pins[0].backstop: must be from 0"));
   EXPECT_THAT(said(R"(,"max_distance":0.1,"backstop":{"distance":0,"radius":0})"),
               HasSubstr("cloths[0].pins[0].backstop.radius"));
-  EXPECT_THAT(said(R"(,"max_distance":0.1,"backstop":{"radius":1})"), HasSubstr("the key \"distance\" is missing"));
+  const auto back = [&](const std::string& backstop) {
+    return said(R"(,"max_distance":0.1,"backstop":{)" + backstop + "}");
+  };
+  EXPECT_THAT(back(R"("radius":1)"), HasSubstr("backstop: must be a number, or have distance, or painted and most"));
+  EXPECT_THAT(back(R"("distance":0.1,"painted":"red","most":0.2)"), HasSubstr("backstop: must be a number, or have"));
+  EXPECT_THAT(back(R"("distance":0.1,"most":0.2)"), HasSubstr("backstop.most: goes with painted"));
+  EXPECT_THAT(back(R"("painted":"red","most":101)"), HasSubstr("backstop.most: must be from 0"));
+}
+
+// A coat lies close on the chest and may sink into padding at the hips: one number for all would have it pass one.
+TEST_F(PlayingBodies, HowFarBehindItsSkinMayBePainted) {
+  constexpr float kMost = 0.08F;  // [m]
+  ClothAsset asset = test::make_sheet(sheet_);
+  asset.paint.resize(asset.source.source_vertex_count);
+  const auto column = [&](uint32_t v) { return static_cast<float>(v % sheet_.nx) / static_cast<float>(sheet_.nx - 1); };
+  for (uint32_t v = 0; v < asset.paint.size(); ++v) asset.paint[v] = {0, static_cast<uint8_t>(255 * column(v))};
+  write_asset(asset, folder_ / "sheet.glb");
+  const std::string skin = R"(,"transform":{"translate":[0,0,1]},"skin":{"file":"box.glb","animation":0,
+      "transform":{"translate":[0,0,-1]}},"pins":[{"where":{"top":1},"follow":"skin","max_distance":0.2,
+      "backstop":{"painted":"green","most":0.08,"radius":100}}])";
+  const auto still = [](const SceneMesh& mesh) {
+    MovingBody body = swaying_box(mesh);
+    body.positions_at = [at_rest = body.positions_at(0)](double) { return at_rest; };
+    return body;
+  };
+  Simulation simulation = play(skin, R"(,"gravity":[0,0,-40])", {.moving = still});
+  for (int f = 0; f < 60; ++f) simulation.step();
+  for (uint32_t j = 0; j < sheet_.ny; ++j) {
+    for (uint32_t i = 0; i < sheet_.nx; ++i) {
+      const float allowed = kMost * column(i), depth = 1 - point(simulation, i, j).z;
+      EXPECT_LT(depth, allowed + 2e-3F) << i << ' ' << j;
+      EXPECT_GT(depth, 0.7F * allowed - 5e-3F) << i << ' ' << j;
+    }
+  }
 }
 
 // They are taken where they are then, on the body as it is then.

@@ -157,9 +157,17 @@ Where read_where(const JsonReader& json) {
 
 PaintChannel read_paint_channel(const JsonReader& json) {
   const std::string name = json.text();
-  for (const auto channel : {PaintChannel::red, PaintChannel::green, PaintChannel::blue, PaintChannel::alpha})
+  for (const PaintChannel channel : kPaintChannels)
     if (name == to_string(channel)) return channel;
   json.fail("must be red, green, blue or alpha");
+}
+
+/// @param high  [m] that it may be
+PaintedNumber read_painted(const JsonReader& json, double high) {
+  PaintedNumber r{read_paint_channel(json.at("painted")), 0, 0};
+  if (json.has("least")) r.least = static_cast<float>(in_range(json.at("least"), 0, high));
+  r.most = static_cast<float>(in_range(json.at("most"), 0, high));
+  return r;
 }
 
 MaxDistance read_max_distance(const JsonReader& json) {
@@ -167,26 +175,26 @@ MaxDistance read_max_distance(const JsonReader& json) {
   json.expect_object({"least", "per_metre", "painted", "most"});
   if (json.has("painted") == json.has("per_metre"))
     json.fail("must be a number, or have per_metre, or painted and most");
+  if (json.has("painted")) return {0, 0, read_painted(json, kLargestPinDistance)};
+  if (json.has("most")) json.at("most").fail("goes with painted, not with per_metre");
   const auto distance = [&](const char* key) {
     return static_cast<float>(in_range(json.at(key), 0, kLargestPinDistance));
   };
-  MaxDistance r;
-  if (json.has("least")) r.least = distance("least");
-  if (json.has("per_metre")) {
-    r.per_metre = distance("per_metre");
-    if (json.has("most")) json.at("most").fail("goes with painted, not with per_metre");
-    return r;
-  }
-  r.painted = read_paint_channel(json.at("painted"));
-  r.most = distance("most");
-  return r;
+  return {json.has("least") ? distance("least") : 0, distance("per_metre")};
 }
 
-Backstop read_backstop(const JsonReader& json) {
+SceneBackstop read_backstop(const JsonReader& json) {
   if (!json.is_object()) return {.distance = static_cast<float>(in_range(json, 0, kLargestBackstop))};
-  json.expect_object({"distance", "radius"});
-  Backstop r;
-  r.distance = static_cast<float>(in_range(json.at("distance"), 0, kLargestBackstop));
+  json.expect_object({"distance", "radius", "painted", "least", "most"});
+  if (json.has("painted") == json.has("distance")) json.fail("must be a number, or have distance, or painted and most");
+  SceneBackstop r;
+  if (json.has("painted")) {
+    r.painted = read_painted(json, kLargestBackstop);
+  } else {
+    for (const auto* key : {"least", "most"})
+      if (json.has(key)) json.at(key).fail("goes with painted, not with distance");
+    r.distance = static_cast<float>(in_range(json.at("distance"), 0, kLargestBackstop));
+  }
   if (json.has("radius")) r.radius = static_cast<float>(in_range(json.at("radius"), 1e-4, kLargestBackstop));
   return r;
 }

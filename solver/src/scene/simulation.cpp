@@ -78,14 +78,14 @@ std::string element(const Scene& scene, const char* list, size_t i) {
   return scene.path.string() + ": " + list + "[" + std::to_string(i) + "]";
 }
 
-/// [m] Of each of the pixels of a pin.
+/// Of each of the pixels of a pin.
 /// @param where  in the scene, for messages
-std::vector<float> painted_distances(const ClothAsset& asset, const MaxDistance& distance,
-                                     const std::vector<uint32_t>& pixels, const std::string& where) {
+std::vector<float> painted_numbers(const ClothAsset& asset, const PaintedNumber& painted,
+                                   const std::vector<uint32_t>& pixels, const std::string& where) {
   try {
-    std::vector<float> distances = paint_at(asset, *distance.painted, pixels);
-    for (float& d : distances) d = distance.least + d * (distance.most - distance.least);
-    return distances;
+    std::vector<float> numbers = paint_at(asset, painted.channel, pixels);
+    for (float& n : numbers) n = painted.least + n * (painted.most - painted.least);
+    return numbers;
   } catch (const Error& error) {
     throw Error(error.code(), where + ".painted: " + error.what());
   }
@@ -289,7 +289,7 @@ void Simulation::take_hold(PinSet& set, double start) {
   attach(set);
 }
 
-/// Of the pins of a cloth that let their points go so far.
+/// Of the pins of a cloth that let their points go so far, and how far behind the skin.
 void Simulation::measure_distances(uint32_t cloth) {
   const auto first = std::ranges::find_if(pins_, [&](const PinSet& set) { return set.cloth == cloth; });
   const std::span<PinSet> sets(first, pins_.end());
@@ -303,8 +303,14 @@ void Simulation::measure_distances(uint32_t cloth) {
     if (!set.pin.max_distance) continue;
     const MaxDistance& most = *set.pin.max_distance;
     set.max_distance.assign(set.pixels.size(), most.least);
-    const std::string where = element(scene_, "cloths", cloth) + ".pins[" + std::to_string(k) + "].max_distance";
-    if (most.painted) set.max_distance = painted_distances(*cloths_[cloth].asset, most, set.pixels, where);
+    const std::string pin = element(scene_, "cloths", cloth) + ".pins[" + std::to_string(k) + "]";
+    const std::string where = pin + ".max_distance";
+    const ClothAsset& asset = *cloths_[cloth].asset;
+    if (most.painted) set.max_distance = painted_numbers(asset, *most.painted, set.pixels, where);
+    if (const auto& back = set.pin.backstop) {
+      set.backstop.assign(set.pixels.size(), back->distance);
+      if (back->painted) set.backstop = painted_numbers(asset, *back->painted, set.pixels, pin + ".backstop");
+    }
     if (!(most.per_metre > 0)) continue;
     if (held.empty()) {
       throw Error(ErrorCode::invalid_data,
@@ -363,8 +369,7 @@ void Simulation::add_pins(const PinSet& set, const PinPlace& place, bool at_star
     Pin pin{set.pixels[k], apply(carried, x), set.pin.frequency, most};
     if (!backed || !(most > 0)) return pin;
     const Vec3 n = at_start ? surface->normal_at_start(set.place[k]) : surface->normal_at_end(set.place[k]);
-    pin.backstop = set.pin.backstop;
-    pin.backstop->outward = rotate(turn, n);
+    pin.backstop = Backstop{rotate(turn, n), set.backstop[k], set.pin.backstop->radius};
     return pin;
   };
   std::vector<size_t> told;

@@ -44,16 +44,28 @@ using Where =
 
 /// One of the numbers of what vertices are painted in.
 enum class PaintChannel : uint8_t { red, green, blue, alpha };
+inline constexpr std::array kPaintChannels{PaintChannel::red, PaintChannel::green, PaintChannel::blue,
+                                           PaintChannel::alpha};
 [[nodiscard]] const char* to_string(PaintChannel channel);
+/// A number that is painted on a garment: `least` where that channel of its vertices' paint is 0, `most` where it is 1,
+/// in proportion between them; `most` may be below `least`.
+struct PaintedNumber {
+  PaintChannel channel = PaintChannel::red;
+  float least = 0, most = 0;
+};
 
 /// How far the points of a pin may be from where it would hold them. All of a garment's points may have one on the
 /// skin: little where it is tight, more where it is free to swing.
 struct MaxDistance {
   float least = 0;      ///< [m] >= 0; where 0 comes out, the point is held as by any pin
   float per_metre = 0;  ///< [m] >= 0 more for every metre along the cloth from the nearest point that a pin holds
-  /// Set: `least` where that channel of the vertices' paint is 0, `most` where it is 1, in proportion between them.
-  std::optional<PaintChannel> painted = {};
-  float most = 0;  ///< [m] >= 0, of a painted one; it may be below `least`
+  std::optional<PaintedNumber> painted = {};  ///< [m] >= 0, in place of both
+};
+
+/// See Backstop, whose `outward` follows from the skin.
+struct SceneBackstop {
+  float distance = 0, radius = Backstop{}.radius;  ///< [m]
+  std::optional<PaintedNumber> painted = {};       ///< [m] 0 to 100, in place of the distance
 };
 
 struct ScenePin {
@@ -69,7 +81,7 @@ struct ScenePin {
   std::optional<MaxDistance> max_distance = {};
   /// Only with a max_distance, and where the pin follows a skin or a collider that an animation deforms: outward is as
   /// its surface is there.
-  std::optional<Backstop> backstop = {};
+  std::optional<SceneBackstop> backstop = {};
 
   [[nodiscard]] bool holds() const { return !(frequency > 0) && !max_distance; }
   /// In a frame [s].
@@ -265,6 +277,7 @@ class Simulation {
     bool acts = false;
     std::vector<SurfacePlace> place = {};  ///< beside the body that they follow, if it deforms
     std::vector<float> max_distance = {};  ///< [m] of a pin that has one
+    std::vector<float> backstop = {};      ///< [m] its distance, of a pin that has one
   };
   void take_hold(PinSet& set, double start);
   void measure_distances(uint32_t cloth);
