@@ -13,6 +13,12 @@
 
 namespace geocloth::import_detail {
 
+void MovingWork::add(std::size_t more) {
+  constexpr std::size_t kMost = 200'000'000;
+  sum_ += std::min(more, kMost + 1);
+  if (sum_ > kMost) fail(file_, ErrorCode::limit, "its instances and morph targets are too many to be animated");
+}
+
 AnimatedScene::AnimatedScene(std::filesystem::path file, MovingParts parts, const AnimationOptions& options)
     : file_(std::move(file)), options_(options), parts_(std::move(parts)), begin_(parts_.rest) {
   parts_.animation.apply(0, begin_);

@@ -56,6 +56,18 @@ struct MovingParts {
   std::size_t vertex_count = 0;
 };
 
+/// Counts products of vertices and what moves each of them, so that no file of a few bytes takes hours.
+class MovingWork {
+ public:
+  explicit MovingWork(const std::filesystem::path& file) : file_(file) {}
+  /// @throws Error(limit) when it is too much
+  void add(std::size_t more);
+
+ private:
+  const std::filesystem::path& file_;
+  std::size_t sum_ = 0;
+};
+
 class AnimatedScene {
  public:
   using Affine = Eigen::Matrix<double, 3, 4>;

@@ -101,6 +101,7 @@ class TrackReader {
       }
     }
     if (times.empty()) return;
+    if (times.size() > kMaxElements / width) fail(path_, ErrorCode::limit, out_.title() + " has too many keys");
     Sampler all;
     all.time.assign(times.begin(), times.end());
     for (const float time : all.time) {

@@ -45,7 +45,8 @@ NodePose pose_of(const Eigen::Matrix4d& matrix, bool may_keep) {
 
 class AssimpSceneReader {
  public:
-  AssimpSceneReader(const AssimpFile& file, std::span<const ShownMesh> shown) : file_(file), shown_(shown) {
+  AssimpSceneReader(const std::filesystem::path& path, const AssimpFile& file, std::span<const ShownMesh> shown)
+      : path_(path), file_(file), shown_(shown), work_(path) {
     add_nodes(*file.scene->mRootNode, kNoNode);
     for (const ShownMesh& mesh : shown) {
       std::size_t& targets = targets_[number_.at(mesh.node)];
@@ -54,8 +55,8 @@ class AssimpSceneReader {
   }
 
   /// @param scale  metres per unit of the scene
-  MovingParts read(const std::filesystem::path& path, const std::string& clip, double scale) {
-    MovingParts out(read_assimp_animation(path, file_, clip, by_name_, targets_));
+  MovingParts read(const std::string& clip, double scale) {
+    MovingParts out(read_assimp_animation(path_, file_, clip, by_name_, targets_));
     for (std::size_t i = 0; i < node_.size(); ++i) {
       out.parent.push_back(std::min(parent_[i], node_.size()));
       out.order.push_back(i);
@@ -134,6 +135,8 @@ class AssimpSceneReader {
   void add_mesh(const ShownMesh& shown, MovingParts& out) {
     const std::size_t node = number_.at(shown.node);
     PlacedVertices placed{out.vertices.size(), node, std::nullopt, shown.first};
+    work_.add(shown.vertex.size() * (1 + targets_[node]));
+    for (unsigned b = 0; b < shown.mesh->mNumBones; ++b) work_.add(shown.mesh->mBones[b]->mNumWeights);
     AnimatedVertices vertices;
     for (const unsigned v : shown.vertex) put(shown.mesh->mVertices[v], vertices.position);
     add_targets(shown, targets_[node], vertices);
@@ -198,8 +201,10 @@ class AssimpSceneReader {
     return out;
   }
 
+  const std::filesystem::path& path_;
   const AssimpFile& file_;
   std::span<const ShownMesh> shown_;
+  MovingWork work_;
   aiMatrix4x4 upright_ = file_.format == Format::fbx ? upright(*file_.scene) : aiMatrix4x4();
   std::vector<const aiNode*> node_;
   std::vector<std::size_t> parent_, targets_;  ///< of each node
@@ -220,7 +225,8 @@ ReadScene read_assimp_scene(const std::filesystem::path& path, const AnimationOp
   const double scale = metres_per_unit(file);
   SceneMesh from = mesh_of_scene(path, file, scale);
   if (from.mesh.triangle.empty()) bad(path, "has no faces; a body needs triangles");
-  ReadScene out{AnimatedScene(path, AssimpSceneReader(file, from.shown).read(path, options.clip, scale), options), {}};
+  AssimpSceneReader reader(path, file, from.shown);
+  ReadScene out{AnimatedScene(path, reader.read(options.clip, scale), options), {}};
   TriangleMesh& mesh = from.mesh;
   if (!options.parts.empty()) mesh = select_parts(with_choosable_parts(std::move(mesh)), options.parts);
   out.triangle = std::move(mesh.triangle);

@@ -23,9 +23,6 @@ namespace {
 
 using Json = GltfFile::Json;
 
-/// Products of vertices and what moves each of them, at most, so that no file of a few bytes takes hours.
-constexpr std::size_t kMaxWork = 200'000'000;
-
 enum : std::size_t { kTriangles = 4, kStrip = 5, kFan = 6 };
 
 /// Triangles between corners in the order of glTF (3.7.2.1); a rest is left out.
@@ -170,7 +167,7 @@ class GltfSceneReader {
       if (!shown[i] || !nodes[i].contains("mesh")) continue;
       const auto mesh = nodes[i]["mesh"].get<std::size_t>();
       const Json& primitives = gltf_.json["meshes"][mesh]["primitives"];
-      count_work(primitives.size() + targets_[mesh]);
+      work_.add(primitives.size() + targets_[mesh]);
       out_.opening[i].weight = morph_weights(gltf_, i);
       out_.opening[i].weight.resize(targets_[mesh], 0);
       for (std::size_t k = 0; k < primitives.size(); ++k) read_primitive(i, k);
@@ -185,7 +182,7 @@ class GltfSceneReader {
     const Json& attributes = primitive["attributes"];
     const bool skinned = json.contains("skin") && attributes.contains("JOINTS_0");
     const std::size_t count = data_.accessor(attributes["POSITION"].get<std::size_t>()).count;
-    count_work(count * (attributes.size() + (primitive.contains("targets") ? primitive["targets"].size() : 0)));
+    work_.add(count * (attributes.size() + (primitive.contains("targets") ? primitive["targets"].size() : 0)));
     PlacedVertices placed{vertices_of({mesh, k, skinned}), node, std::nullopt, out_.vertex_count};
     if (skinned) {
       placed.skin = json["skin"].get<std::size_t>();
@@ -218,20 +215,14 @@ class GltfSceneReader {
     joints.inverse_bind = inverse_bind_matrices(gltf_, data_, skin);
   }
 
-  void count_work(std::size_t more) {
-    work_ += more;
-    if (work_ > kMaxWork) {
-      fail(gltf_.path, ErrorCode::limit, "its instances and morph targets are too many to be animated");
-    }
-  }
-
   const GltfFile& gltf_;
   const GltfData& data_;
   std::vector<std::size_t> targets_;  ///< of each mesh
   MovingParts out_;
   std::map<VerticesKey, std::size_t> vertices_;
   std::vector<std::vector<Triangle>> triangle_;
-  std::size_t triangle_count_ = 0, work_ = 0;
+  std::size_t triangle_count_ = 0;
+  MovingWork work_{gltf_.path};
 };
 
 /// As the file opens, outside out; every placed primitive is a part.
