@@ -4,7 +4,7 @@
 #include <charconv>
 #include <cstring>
 
-#include "import/fbx_curves.h"
+#include "import/fbx_objects.h"
 #include "import/import_detail.h"
 
 namespace geocloth::import_detail {
@@ -17,7 +17,7 @@ constexpr char kNoName = '_';
 class FbxChecker {
  public:
   FbxChecker(const std::filesystem::path& file, std::string_view bytes, bool animated)
-      : file_(file), bytes_(bytes), animated_(animated), curves_(file) {}
+      : file_(file), bytes_(bytes), animated_(animated), objects_(file) {}
 
   // After check():
   std::vector<std::array<uint64_t, 2>> connections;  ///< pairs of parent and child object
@@ -27,10 +27,10 @@ class FbxChecker {
     if (bytes_.size() < 27) bad(file_, "the file is cut off in its header");
     wide_ = read_le<uint32_t>(bytes_, 23) >= 7500;
     std::size_t at = 27;
-    FbxCurve none;
+    FbxObject none;
     while (at < bytes_.size()) {
       const std::size_t next = walk(at, bytes_.size(), 0, none);
-      if (next == 0) return;  // the empty record that ends the list; a footer follows
+      if (next == 0) return objects_.check_bones(connections);  // the empty record that ends the list; a footer follows
       at = next;
     }
     bad(file_, "the list of records does not end; is the file cut off?");
@@ -42,9 +42,9 @@ class FbxChecker {
   }
 
   /// Checks one record and those inside it.
-  /// @param around  keys of the record that it is in
+  /// @param around  the record that it is in
   /// @returns where the next begins, 0 after an empty record
-  std::size_t walk(std::size_t at, std::size_t limit, std::size_t depth, FbxCurve& around) {
+  std::size_t walk(std::size_t at, std::size_t limit, std::size_t depth, FbxObject& around) {
     const std::size_t word = wide_ ? 8 : 4, head = 3 * word + 1;
     if (depth > 64) bad(file_, "its records nest more than 64 levels deep");
     if (head > limit - at) bad(file_, "a record is cut off");
@@ -59,15 +59,16 @@ class FbxChecker {
     const std::string_view called = bytes_.substr(at + head, name), values = bytes_.substr(inside, property_bytes);
     if (called == "C") read_connection(values);
     if (called == kClip) clips.push_back(at + head);
-    if (animated_) read_fbx_keys(file_, called, values, around);
+    read_fbx_record(file_, called, values, animated_, around);
     inside += property_bytes;
-    FbxCurve own;
+    FbxObject own;
+    if (values.size() >= 9 && values[0] == 'L') own.id = read_le<int64_t>(values, 1);
     while (inside < end) {
       const std::size_t next = walk(inside, end, depth + 1, own);
       if (next == 0) break;
       inside = next;
     }
-    curves_.add(own);
+    objects_.add(own);
     return end;
   }
 
@@ -132,7 +133,7 @@ class FbxChecker {
   const std::filesystem::path& file_;
   std::string_view bytes_;
   bool animated_, wide_ = false;
-  FbxCurveCheck curves_;
+  FbxObjects objects_;
 };
 
 /// Reads the next integer after `at`, across blanks and commas.
@@ -172,12 +173,12 @@ void check_text(const std::filesystem::path& file, std::string_view bytes) {
 std::string checked_fbx(const std::filesystem::path& file, std::string bytes, bool animated) {
   if (!bytes.starts_with("Kaydara FBX Binary")) {
     check_text(file, bytes);
-    check_hierarchy(file, text_connections(bytes));
-    if (animated) {
-      check_text_curves(file, bytes);
-    } else {
-      for (std::size_t at = 0; (at = bytes.find(kClip, at)) != std::string::npos; ++at) bytes[at] = kNoName;
-    }
+    FbxObjects objects(file);
+    read_fbx_text(file, bytes, animated, objects);
+    std::vector<std::array<uint64_t, 2>> connections = text_connections(bytes);
+    objects.check_bones(connections);
+    check_hierarchy(file, std::move(connections));
+    for (std::size_t at = 0; !animated && (at = bytes.find(kClip, at)) != std::string::npos; ++at) bytes[at] = kNoName;
     return bytes;
   }
   FbxChecker checker(file, bytes, animated);
