@@ -290,12 +290,31 @@ TEST_F(AnimatedFbx, TurnsWithoutEndAreRefused) {
   EXPECT_EQ(import_mesh(write("a.fbx", turned({0, 1}, {0, 1e30}))).position.size(), 6U);
 }
 
+// Of nodes assimp knows no such properties, and ends the program where it is built as Debian builds it.
+TEST_F(AnimatedFbx, PropertiesOfNodesThatAreTimesAreLeftOut) {
+  Fbx f = triangle_file(
+      "P: \"born\", \"KTime\", \"Time\", \"\",46186158000\n"
+      "P: \"tint\", \"ColorAndAlpha\", \"\", \"A\",1,1,1,1\n" +
+      Fbx::vector("Lcl Translation", 5, 0, 0));
+  f.clip(5000, "Go", 2);
+  f.curve(6000, 2000, "Lcl Translation", "d|Z", {0, 1}, {0, 3});
+  const AnimatedMesh mesh = open(f);
+  EXPECT_NEAR(mesh.duration(), 2, 1e-6);
+  expect_at(mesh.positions_at(1)[1], 6, 0, 3);
+  EXPECT_NEAR(import_mesh(folder_ / "body.fbx").position[1][0], 6, 1e-6);
+}
+
 // assimp ends the program where it is built as Debian builds it.
 TEST_F(AnimatedFbx, BonesThatHoldPointsBeyondTheMeshAreRefused) {
   const std::string text = replaced(strip_file().text(), "a: 4,5\n", "a: 4,6\n");
   EXPECT_THAT(refused("a.fbx", text), HasSubstr("a bone holds point 6 of a mesh of 6"));
   EXPECT_THAT(refusal("b.fbx", text).what(), HasSubstr("a bone holds point 6 of a mesh of 6"));
   EXPECT_THAT(refusal("c.fbx", replaced(text, "a: 4,6\n", "a: 4,-1\n")).what(), HasSubstr("a bone holds point"));
+  Fbx twice = strip_file();
+  twice.connect(4002, 4000);
+  EXPECT_THAT(refusal("d.fbx", twice.text()).what(), HasSubstr("a skin has the bone 'upper' twice"));
+  EXPECT_THAT(refused("e.fbx", replaced(strip_file().text(), "Model::upper", "Model::lower")),
+              HasSubstr("a skin has the bone 'lower' twice"));
 }
 
 // Blender calls what an armature does "Armature|Walk"; nobody types that.
@@ -413,6 +432,15 @@ TEST_F(AnimatedFbx, BrokenDaeAnimationsAreRefused) {
   EXPECT_EQ(
       import_mesh(write("still.dae", replaced(kDae, ">0 1</float_array>", ">0 nan</float_array>"))).position.size(),
       6U);
+}
+
+// assimp takes the number of entries for that of points.
+TEST_F(AnimatedFbx, DaeSkinsWithFewerEntriesThanPointsAreRefused) {
+  const std::string fewer = replaced(kDae, "<vertex_weights count=\"6\"", "<vertex_weights count=\"2\"");
+  EXPECT_THAT(refusal("a.dae", fewer).what(), HasSubstr("an entry for each point"));
+  const std::string vcount = "<vcount>1 1 1 1 1 1</vcount>";
+  EXPECT_THAT(refusal("a.dae", replaced(fewer, vcount, "<vcount>1 1</vcount>")).what(),
+              HasSubstr("an entry for each point"));
 }
 
 TEST_F(AnimatedFbx, TooManyKeysOfADaeFileAreRefused) {

@@ -5,7 +5,9 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <set>
 #include <string>
+#include <utility>
 
 #include <zlib.h>
 
@@ -53,7 +55,10 @@ class TextReader {
   void read(FbxObjects& objects) {
     std::vector<FbxObject> open(1);
     int64_t id = 0;  // first number behind the last name
-    bool named = false;
+    std::string name;
+    std::string_view head;  // the last name
+    bool named = false, numbered = false;
+    std::size_t texts = 0;  // behind the last name
     for (std::string_view word = next(); !word.empty(); word = next()) {
       FbxObject& object = open.back();
       if (word == "Vertices:") {
@@ -65,20 +70,44 @@ class TextReader {
       } else if (animated_ && word == "KeyValueFloat:") {
         object.value = numbers<float>();
       } else if (word == "{") {
-        open.emplace_back().id = id;
+        FbxObject inner;
+        inner.is_clip = object.is_clip || is_clip(head);
+        if (is_clip(head) && !animated_) objects.blanks.push_back(offset_of(head));
+        if (open.size() == kDepthOfObjects) {
+          inner.id = id;
+          inner.name = name;
+        }
+        open.push_back(std::move(inner));
       } else if (word == "}") {
         objects.add(object);
         open.pop_back();
         if (open.empty()) bad(file_, "its braces do not match");
+      } else if (word.size() > 2 && word[0] == '"' && ++texts == 2 && head == "P:") {
+        const std::string_view type = word.substr(1, word.size() - 2);
+        if (is_bad_type(type, object)) objects.blanks.push_back(offset_of(type));
       }
-      if (named) std::from_chars(word.data(), word.data() + word.size(), id);
+      if (numbered && word.size() > 1 && word[0] == '"') name = fbx_node_name(word.substr(1, word.size() - 2));
+      numbered = named && std::from_chars(word.data(), word.data() + word.size(), id).ec == std::errc();
       named = word.ends_with(':');
-      if (named || word == "{") id = 0;
+      if (!named && word != "{") continue;
+      head = word;
+      texts = 0;
+      id = 0;
+      name.clear();
     }
     objects.add(open.back());
   }
 
  private:
+  static constexpr std::size_t kDepthOfObjects = 2;  ///< open blocks about one
+
+  static bool is_clip(std::string_view head) {
+    return head.ends_with(':') && head.substr(0, head.size() - 1) == kFbxClip;
+  }
+  [[nodiscard]] std::size_t offset_of(std::string_view word) const {
+    return static_cast<std::size_t>(word.data() - text_.data());
+  }
+
   std::string_view next() {
     at_ = text_.find_first_not_of(kBetweenWords, at_);
     while (at_ < text_.size() && text_[at_] == ';') {
@@ -138,8 +167,19 @@ class TextReader {
 
 }  // namespace
 
+bool is_bad_type(std::string_view type, const FbxObject& of) {
+  return (type == "KTime" && !of.is_clip) || type == "ColorAndAlpha";
+}
+
+std::string fbx_node_name(std::string_view name) {
+  constexpr std::string_view kModel = "Model::";
+  name = name.substr(0, name.find('\0'));  // "hip\0\1Model" in the binary form
+  return std::string(name.starts_with(kModel) ? name.substr(kModel.size()) : name);
+}
+
 void FbxObjects::add(const FbxObject& object) {
   check_keys(object);
+  if (object.id != 0) name_[object.id] = object.name;
   if (object.points > 0) {
     const auto [it, is_new] = points_.try_emplace(object.id, object.points);
     it->second = std::min(it->second, object.points);
@@ -175,6 +215,14 @@ void FbxObjects::check_bones(std::span<const std::array<uint64_t, 2>> connection
     const auto [first, last] = parents.equal_range(id);
     for (auto it = first; it != last; ++it) visit(it->second);
   };
+  std::multiset<std::pair<int64_t, std::string>> held;  // by a skin
+  for (const auto& [parent, child] : connections) {
+    const auto model = name_.find(static_cast<int64_t>(child));
+    if (model == name_.end() || !indices_end_.contains(static_cast<int64_t>(parent))) continue;
+    for_parents(static_cast<int64_t>(parent), [&](int64_t skin) { held.emplace(skin, model->second); });
+  }
+  const auto twice = std::adjacent_find(held.begin(), held.end());
+  if (twice != held.end()) bad(file_, "a skin has the bone '" + twice->second + "' twice; export it again");
   for (const auto& [cluster, end] : indices_end_) {
     for_parents(cluster, [&, most = end](int64_t skin) {
       for_parents(skin, [&](int64_t geometry) {

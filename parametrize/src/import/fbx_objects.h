@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <map>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -18,8 +19,10 @@ namespace geocloth::import_detail {
 /// A record of the file with what it holds by itself.
 struct FbxObject {
   int64_t id = 0;             ///< 0: it has none
+  std::string name = {};      ///< as its node will be called
   std::size_t points = 0;     ///< of a geometry
   uint32_t indices_end = 0;   ///< above all points that a cluster holds
+  bool is_clip = false;       ///< it, or what it is in
   std::vector<int64_t> time;  ///< of the keys of a curve [ticks], 46,186,158,000 a second
   std::vector<float> value;   ///< of the same keys
 };
@@ -28,10 +31,14 @@ class FbxObjects {
  public:
   explicit FbxObjects(const std::filesystem::path& file) : file_(file) {}
 
+  /// Bytes of the file that are to be blanked, so that assimp passes over what it cannot read.
+  std::vector<std::size_t> blanks;
+
   /// Refuses keys that assimp would not come to an end with, one curve after the other.
   /// @throws Error(invalid_data) or Error(limit)
   void add(const FbxObject& object);
-  /// Refuses bones that hold points which their meshes have not.
+  /// Refuses bones that hold points which their meshes have not, and two bones of one name in a skin: assimp ends the
+  /// program over either.
   /// @param connections  pairs of parent and child, by their ids
   /// @throws Error(invalid_data)
   void check_bones(std::span<const std::array<uint64_t, 2>> connections) const;
@@ -42,6 +49,7 @@ class FbxObjects {
   const std::filesystem::path& file_;
   std::map<int64_t, std::size_t> points_;    ///< of geometries
   std::map<int64_t, uint32_t> indices_end_;  ///< of clusters
+  std::map<int64_t, std::string> name_;      ///< of all
   double added_ = 0;                         ///< keys that assimp will put between the others, so far
 };
 
@@ -51,6 +59,16 @@ class FbxObjects {
 /// @throws Error(invalid_data) for what cannot be unpacked
 void read_fbx_record(const std::filesystem::path& file, std::string_view name, std::string_view values, bool animated,
                      FbxObject& object);
+
+/// What assimp reads animations by; under another name it leaves them alone.
+inline constexpr std::string_view kFbxClip = "AnimationStack";
+
+/// Whether properties of a type end the program when a node has them. Times matter in clips alone, colours with a share
+/// nowhere.
+[[nodiscard]] bool is_bad_type(std::string_view type, const FbxObject& of);
+
+/// What assimp calls the node of an object, by its name in the file.
+[[nodiscard]] std::string fbx_node_name(std::string_view name);
 
 /// The objects of the textual form, whose braces match.
 void read_fbx_text(const std::filesystem::path& file, std::string_view text, bool animated, FbxObjects& objects);

@@ -138,6 +138,7 @@ class DaeReader {
       if (name.ends_with("_array")) add_array(child);
       if (name == "accessor") accessors_.push_back(child);
       if (name == "skin") skins_.push_back(child);
+      if (name == "geometry") geometry_[reference_to(child)] = child;
       if (name == "sampler") samplers_.push_back(child);
       if (name == "channel") channels_.push_back(child);
       static_cast<void>(number(child, "count", 0));
@@ -211,6 +212,12 @@ class DaeReader {
     return {};
   }
 
+  /// How many points the mesh of a skin has; 0 where that is not known.
+  std::size_t points_of(pugi::xml_node skin) const {
+    const auto mesh = geometry_.find(skin.attribute("source").value());
+    return mesh == geometry_.end() ? 0 : input(mesh->second.child("mesh").child("vertices"), "POSITION").count;
+  }
+
   void check_skin(pugi::xml_node skin) const {
     const pugi::xml_node joints = skin.child("joints"), weights = skin.child("vertex_weights");
     const Accessor names = input(joints, "JOINT"), matrices = input(joints, "INV_BIND_MATRIX");
@@ -227,6 +234,10 @@ class DaeReader {
       if (std::strcmp(node.attribute("semantic").value(), "WEIGHT") == 0) weight_offset = offset;
     }
     if (weights && per_entry != 2) bad("a <vertex_weights> does not have joints and weights");
+    const std::size_t held = number(weights, "count", 0);
+    if (weights && (held != count_words(weights.child("vcount").text().get()) || held < points_of(skin))) {
+      bad("a <vertex_weights> does not have an entry for each point of its mesh");
+    }
     const std::vector<int64_t> indices = integers(weights.child("v").text().get());
     const auto joint_count = static_cast<int64_t>(std::min(names.count, input(weights, "JOINT").count));
     const auto weight_count = static_cast<int64_t>(input(weights, "WEIGHT").count);
@@ -317,6 +328,7 @@ class DaeReader {
   pugi::xml_node root_;
   std::map<std::string, Array> array_;
   std::map<std::string, Accessor> accessor_;  ///< by the "#id" of their <source>
+  std::map<std::string, pugi::xml_node> geometry_;
   std::vector<pugi::xml_node> accessors_, skins_, samplers_, channels_;
   std::map<std::string, std::size_t> values_;  ///< of a key, by the "#id" of samplers
   double key_pairs_ = 0;

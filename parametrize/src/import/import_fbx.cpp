@@ -10,18 +10,18 @@
 namespace geocloth::import_detail {
 namespace {
 
-/// What assimp reads animations by; under another name it leaves them alone.
-constexpr std::string_view kClip = "AnimationStack";
-constexpr char kNoName = '_';
+constexpr char kBlank = '_';
 
 class FbxChecker {
  public:
   FbxChecker(const std::filesystem::path& file, std::string_view bytes, bool animated)
       : file_(file), bytes_(bytes), animated_(animated), objects_(file) {}
 
-  // After check():
-  std::vector<std::array<uint64_t, 2>> connections;  ///< pairs of parent and child object
-  std::vector<std::size_t> clips;                    ///< where the names of records of animations begin
+  /// Pairs of parent and child object, after check().
+  std::vector<std::array<uint64_t, 2>> connections;
+
+  /// After check().
+  [[nodiscard]] const std::vector<std::size_t>& blanks() const { return objects_.blanks; }
 
   void check() {
     if (bytes_.size() < 27) bad(file_, "the file is cut off in its header");
@@ -58,11 +58,16 @@ class FbxChecker {
     check_properties(inside, inside + property_bytes, properties);
     const std::string_view called = bytes_.substr(at + head, name), values = bytes_.substr(inside, property_bytes);
     if (called == "C") read_connection(values);
-    if (called == kClip) clips.push_back(at + head);
+    if (called == kFbxClip && !animated_) objects_.blanks.push_back(at + head);
+    if (called == "P") blank_type(values, inside, around);
     read_fbx_record(file_, called, values, animated_, around);
     inside += property_bytes;
     FbxObject own;
-    if (values.size() >= 9 && values[0] == 'L') own.id = read_le<int64_t>(values, 1);
+    own.is_clip = around.is_clip || called == kFbxClip;
+    if (depth == 1 && values.size() >= 9 && values[0] == 'L') {
+      own.id = read_le<int64_t>(values, 1);
+      if (values.size() >= 14 && values[9] == 'S') own.name = fbx_node_name(text_at(values, 9));
+    }
     while (inside < end) {
       const std::size_t next = walk(inside, end, depth + 1, own);
       if (next == 0) break;
@@ -70,6 +75,20 @@ class FbxChecker {
     }
     objects_.add(own);
     return end;
+  }
+
+  /// Of a text among the values of a record.
+  static std::string_view text_at(std::string_view values, std::size_t at) {
+    return values.substr(at + 5, read_le<uint32_t>(values, at + 1));
+  }
+
+  /// A property begins with its name and its type.
+  /// @param at  of the values in the file
+  void blank_type(std::string_view values, std::size_t at, const FbxObject& of) {
+    if (values.size() < 5 || values[0] != 'S') return;
+    const std::size_t second = 5 + text_at(values, 0).size();
+    if (values.size() < second + 5 || values[second] != 'S') return;
+    if (is_bad_type(text_at(values, second), of)) objects_.blanks.push_back(at + second + 5);
   }
 
   /// A record C with the values "OO", child, parent.
@@ -178,15 +197,13 @@ std::string checked_fbx(const std::filesystem::path& file, std::string bytes, bo
     std::vector<std::array<uint64_t, 2>> connections = text_connections(bytes);
     objects.check_bones(connections);
     check_hierarchy(file, std::move(connections));
-    for (std::size_t at = 0; !animated && (at = bytes.find(kClip, at)) != std::string::npos; ++at) bytes[at] = kNoName;
+    for (const std::size_t at : objects.blanks) bytes[at] = kBlank;
     return bytes;
   }
   FbxChecker checker(file, bytes, animated);
   checker.check();
   check_hierarchy(file, std::move(checker.connections));
-  if (!animated) {
-    for (const std::size_t at : checker.clips) bytes[at] = kNoName;
-  }
+  for (const std::size_t at : checker.blanks()) bytes[at] = kBlank;
   return bytes;
 }
 
