@@ -664,6 +664,19 @@ TEST_F(Import, DaeWithACommaInItsUnitAndBlanksAroundItsNumbers) {
   EXPECT_THAT(refusal("d.dae", replaced(kDae, "0.0254", "0,0,254")).what(), HasSubstr("unit"));
 }
 
+// assimp ends the program over these where it is built as Debian builds it.
+TEST_F(Import, DaeThatCountsItsPolygonsWrongly) {
+  const TriangleMesh plain = read("a.dae", kDae);
+  for (const std::string count : {"0", "2", "7"}) {
+    const TriangleMesh mesh = read("b.dae", replaced(kDae, "polylist count=\"1\"", "polylist count=\"" + count + "\""));
+    EXPECT_EQ(mesh.position, plain.position);
+    EXPECT_EQ(mesh.triangle, plain.triangle);
+  }
+  EXPECT_THAT(refusal("c.dae", replaced(kDae, "<p>0 1 2 3</p>", "")).what(), HasSubstr("no faces"));
+  EXPECT_THAT(refusal("d.dae", replaced(kDae, "<p>0 1 2 3</p>", "<p>0 1 2 3</p><p>0 1 2 3</p>")).what(),
+              HasSubstr("more than one <p>"));
+}
+
 TEST_F(Import, BrokenDaeIsRefused) {
   expect_truncations_refused("a.dae", kDae, 1);
   const auto message = [&](const std::string& what, const std::string& by) {

@@ -188,6 +188,8 @@ AssimpFile::AssimpFile(const std::filesystem::path& file, bool animated) : forma
   importer.SetIOHandler(new MeshFiles(file, std::move(files)));
   // FBX: a node for each model, unless it is to move by each of its parts.
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, animated);
+  // Of a skeleton without a mesh, assimp makes a mesh of its own.
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
   scene = importer.ReadFile(name, 0);
   if (scene == nullptr || scene->mRootNode == nullptr) {
     fail(file, ErrorCode::invalid_data,

@@ -131,6 +131,20 @@ class DaeReader {
     if (last + 1 - first < value.size()) text.set_value(std::string(value.substr(first, last + 1 - first)).c_str());
   }
 
+  /// What says how many primitives it has and has others ends assimp where it is built as Debian builds it; some
+  /// programs count wrongly.
+  void mend_count(pugi::xml_node primitives) const {
+    const std::string_view name = primitives.name();
+    if (name != "triangles" && name != "polylist" && name != "polygons") return;
+    const auto lists =
+        static_cast<std::size_t>(std::distance(primitives.children("p").begin(), primitives.children("p").end()));
+    if (name != "polygons" && lists > 1) bad(tag(primitives) + " has more than one <p>");
+    pugi::xml_attribute count = primitives.attribute("count");
+    if (name == "polygons") count.set_value(lists);
+    if (name == "polylist") count.set_value(count_words(primitives.child("vcount").text().get()));
+    if (lists == 0) count.set_value(0U);
+  }
+
   void walk(pugi::xml_node node) {
     for (const pugi::xml_node child : node.children()) {
       trim(child);
@@ -140,6 +154,7 @@ class DaeReader {
       if (name == "skin") skins_.push_back(child);
       if (name == "geometry") geometry_[reference_to(child)] = child;
       if (name == "sampler") samplers_.push_back(child);
+      mend_count(child);
       if (name == "channel") channels_.push_back(child);
       static_cast<void>(number(child, "count", 0));
       static_cast<void>(number(child, "stride", 0));
