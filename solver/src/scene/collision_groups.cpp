@@ -55,8 +55,8 @@ void read_collision_groups(const JsonReader& json, Scene& scene) {
   std::map<std::vector<bool>, uint32_t> groups;
   std::vector<uint32_t> meets(met.size(), 0);
   for (size_t i = 0; i < scene.colliders.size(); ++i) {
-    std::vector<bool> meeting;
-    for (const std::vector<bool>& cloth : met) meeting.push_back(cloth[i]);
+    std::vector<bool> meeting(met.size());
+    for (size_t c = 0; c < met.size(); ++c) meeting[c] = met[c][i];
     const auto [it, is_new] = groups.try_emplace(meeting, static_cast<uint32_t>(groups.size()));
     if (groups.size() > kMostGroups) {
       json.at("colliders").fail("the cloths part these into more than 32 groups by what they meet", ErrorCode::limit);
