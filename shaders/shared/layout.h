@@ -45,15 +45,14 @@ const uint kBindingSeamSprings = 12u;       // buffer SeamSpring[]
 const uint kBindingSplitOffset = 13u;       // buffer uint[rows + 1]
 const uint kBindingSplitPixel = 14u;        // buffer uint[]
 const uint kBindingPins = 15u;              // buffer PinTarget[]
-const uint kBindingColliderShapes = 16u;    // buffer ColliderShape[colliders], and again those that some cloths meet
-const uint kBindingColliderPoses =
-    17u;                            // buffer ColliderPose[(substeps + 1) * colliders], [substep][collider], and as well
-const uint kBindingSubsteps = 18u;  // buffer Substep[substeps]
-const uint kBindingMeasures = 19u;  // buffer uint[kMeasureCount], bits of non-negative floats, atomicMax
-const uint kBindingInverseMass = 20u;      // buffer float[pixels], read when the pins change
-const uint kBindingColliderNumbers = 21u;  // buffer float[], see ColliderShape::data
-const uint kBindingSelfPoints = 22u;       // buffer SelfPoint[self_points]
-const uint kBindingSelfWords = 23u;        // buffer uint[], see lib/self_words.h
+const uint kBindingColliderShapes = 16u;    // buffer ColliderShape[colliders]
+const uint kBindingColliderPoses = 17u;     // buffer ColliderPose[(substeps + 1) * colliders], [substep][collider]
+const uint kBindingSubsteps = 18u;          // buffer Substep[substeps]
+const uint kBindingMeasures = 19u;          // buffer uint[kMeasureCount], bits of non-negative floats, atomicMax
+const uint kBindingInverseMass = 20u;       // buffer float[pixels], read when the pins change
+const uint kBindingColliderNumbers = 21u;   // buffer float[], see ColliderShape::data
+const uint kBindingSelfPoints = 22u;        // buffer SelfPoint[self_points]
+const uint kBindingSelfWords = 23u;         // buffer uint[], see lib/self_words.h
 
 // Springs: component c = 0..5 in the order of SpringBit; the multiplier of component c at a pixel is at
 // c * pixels + pixel, that of seam bend i at kSpringComponents * pixels + i.
@@ -96,18 +95,18 @@ const float kLeaveNear = 2.0f;  // [spacings] ClothParams::leave_near
 struct ClothParams {
   uint width;
   uint height;
-  uint collider_count;  // that the cloth meets
-  uint air;             // 1: wind, drag or pressure act
-  vec4 gravity_step;    // xyz: dt^2 g [m]; w: dt over that of the frame before
-  vec4 wind;            // xyz: mean velocity of the air [m/s]
-  vec4 stray_step;      // xyz: what dt^2 g strays by [m], see lib/predict.h; w: 1: it does
-  vec4 stray_wave;      // xyz: wave vector of that [1/m]; w: its phase [turns], 0..1
-  vec4 pressure;        // x: a sixth of it [Pa]; y: six times the largest area for a mass that it acts on [m^2/kg]
-  float dt;             // of a substep [s]
-  float inverse_dt;     // [1/s]
-  float inverse_dt2;    // [1/s^2]
-  float keep;           // share of the displacement that a substep keeps: exp(-damping dt), or Zeller's k
-  float thickness;      // [m]
+  uint collider_count;
+  uint air;           // 1: wind, drag or pressure act
+  vec4 gravity_step;  // xyz: dt^2 g [m]; w: dt over that of the frame before
+  vec4 wind;          // xyz: mean velocity of the air [m/s]
+  vec4 stray_step;    // xyz: what dt^2 g strays by [m], see lib/predict.h; w: 1: it does
+  vec4 stray_wave;    // xyz: wave vector of that [1/m]; w: its phase [turns], 0..1
+  vec4 pressure;      // x: a sixth of it [Pa]; y: six times the largest area for a mass that it acts on [m^2/kg]
+  float dt;           // of a substep [s]
+  float inverse_dt;   // [1/s]
+  float inverse_dt2;  // [1/s^2]
+  float keep;         // share of the displacement that a substep keeps: exp(-damping dt), or Zeller's k
+  float thickness;    // [m]
   float friction;
   float max_step;    // [m] longest way in a substep; 0: no limit
   float air_factor;  // air density / (2 areal density) [1/m]
@@ -131,8 +130,8 @@ struct ClothParams {
   uint self_most_in_bucket;  // a fuller bucket of the hash is left out
   uint inter_points;         // of all cloths that collide with each other; 0: this one with none
   uint inter_buckets;        // of their hash, a power of two
-  uint first_shape;          // of the colliders that the cloth meets, in the buffer of shapes
-  uint first_pose;           // of them before the first substep, in the buffer of poses
+  uint first_shape;          // of the colliders that the cloth meets: all, or a list behind all of some of them
+  uint first_pose;           // of those before the first substep; see backend.h
   uint unused1;
   uint unused2;
   FrameField whole;
