@@ -67,10 +67,6 @@ Deepest look_between(std::span<const Triangle> triangles, std::span<const Vec3> 
   return deepest;
 }
 
-bool meets(const ClothDesc& cloth, const Collider& collider) {
-  return (cloth.meets & collider.groups) != 0;
-}
-
 std::string name_of_collider(const Simulation& simulation, size_t collider) {
   const std::string& name = simulation.scene().colliders[collider].collider.name;
   return name.empty() ? fmt::format("colliders[{}]", collider) : fmt::format("collider \"{}\"", name);
@@ -91,7 +87,7 @@ ContactCheck::ContactCheck(Simulation& simulation) : between_(simulation.cloths(
       if (cloth.asset->valid(p) && !std::binary_search(held.begin(), held.end(), p)) x.push_back(read[p]);
     }
     for (size_t c = 0; c < colliders.size(); ++c) {
-      if (x.empty() || !meets(cloth, colliders[c]) || !may_reach(colliders[c], x)) continue;
+      if (x.empty() || !meets(cloth.meets, colliders[c]) || !may_reach(colliders[c], x)) continue;
       constexpr float kRounding = 1.1F;
       Start start{i, c, 0, x.size(), 0, false};
       size_t deep = 0;
@@ -116,7 +112,7 @@ void ContactCheck::add_frame(const Simulation& simulation, std::span<const Cloth
   const std::vector<Collider> colliders = simulation.colliders();
   for (size_t i = 0; i < cloths.size(); ++i) {
     for (size_t c = 0; c < colliders.size(); ++c) {
-      if (!meets(simulation.cloths()[i], colliders[c])) continue;
+      if (!meets(simulation.cloths()[i].meets, colliders[c])) continue;
       const ClothAsset& asset = *cloths[i].asset;
       const float depth =
           look_between(asset.source.triangle, cloths[i].source_position, asset.source.position, colliders[c]).depth;

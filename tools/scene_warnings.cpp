@@ -365,8 +365,8 @@ void warn_of_idle_settings(const Scene& scene, size_t index, std::vector<std::st
   if (cloth.motion.empty() && cloth.inertia_scale != Vec3{1, 1, 1})
     warnings.push_back(fmt::format("{}: \"inertia_scale\" has no effect without a \"motion\" of the cloth", name));
   const bool meets_cloth = cloth.inter_collision && meeting > 1;
-  const bool meets_collider = std::ranges::any_of(
-      scene.colliders, [&](const SceneCollider& c) { return (cloth.meets & c.collider.groups) != 0; });
+  const bool meets_collider =
+      std::ranges::any_of(scene.colliders, [&](const SceneCollider& c) { return meets(cloth.meets, c.collider); });
   if (cloth.pins.empty() && !meets_collider && !meets_cloth && length(scene.gravity) > 0 && scene.frames > 0) {
     warnings.push_back(fmt::format("{}: it has no pins, and {}: it only falls; give it \"pins\", or {}", name,
                                    scene.colliders.empty() ? "there are no colliders" : "it meets no collider",

@@ -195,7 +195,7 @@ class Solver::Impl {
   void let_seen_go(Cloth& cloth) const;
   void choose_compliance_step(Cloth& cloth) const;
   [[nodiscard]] bool meets(const Cloth& cloth, size_t collider) const {
-    return (cloth.meets & colliders_to_[collider].groups) != 0;
+    return geocloth::meets(cloth.meets, colliders_to_[collider]);
   }
   [[nodiscard]] Meets met_by(const Cloth& cloth);
   [[nodiscard]] float longest_way(const Cloth& cloth) const;

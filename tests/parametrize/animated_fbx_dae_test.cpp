@@ -4,27 +4,12 @@
 #include <cmath>
 #include <sstream>
 
-#include "geocloth/parametrize/animated_mesh.h"
-#include "import_fixture.h"
+#include "animated_fixture.h"
 
 namespace geocloth::test {
 namespace {
 
 using ::testing::HasSubstr;
-
-const double kHalf = std::sqrt(0.5);
-
-void expect_at(const Vec3& p, double x, double y, double z) {
-  EXPECT_NEAR(p.x, x, 1e-5);
-  EXPECT_NEAR(p.y, y, 1e-5);
-  EXPECT_NEAR(p.z, z, 1e-5);
-}
-
-std::string replaced(std::string text, const std::string& what, const std::string& by) {
-  const std::size_t at = text.find(what);
-  EXPECT_NE(at, std::string::npos) << what;
-  return at == std::string::npos ? text : text.replace(at, what.size(), by);
-}
 
 std::string list(const std::vector<double>& values) {
   std::ostringstream out;
@@ -464,15 +449,7 @@ TEST_F(AnimatedFbx, DamagedFilesArePlayedOrRefused) {
     const bool dae = seed % 2 == 0;
     std::string damaged = dae ? kDae : fbx;
     for (unsigned k = 0; k <= seed % 4; ++k) damaged[random() % damaged.size()] = static_cast<char>(random());
-    try {
-      const AnimatedMesh mesh(write(dae ? "damaged.dae" : "damaged.fbx", damaged), {.start = 0.5, .loop = true});
-      for (const double time : {0.0, 0.2, 1.3, 40.0}) {
-        const std::vector<Vec3> position = mesh.positions_at(time);
-        EXPECT_TRUE(std::all_of(position.begin(), position.end(), is_finite));
-        for (const Triangle& t : mesh.triangle()) EXPECT_LT(std::max({t[0], t[1], t[2]}), position.size());
-      }
-    } catch (const Error&) {
-    }
+    expect_plays_or_is_refused(write(dae ? "damaged.dae" : "damaged.fbx", damaged));
   }
 }
 

@@ -9,8 +9,8 @@
 #include <limits>
 #include <numbers>
 
+#include "animated_fixture.h"
 #include "geocloth/parametrize/parts.h"
-#include "import_fixture.h"
 
 namespace geocloth::test {
 namespace {
@@ -19,14 +19,6 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-
-const double kHalf = std::sqrt(0.5);
-
-void expect_at(const Vec3& p, double x, double y, double z) {
-  EXPECT_NEAR(p.x, x, 1e-5);
-  EXPECT_NEAR(p.y, y, 1e-5);
-  EXPECT_NEAR(p.z, z, 1e-5);
-}
 
 /// A triangle (0, 0, 0), (1, 0, 0), (0, 1, 0) on node 0, and an animation "move" without channels.
 Gltf triangle_file() {
@@ -449,15 +441,7 @@ TEST_F(AnimatedMeshTest, DamagedFilesArePlayedOrRefused) {
     std::mt19937 random(seed);
     std::string damaged = bytes;
     for (unsigned k = 0; k <= seed % 4; ++k) damaged[random() % damaged.size()] = static_cast<char>(random());
-    try {
-      const AnimatedMesh mesh(write("damaged.glb", damaged), {.start = 0.5, .loop = true});
-      for (const double time : {0.0, 0.2, 1.3, 40.0}) {
-        const std::vector<Vec3> position = mesh.positions_at(time);
-        EXPECT_TRUE(std::all_of(position.begin(), position.end(), is_finite));
-        for (const Triangle& t : mesh.triangle()) EXPECT_LT(std::max({t[0], t[1], t[2]}), position.size());
-      }
-    } catch (const Error&) {
-    }
+    expect_plays_or_is_refused(write("damaged.glb", damaged));
   }
 }
 

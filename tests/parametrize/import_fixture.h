@@ -75,6 +75,13 @@ class ImportTest : public ::testing::Test {
   const TemporaryFolder folder_;
 };
 
+/// The text with the first `what` in it replaced, which must be there.
+inline std::string replaced(std::string text, const std::string& what, const std::string& by) {
+  const std::size_t at = text.find(what);
+  EXPECT_NE(at, std::string::npos) << what;
+  return at == std::string::npos ? text : text.replace(at, what.size(), by);
+}
+
 template <typename T>
 void put(std::string& out, T value) {
   out.append(reinterpret_cast<const char*>(&value), sizeof value);

@@ -160,11 +160,6 @@ const std::string kSkinnedDae = R"(<?xml version="1.0"?>
 </COLLADA>
 )";
 
-std::string replaced(std::string text, const std::string& what, const std::string& by) {
-  text.replace(text.find(what), what.size(), by);
-  return text;
-}
-
 // A garment of 200 m, or beside its wearer, would be of no use; nor one in another pose than its file shows.
 TEST_F(ImportPose, ASkinnedDaeStandsWhereItsJointsAre) {
   const TriangleMesh bound = read("a.dae", kSkinnedDae);

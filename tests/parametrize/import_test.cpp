@@ -35,6 +35,7 @@ using Json = nlohmann::json;
 
 using test::Gltf;
 using test::put;
+using test::replaced;
 class Import : public test::ImportTest {};
 
 /// Two triangles over four vertices, moved by (10, 0, 0) by their node.
@@ -637,11 +638,6 @@ const std::string kDae = R"(<?xml version="1.0"?>
 <scene><instance_visual_scene url="#s"/></scene>
 </COLLADA>
 )";
-
-std::string replaced(std::string text, const std::string& what, const std::string& by) {
-  text.replace(text.find(what), what.size(), by);
-  return text;
-}
 
 TEST_F(Import, DaeInItsUnitWithItsUpAxis) {
   const TriangleMesh mesh = read("a.dae", kDae);

@@ -104,20 +104,16 @@ class TrackReader {
     if (times.size() > kMaxElements / width) fail(path_, ErrorCode::limit, out_.title() + " has too many keys");
     Sampler all;
     all.time.assign(times.begin(), times.end());
+    const NodeAnimation::Channel single{*node, 0, Path::weights, 1};
+    std::vector<double> weight{0};
     for (const float time : all.time) {
-      for (const Sampler& sampler : one) all.value.push_back(sampler.time.empty() ? 0 : value_at(sampler, time));
+      for (const Sampler& sampler : one) {
+        weight[0] = 0;
+        if (!sampler.time.empty()) NodeAnimation::sample(sampler, single, double{time}, weight);
+        all.value.push_back(static_cast<float>(weight[0]));
+      }
     }
     out_.add_channel({*node, out_.add_sampler(std::move(all)), Path::weights, width});
-  }
-
-  /// Of one number with keys.
-  [[nodiscard]] static float value_at(const Sampler& sampler, float time) {
-    const auto after = std::upper_bound(sampler.time.begin(), sampler.time.end(), time);
-    const auto right = static_cast<std::size_t>(after - sampler.time.begin());
-    if (right == 0) return sampler.value.front();
-    if (right == sampler.time.size()) return sampler.value.back();
-    const float left = sampler.time[right - 1], share = (time - left) / (sampler.time[right] - left);
-    return (1 - share) * sampler.value[right - 1] + share * sampler.value[right];
   }
 
   const std::filesystem::path& path_;

@@ -88,11 +88,9 @@ class AssimpSceneReader {
   /// Where the nodes are when the file opens. FBX shows skinned meshes as they were bound, wherever its bones are.
   void open(MovingParts& out) {
     out.opening = out.rest;
-    std::vector<Eigen::Matrix4d> rest;
     for (std::size_t i = 0; i < node_.size(); ++i) {
-      rest.push_back((i > 0 ? rest[parent_[i]] : out.to_world) * matrix_of(node_[i]->mTransformation));
+      world_.emplace_back((i > 0 ? world_[parent_[i]] : out.to_world) * matrix_of(node_[i]->mTransformation));
     }
-    world_ = rest;
     std::vector<bool> is_bound(node_.size(), false);
     if (file_.format == Format::fbx) bind_bones(is_bound);
     for (std::size_t i = 1; i < node_.size(); ++i) {

@@ -84,9 +84,11 @@ class NodeAnimation {
   /// @param pose  of each node of the file
   void apply(double time, std::vector<NodePose>& pose) const;
 
- private:
+  /// The value of one channel at a time [s], as apply() has it.
+  /// @param out  replaced; its memory is used again
   static void sample(const Sampler& sampler, const Channel& channel, double time, std::vector<double>& out);
 
+ private:
   std::string title_;
   double duration_ = 0;
   std::vector<Sampler> sampler_;

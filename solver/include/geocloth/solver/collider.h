@@ -53,6 +53,11 @@ struct Collider {
   uint32_t groups = 1;    ///< bits: a cloth meets it that meets one of these, see Solver::set_meets()
 };
 
+/// Whether cloth that meets some groups (bits) meets a collider.
+[[nodiscard]] inline bool meets(uint32_t groups, const Collider& collider) {
+  return (groups & collider.groups) != 0;
+}
+
 /// Signed distance [m] of a point to the collider's surface in its pose, negative inside. Ellipsoid: exact to 1e-6 of
 /// its largest radius. Convex: outside of an edge or a corner the largest distance to one of the planes. Mesh: of the
 /// field, a lower bound outside of its grid.
