@@ -36,9 +36,10 @@ class SimulationRecorder {
   [[nodiscard]] std::string summary(Simulation& simulation) const;
 
  private:
-  /// Of a cloth as it is cut now.
+  /// Of a cloth as it is cut now, and made of.
   struct CutMeter {
     std::shared_ptr<const ClothAsset> asset;
+    Material material;
     std::optional<EnergyMeter> meter;
   };
 

@@ -119,11 +119,11 @@ struct ClothFrame {
   bool slack_pins = false;    ///< attachments to its pins are slack: they lie one above the other, as a flag's on its
                               ///< pole, or the cloth sags between them, or few springs carry it
 
-  /// The set of pinned pixels differs from the last frame's: inverse_mass (and attachments, when ClothData has them)
-  /// replace what the backend holds, before the first substep. Positions stay.
+  /// The set of pinned pixels differs from the last frame's, or masses do: inverse_mass, and attachments unless they
+  /// are empty, replace what the backend holds, before the first substep. Positions stay.
   bool pins_changed = false;
   std::vector<float> inverse_mass;              ///< one per pixel
-  std::vector<shader::Attachment> attachments;  ///< one per pixel
+  std::vector<shader::Attachment> attachments;  ///< one per pixel; empty where there are none, or as they were
 };
 
 /// One frame. Poses and waves are already evaluated for every substep.
@@ -191,7 +191,7 @@ class SolverBackend {
   virtual void shift(const Vec3& by) = 0;
 
   /// Replaces springs, cells, bends over seams and the split-vertex table by those of the same cloth after a cut, or
-  /// before one; waits. There are never more than at the start. Positions stay.
+  /// before one, or of another material; waits. Positions stay, and masses until pins change.
   virtual void replace_topology(uint32_t cloth, ClothData data) = 0;
   /// Replaces the points of the cloths that collide with each other after a cut of one, or by those before one; waits.
   /// They are the same cloths.

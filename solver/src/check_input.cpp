@@ -19,8 +19,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Far below anything that is cloth: from less, inverses, squares and their products would leave single precision.
 constexpr double kLightest = 1e-6;         ///< [kg/m^2]
-constexpr double kSoftest = 1e-9;          ///< [N/m]
-constexpr double kLimpest = 1e-12;         ///< [N m]
 constexpr double kSmallestScale = 1e-6;    ///< of a transform
 constexpr double kSmallestSpacing = 1e-9;  ///< [m] of a distance field
 constexpr double kShortestStep = 1e-7;     ///< [s] of a substep

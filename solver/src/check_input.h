@@ -11,6 +11,10 @@ namespace geocloth {
 /// Positions and lengths beyond this [m] are refused: their squares would leave the range of single precision.
 inline constexpr float kLargestLength = 1e6F;
 
+// Of materials; below, inverses, squares and their products would leave single precision.
+inline constexpr double kSoftest = 1e-9;   ///< [N/m]
+inline constexpr double kLimpest = 1e-12;  ///< [N m]
+
 /// Of a frame.
 inline constexpr uint32_t kMostSubsteps = 256;
 

@@ -171,35 +171,35 @@ Solver::Impl::Impl(std::span<const ClothDesc> cloths, const SolverSettings& sett
     cloth.middle = cloth.start_middle = box_of(*desc.asset, uploaded.position).middle() + origin_;
     cloth.springs_per_sweep = uploaded.springs_per_sweep;
     cloth.self = uploaded.self.numbers;
-    cloth.most_seam_springs = uploaded.most_seam_springs;
-    cloth.most_self_words = uploaded.self.most_words;
-    for (const vec4& p : uploaded.position) cloth.free_inverse_mass.push_back(p.w);
+    cloth.free_inverse_mass = inverse_masses(uploaded);
   }
-  data.inter = inter_data(assets(), origin_);
+  data.inter = inter_data(versions(), origin_);
   inter_origin_ = origin_;
   inter_ = data.inter.points.numbers;
   backend_ = factory(std::move(data));
 }
 
-std::vector<const ClothAsset*> Solver::Impl::assets() const {
-  std::vector<const ClothAsset*> assets;
-  for (const Cloth& cloth : cloths_) assets.push_back(cloth.asset.get());
-  return assets;
+/// Of all cloths, as they are.
+std::vector<Solver::Impl::Version> Solver::Impl::versions() const {
+  std::vector<Version> versions;
+  for (const Cloth& cloth : cloths_)
+    versions.push_back({cloth.asset.get(), cloth.free_inverse_mass, cloth.material.friction});
+  return versions;
 }
 
 /// Nothing where fewer than two cloths collide with others.
-/// @param assets  of all cloths
-InterData Solver::Impl::inter_data(std::span<const ClothAsset* const> assets, const Vec3& origin) const {
+/// @param cloths  all
+InterData Solver::Impl::inter_data(std::span<const Version> cloths, const Vec3& origin) const {
   std::vector<InterCloth> meeting;
   for (uint32_t c = 0; c < cloths_.size(); ++c) {
     const Cloth& cloth = cloths_[c];
     if (!cloth.inter_collision) continue;
     meeting.push_back({.cloth = c,
-                       .asset = assets[c],
+                       .asset = cloths[c].asset,
                        .start = cloth.start,
-                       .inverse_mass = cloth.free_inverse_mass,
+                       .inverse_mass = cloths[c].inverse_mass,
                        .distance = cloth.inter_collision->distance,
-                       .friction = cloth.material.friction});
+                       .friction = cloths[c].friction});
   }
   return meeting.size() > 1 ? make_inter_data(meeting, origin) : InterData{};
 }
@@ -562,25 +562,58 @@ CutResult Solver::Impl::tear(uint32_t cloth, float stretch) {
 
 void Solver::Impl::take_cut(uint32_t cloth, std::shared_ptr<const ClothAsset> asset) {
   Cloth& c = cloths_[cloth];
-  ClothData data = cloth_data(c, asset);
-  take_asset(cloth, std::move(asset), std::move(data));
+  ClothData data = cloth_data(c, asset, c.material);
+  take_version(cloth, std::move(asset), std::move(data));
   c.pins_changed = true;  // attachments run around the cut
   c.disturbed = true;
-  if (meets_others(c)) take_inter(inter_data(assets(), origin_), origin_);
+  if (meets_others(c)) take_inter_anew();
 }
 
-ClothData Solver::Impl::cloth_data(const Cloth& cloth, const std::shared_ptr<const ClothAsset>& asset) const {
-  return make_cloth_data({asset, cloth.material, cloth.start, cloth.self_collision}, origin_, *cloth.original);
+void Solver::Impl::set_material(uint32_t cloth, const Material& material) {
+  static_cast<void>(cloth_at(cloth));
+  check(material, cloth_name(cloth) + ": material");
+  Cloth& c = cloths_[cloth];
+  if (material == c.material) return;
+  std::optional<ClothData> data;
+  if (!make_same_data(material, c.material)) data = cloth_data(c, c.asset, material);
+  const bool was_attached = stretch_limit(c) > 0;
+  const Material before = std::exchange(c.material, material);
+  c.disturbed = true;
+  if (data) {
+    take_version(cloth, c.asset, std::move(*data));
+    c.masses_changed = true;
+    c.pins_changed = c.pins_changed || has_attachments(before) != has_attachments(material);
+  }
+  if (meets_others(c) && (data || before.friction != material.friction)) take_inter_anew();
+  if (!was_attached && stretch_limit(c) > 0) ease_from_present(cloth);
 }
 
-/// Another topology of the same cloth.
-void Solver::Impl::take_asset(uint32_t cloth, std::shared_ptr<const ClothAsset> asset, ClothData data) {
+/// Attachments that are there all of a sudden do not pull at once.
+void Solver::Impl::ease_from_present(uint32_t cloth) {
+  Cloth& c = cloths_[cloth];
+  std::vector<Vec3> position;
+  read_positions(cloth, position);
+  c.limit = std::max(c.limit, static_cast<float>(measure_stretch(*c.asset, c.scale, position).max));
+}
+
+ClothData Solver::Impl::cloth_data(const Cloth& cloth, const std::shared_ptr<const ClothAsset>& asset,
+                                   const Material& material) const {
+  return make_cloth_data({asset, material, cloth.start, cloth.self_collision}, origin_, *cloth.original);
+}
+
+/// The same cloth with other springs, masses or copies.
+void Solver::Impl::take_version(uint32_t cloth, std::shared_ptr<const ClothAsset> asset, ClothData data) {
   Cloth& c = cloths_[cloth];
   c.asset = std::move(asset);
+  c.free_inverse_mass = inverse_masses(data);
   c.row_of_pixel = rows_of_pixels(*c.asset);
   c.springs_per_sweep = data.springs_per_sweep;
   c.self = data.self.numbers;
   backend_->replace_topology(cloth, std::move(data));
+}
+
+void Solver::Impl::take_inter_anew() {
+  take_inter(inter_data(versions(), origin_), origin_);
 }
 
 void Solver::Impl::take_inter(InterData inter, const Vec3& origin) {
@@ -709,6 +742,14 @@ std::vector<uint32_t> Solver::held_pixels(uint32_t cloth) const {
 void Solver::set_parent(uint32_t cloth, const Transform& pose, const Vec3& inertia_scale, bool teleport) {
   impl_->set_parent(cloth, pose, inertia_scale, teleport);
 }
+void Solver::set_material(uint32_t cloth, const Material& material) {
+  impl_->set_material(cloth, material);
+}
+
+const Material& Solver::material(uint32_t cloth) const {
+  return impl_->material(cloth);
+}
+
 void Solver::set_meets(uint32_t cloth, uint32_t groups) {
   impl_->set_meets(cloth, groups);
 }

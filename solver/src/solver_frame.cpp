@@ -186,20 +186,35 @@ bool Solver::Impl::sags_between_pins(const Cloth& cloth) {
 
 /// What a frame says of other pins than the one before had.
 void Solver::Impl::change_pins(Cloth& cloth, ClothFrame& frame) const {
-  cloth.pins_anew = std::exchange(cloth.pins_changed, false);
-  if (cloth.pins_anew) take_pins(cloth, frame);
+  const bool pins_changed = std::exchange(cloth.pins_changed, false);
+  const bool masses_changed = std::exchange(cloth.masses_changed, false);
+  cloth.pins_anew = pins_changed || masses_changed;
+  frame.attachments.clear();
+  if (pins_changed) {
+    take_pins(cloth, frame);
+  } else if (masses_changed) {
+    frame.inverse_mass = masses_of(cloth);
+  }
+}
+
+/// [1/kg] The inverse ones of all pixels.
+std::vector<float> Solver::Impl::masses_of(const Cloth& cloth) {
+  std::vector<float> masses = cloth.free_inverse_mass;
+  for (const auto& [pixel, pin] : cloth.pins)
+    if (pin.held()) masses[pixel] = 0;
+  return masses;
 }
 
 /// What follows from which points are pinned.
 void Solver::Impl::take_pins(Cloth& cloth, ClothFrame& frame) const {
-  cloth.hangs = false;
-  frame.inverse_mass = cloth.free_inverse_mass;
+  cloth.hangs = cloth.hangs_by_few = false;
+  cloth.pin_ways.clear();
+  cloth.reach = 0;
+  frame.inverse_mass = masses_of(cloth);
   std::vector<uint32_t> pixels, pinned;
   for (const auto& [pixel, pin] : cloth.pins) {
     pixels.push_back(pixel);
-    if (!pin.held()) continue;
-    frame.inverse_mass[pixel] = 0;
-    pinned.push_back(pixel);
+    if (pin.held()) pinned.push_back(pixel);
   }
   if (stretch_limit(cloth) > 0) {
     frame.attachments = make_attachments(*cloth.asset, cloth.scale, pinned);
@@ -208,7 +223,7 @@ void Solver::Impl::take_pins(Cloth& cloth, ClothFrame& frame) const {
       return static_cast<uint32_t>(std::lower_bound(pixels.begin(), pixels.end(), pixel) - pixels.begin());
     };
     for (PinWay& way : cloth.pin_ways) way = {number_of(way.a), number_of(way.b), way.length};
-    cloth.reach = pinned.empty() ? cloth.size : 0;
+    if (pinned.empty()) cloth.reach = cloth.size;
     for (const shader::Attachment& a : frame.attachments) cloth.reach = std::max(cloth.reach, a.reach);
     cloth.hangs = hangs(*cloth.asset, frame.attachments, frame.inverse_mass);
     cloth.hangs_by_few = hangs_by_few(*cloth.asset, frame.inverse_mass);

@@ -34,6 +34,8 @@ class Solver::Impl {
   void set_pins(uint32_t cloth, std::span<const Pin> pins);
   [[nodiscard]] std::vector<uint32_t> held_pixels(uint32_t cloth) const;
   void set_pressure(uint32_t cloth, float pressure);
+  void set_material(uint32_t cloth, const Material& material);
+  [[nodiscard]] const Material& material(uint32_t cloth) const { return cloth_at(cloth).material; }
   void set_meets(uint32_t cloth, uint32_t groups);
   void set_parent(uint32_t cloth, const Transform& pose, const Vec3& inertia_scale, bool teleport);
   CutResult cut(uint32_t cloth, const std::array<Vec3, 3>& triangle);
@@ -91,22 +93,22 @@ class Solver::Impl {
     Material material;
     Transform start;  ///< where its rest shape started
     float scale = 1;
-    std::vector<float> free_inverse_mass;  ///< without pins
+    std::vector<float> free_inverse_mass;  ///< [1/kg] without pins
     std::vector<uint32_t> row_of_pixel;    ///< row of the split-vertex table, kNoPixel for a single pixel
     std::vector<PixelPin> pins;            ///< ascending by pixel, all copies listed
     [[nodiscard]] bool holds(uint32_t pixel) const {
       const auto pin = std::ranges::lower_bound(pins, pixel, {}, &PixelPin::first);
       return pin != pins.end() && pin->first == pixel && pin->second.held();
     }
-    bool pins_changed = false;                        ///< since the last step
-    std::vector<PinWay> pin_ways;                     ///< of the pins that are held, by number instead of pixel
-    bool hangs_by_few = false;                        ///< few springs lead from its pins to what hangs on them
-    std::vector<Vec3> pin_targets;                    ///< of all pins in their order, for a frame
-    std::optional<Transform> parent_from, parent_to;  ///< at the start and the end of the next frame
-    Transform parent_first;                           ///< its first one
-    float size = 0;                                   ///< [m] at rest
-    Vec3 start_middle, middle;                        ///< [m, world] of its points: at the start, where last seen
-    float strayed = 0;                                ///< [m] that it may have gone since then, if nothing holds it
+    bool pins_changed = false, masses_changed = false;  ///< since the last step
+    std::vector<PinWay> pin_ways;                       ///< of the pins that are held, by number instead of pixel
+    bool hangs_by_few = false;                          ///< few springs lead from its pins to what hangs on them
+    std::vector<Vec3> pin_targets;                      ///< of all pins in their order, for a frame
+    std::optional<Transform> parent_from, parent_to;    ///< at the start and the end of the next frame
+    Transform parent_first;                             ///< its first one
+    float size = 0;                                     ///< [m] at rest
+    Vec3 start_middle, middle;                          ///< [m, world] of its points: at the start, where last seen
+    float strayed = 0;                                  ///< [m] that it may have gone since then, if nothing holds it
     [[nodiscard]] bool is_free() const { return pins.empty() && !parent_to; }
     Vec3 inertia_scale{1, 1, 1};
     std::optional<SelfCollision> self_collision;
@@ -117,7 +119,7 @@ class Solver::Impl {
     bool collide_cells = false;    ///< a collider was met that may slip through between pixels
     bool teleport = false;         ///< the parent jumps before the next frame
     double placed_at = -1;         ///< [s] time_ when a state was written where the parent had jumped to
-    bool pins_anew = false;        ///< in the next frame other points are pinned than before
+    bool pins_anew = false;        ///< in the next frame other points are pinned than before, or have other masses
     bool meets_fast = false;       ///< in the next frame, if a collider is fast that may meet it
     std::optional<float> met_way;  ///< [m] longest of a collider in a usual substep, if some cannot meet it
     uint32_t factor = 1;           ///< times as many substeps as usual in the next frame
@@ -132,8 +134,7 @@ class Solver::Impl {
     bool hangs = false;                          ///< every point has an attachment or is pinned
     float reach = 0;                             ///< [m] of the longest attachment; without pins of the whole cloth
     uint64_t particles = 0, springs_per_sweep = 0;
-    size_t most_seam_springs = 0, most_self_words = 0;  ///< of any cut
-    std::optional<uint64_t> mark;                       ///< of what it was made with, once asked for
+    std::optional<uint64_t> mark;  ///< of what it was made with, once asked for
 
     bool asleep = false;
     bool disturbed = true;                   ///< since the last step
@@ -151,7 +152,7 @@ class Solver::Impl {
   void keep_cloth(uint32_t cloth, SavedCloth& saved);
   void check_scene(const Saved& saved) const;
   void check_colliders(Saved& saved);
-  void check_cuts(Saved& saved) const;
+  void check_versions(Saved& saved) const;
   void check_cloth(SavedCloth& saved, uint32_t cloth) const;
   void take_scene(Saved& saved);
   void take_cloth(SavedCloth& saved, uint32_t cloth);
@@ -162,8 +163,10 @@ class Solver::Impl {
   [[nodiscard]] const Cloth& cloth_at(uint32_t cloth) const;
   static void keep_last_of_each(std::vector<PixelPin>& pins);
   void fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const;
+  void ease_from_present(uint32_t cloth);
   void ease_limit(Cloth& cloth, ClothFrame& frame) const;
   void change_pins(Cloth& cloth, ClothFrame& frame) const;
+  [[nodiscard]] static std::vector<float> masses_of(const Cloth& cloth);
   void take_pins(Cloth& cloth, ClothFrame& frame) const;
   [[nodiscard]] static float pull_of_pins(const Cloth& cloth, float least);
   [[nodiscard]] bool has_pins_above(const Cloth& cloth) const;
@@ -175,11 +178,19 @@ class Solver::Impl {
   void carry_over();
   [[nodiscard]] Vec3 middle_of_told(const Cloth& cloth) const;
   void follow_cloths();
-  [[nodiscard]] std::vector<const ClothAsset*> assets() const;
-  [[nodiscard]] ClothData cloth_data(const Cloth& cloth, const std::shared_ptr<const ClothAsset>& asset) const;
-  [[nodiscard]] InterData inter_data(std::span<const ClothAsset* const> assets, const Vec3& origin) const;
+  /// What may change of a cloth that others meet.
+  struct Version {
+    const ClothAsset* asset;
+    std::span<const float> inverse_mass;  ///< [1/kg] without pins
+    float friction;
+  };
+  [[nodiscard]] std::vector<Version> versions() const;
+  [[nodiscard]] ClothData cloth_data(const Cloth& cloth, const std::shared_ptr<const ClothAsset>& asset,
+                                     const Material& material) const;
+  [[nodiscard]] InterData inter_data(std::span<const Version> cloths, const Vec3& origin) const;
   void take_cut(uint32_t cloth, std::shared_ptr<const ClothAsset> asset);
-  void take_asset(uint32_t cloth, std::shared_ptr<const ClothAsset> asset, ClothData data);
+  void take_version(uint32_t cloth, std::shared_ptr<const ClothAsset> asset, ClothData data);
+  void take_inter_anew();
   void take_inter(InterData inter, const Vec3& origin);
   [[nodiscard]] bool meets_others(const Cloth& cloth) const { return inter_.points > 0 && cloth.inter_collision; }
   [[nodiscard]] float stretch_limit(const Cloth& cloth) const;

@@ -24,7 +24,7 @@ namespace {
 using shader::vec4;
 
 constexpr uint32_t kMagic = 0x53434C47;  // "GLCS"; read in another order of bytes it is another number
-constexpr uint32_t kVersion = 5;         ///< one more whenever what is written changes, or what a frame makes of it
+constexpr uint32_t kVersion = 6;         ///< one more whenever what is written changes, or what a frame makes of it
 
 /// Of one point.
 struct SavedPoint {
@@ -276,9 +276,10 @@ struct Solver::Impl::SavedCloth {
   };
 
   uint64_t mark = 0;
+  Material material;
   std::optional<SavedCut> cut;
   std::vector<PinAt> pins;
-  bool pins_changed = false;
+  bool pins_changed = false, masses_changed = false;
   std::optional<Transform> parent_from, parent_to;
   Transform parent_first;
   Vec3 middle, inertia_scale;
@@ -298,16 +299,19 @@ struct Solver::Impl::SavedCloth {
 
   // Made of them.
   std::shared_ptr<const ClothAsset> asset;
-  std::optional<ClothData> data;  ///< where the asset is not the present one
+  std::optional<ClothData> data;    ///< where asset or material are not as present
+  std::vector<float> inverse_mass;  ///< of the data
   FoundPoints found_points;
 
   template <class Bytes>
   void exchange(Bytes& bytes) {
     const auto pose = [&](Transform& t) { bytes.value(t); };
     bytes.value(mark);
+    bytes.value(material);
     bytes.optional(cut, [&](SavedCut& c) { geocloth::exchange(bytes, c); });
     bytes.values(pins);
     bytes.flag(pins_changed);
+    bytes.flag(masses_changed);
     bytes.optional(parent_from, pose);
     bytes.optional(parent_to, pose);
     bytes.value(parent_first);
@@ -389,7 +393,7 @@ struct Solver::Impl::Saved {
 /// Of what a cloth was made with, as far as its motion follows from it.
 uint64_t Solver::Impl::mark_of_cloth(Cloth& cloth) const {
   if (cloth.mark) return *cloth.mark;
-  static_assert(sizeof(Material) == 15 * sizeof(float) && sizeof(SeamBend) == 16);
+  static_assert(sizeof(SeamBend) == 16);
   const ClothAsset& asset = *cloth.original;
   StateMark mark;
   mark.add(asset.width);
@@ -403,7 +407,6 @@ uint64_t Solver::Impl::mark_of_cloth(Cloth& cloth) const {
   mark.add(asset.splits.offset);
   mark.add(asset.splits.pixel);
   mark.add(asset.seam_bends);
-  mark.add(cloth.material);
   mark.add(cloth.start);
   mark.add(cloth.self_collision ? cloth.self_collision->distance : 0);
   mark.add(cloth.inter_collision ? cloth.inter_collision->distance : 0);
@@ -444,9 +447,11 @@ uint64_t Solver::Impl::mark_of_field(const std::shared_ptr<const DistanceField>&
 void Solver::Impl::keep_cloth(uint32_t index, SavedCloth& saved) {
   Cloth& cloth = cloths_[index];
   saved.mark = mark_of_cloth(cloth);
+  saved.material = cloth.material;
   if (cloth.asset != cloth.original) saved.cut = cut_of(*cloth.asset);
   for (const auto& [pixel, pin] : cloth.pins) saved.pins.push_back({pixel, pin});
   saved.pins_changed = cloth.pins_changed;
+  saved.masses_changed = cloth.masses_changed;
   saved.parent_from = cloth.parent_from;
   saved.parent_to = cloth.parent_to;
   saved.parent_first = cloth.parent_first;
@@ -567,24 +572,28 @@ void Solver::Impl::check_colliders(Saved& saved) {
   }
 }
 
-/// What cuts have left, and what follows from it.
-void Solver::Impl::check_cuts(Saved& saved) const {
+/// What cuts have left and what they are made of, and what follows from it.
+void Solver::Impl::check_versions(Saved& saved) const {
   bool others_differ = inter_.points > 0 && !(saved.inter_origin == inter_origin_);
-  std::vector<const ClothAsset*> assets;
+  std::vector<Version> all = versions();
   for (uint32_t c = 0; c < cloths_.size(); ++c) {
     const Cloth& cloth = cloths_[c];
     SavedCloth& s = saved.cloths[c];
     s.asset = cloth.original;
     if (s.cut) s.asset = is_as(*cloth.asset, *s.cut) ? cloth.asset : with_cut(*cloth.original, *s.cut, cloth_name(c));
-    assets.push_back(s.asset.get());
-    if (s.asset == cloth.asset) continue;
-    s.data = cloth_data(cloth, s.asset);
-    require(
-        s.data->seam_springs.size() <= cloth.most_seam_springs && s.data->self.words.size() <= cloth.most_self_words,
-        cloth_name(c), " has seams that no cut leaves");
-    others_differ = others_differ || meets_others(cloth);
+    check(s.material, cloth_name(c) + ": material");
+    all[c].asset = s.asset.get();
+    all[c].friction = s.material.friction;
+    const bool same_data = s.asset == cloth.asset && make_same_data(s.material, cloth.material);
+    if (!same_data) {
+      s.data = cloth_data(cloth, s.asset, s.material);
+      s.inverse_mass = inverse_masses(*s.data);
+      all[c].inverse_mass = s.inverse_mass;
+    }
+    others_differ =
+        others_differ || (meets_others(cloth) && (!same_data || s.material.friction != cloth.material.friction));
   }
-  if (others_differ) saved.inter = inter_data(assets, saved.inter_origin);
+  if (others_differ) saved.inter = inter_data(all, saved.inter_origin);
   const uint32_t points = saved.inter ? saved.inter->points.numbers.points : inter_.points;
   saved.found_points = saved.found.unpacked(points, "cloths that collide with each other");
 }
@@ -674,6 +683,7 @@ void Solver::Impl::take_scene(Saved& saved) {
 
 void Solver::Impl::take_cloth(SavedCloth& saved, uint32_t index) {
   Cloth& cloth = cloths_[index];
+  cloth.material = saved.material;
   cloth.pins.clear();
   for (const auto& [pixel, pin] : saved.pins) cloth.pins.emplace_back(pixel, pin);
   ClothFrame frame;
@@ -681,6 +691,7 @@ void Solver::Impl::take_cloth(SavedCloth& saved, uint32_t index) {
   take_pins(cloth, frame);
   for (const auto& [pixel, pin] : saved.pins) frame.pins.emplace_back().pixel.x = pixel;
   cloth.pins_changed = saved.pins_changed;
+  cloth.masses_changed = saved.masses_changed;
   cloth.parent_from = saved.parent_from;
   cloth.parent_to = saved.parent_to;
   cloth.parent_first = saved.parent_first;
@@ -746,16 +757,16 @@ void Solver::Impl::restore(std::span<const std::byte> bytes) {
   checked([&] { check_scene(saved); });
   for (uint32_t c = 0; c < cloths_.size(); ++c) {
     require(saved.cloths[c].mark == mark_of_cloth(cloths_[c]), cloth_name(c),
-            " was made with another asset, material, transform, self_collision or inter_collision");
+            " was made with another asset, transform, self_collision or inter_collision");
   }
   checked([&] {
     check_colliders(saved);
-    check_cuts(saved);
+    check_versions(saved);
     for (uint32_t c = 0; c < cloths_.size(); ++c) check_cloth(saved.cloths[c], c);
   });
 
   for (uint32_t c = 0; c < cloths_.size(); ++c)
-    if (saved.cloths[c].data) take_asset(c, saved.cloths[c].asset, std::move(*saved.cloths[c].data));
+    if (saved.cloths[c].data) take_version(c, saved.cloths[c].asset, std::move(*saved.cloths[c].data));
   if (saved.inter) take_inter(std::move(*saved.inter), saved.inter_origin);
   take_scene(saved);
   for (uint32_t c = 0; c < cloths_.size(); ++c) take_cloth(saved.cloths[c], c);

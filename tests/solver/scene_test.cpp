@@ -177,6 +177,59 @@ TEST(Scene, WindIsLinearBetweenItsKeys) {
   EXPECT_EQ(wind_at(scene, 9).turbulence, 0.5F);
 }
 
+// A sail of nylon that gets wet and stiff, and is a preset in the end; what a key does not say is as outside.
+TEST(Scene, AMaterialIsInProportionBetweenItsKeys) {
+  const Scene scene = parse_scene(
+      R"({"version":1,"cloths":[{"asset":"a.glb","material":{"preset":"jet_set","bend_bias":0,"friction":0.5,
+      "motion":[{"time":1},{"time":3,"stretch_warp":100,"shear":0},{"time":4,"preset":"denim","max_stretch":0.1}]}}]})",
+      "s.json");
+  const SceneCloth& cloth = scene.cloths[0];
+  const Material jet_set = find_material_preset("jet_set")->material;
+  Material dry = jet_set, denim = find_material_preset("denim")->material;
+  dry.bend_bias = 0;
+  dry.friction = 0.5F;
+  denim.max_stretch = 0.1F;
+  EXPECT_TRUE(cloth.material == dry);
+  for (const double early : {0.0, 1.0}) EXPECT_TRUE(material_at(cloth, early) == dry) << early;
+  EXPECT_TRUE(material_at(cloth, 4) == denim);
+  EXPECT_TRUE(material_at(cloth, 9) == denim);
+  EXPECT_FLOAT_EQ(material_at(cloth, 2).stretch_warp, std::sqrt(100 * dry.stretch_warp));
+  EXPECT_FLOAT_EQ(material_at(cloth, 2).shear, 0.5F * dry.shear);
+  EXPECT_EQ(material_at(cloth, 2).stretch_weft, dry.stretch_weft);
+  EXPECT_EQ(material_at(cloth, 3.9).max_stretch, dry.max_stretch) << "automatic until the end";
+  EXPECT_EQ(material_at(cloth, 3.9).bend_bias, 0);
+  SceneCloth steady;
+  steady.material = denim;
+  EXPECT_TRUE(material_at(steady, 2) == denim);
+}
+
+// What lies between two materials is one that the solver takes: stiffness that comes out of nothing begins as none.
+TEST(Materials, BetweenTwoThereIsNoneThatIsRefused) {
+  Material none, some;
+  none.shear = none.bend_warp = none.bend_weft = none.bend_bias = 0;
+  some.shear = 2e-9F;
+  some.bend_warp = 2e-12F;
+  some.max_speed = 3;
+  EXPECT_EQ(mix(none, some, 0.25F).shear, 0);
+  EXPECT_EQ(mix(none, some, 0.25F).bend_warp, 0);
+  EXPECT_FLOAT_EQ(mix(none, some, 0.75F).bend_warp, 1.5e-12F);
+  EXPECT_EQ(mix(none, some, 0.75F).max_speed, 0) << "no limit is not a low one";
+  EXPECT_TRUE(mix(none, some, 1) == some);
+  EXPECT_TRUE(mix(none, some, 2) == some);
+  EXPECT_TRUE(mix(none, some, -1) == none);
+  EXPECT_TRUE(mix(none, some, std::numeric_limits<float>::quiet_NaN()) == none);
+}
+
+TEST(Scene, APressureIsLinearBetweenItsKeys) {
+  const Scene scene = parse_scene(R"({"version":1,"cloths":[{"asset":"a.glb","pressure":[{"time":1,"pressure":2},
+      {"time":2,"pressure":-4}]}]})",
+                                  "s.json");
+  const SceneCloth& cloth = scene.cloths[0];
+  EXPECT_EQ(pressure_at(cloth, 0), 2);
+  EXPECT_EQ(pressure_at(cloth, 1.5), -1);
+  EXPECT_EQ(pressure_at(cloth, 5), -4);
+}
+
 struct BadScene {
   const char* name;
   const char* find;  ///< in the full scene
@@ -288,6 +341,19 @@ INSTANTIATE_TEST_SUITE_P(
                  "cloths[0].tear: the stretch that it tears at is 1; it must be"},
         BadScene{"PressureOutOfRange", "\"transform\"", "\"pressure\": 1e7, \"transform\"",
                  "cloths[0].pressure: must be from -1000000.0 to 1000000.0"},
+        BadScene{"PressureKeyOutOfRange", "\"transform\"",
+                 "\"pressure\": [{ \"time\": 0, \"pressure\": 1e7 }], \"transform\"",
+                 "cloths[0].pressure[0].pressure: must be from"},
+        BadScene{"PressureKeyWithoutPressure", "\"transform\"", "\"pressure\": [{ \"time\": 0 }], \"transform\"",
+                 "cloths[0].pressure[0]: the key \"pressure\" is missing"},
+        BadScene{"MaterialKeyOutOfRange", "\"areal_density\": 0.3", R"("motion": [{ "time": 0, "areal_density": -1 }])",
+                 "cloths[0].material.motion[0]: areal_density is -1"},
+        BadScene{"MaterialKeyWithoutTime", "\"areal_density\": 0.3", R"("motion": [{ "areal_density": 1 }])",
+                 "cloths[0].material.motion[0]: the key \"time\" is missing"},
+        BadScene{"MaterialTimeGoesBack", "\"areal_density\": 0.3", R"("motion": [{ "time": 1 }, { "time": 0 }])",
+                 "cloths[0].material.motion[1].time: must be later than the key before"},
+        BadScene{"MaterialKeyMisspelt", "\"areal_density\": 0.3", R"("motion": [{ "time": 1, "densty": 1 }])",
+                 "cloths[0].material.motion[0]: unknown key \"densty\"; known are preset, time"},
         BadScene{"UnknownClothKey", "\"transform\"", "\"material_\": 1, \"transform\"",
                  "nearest known one is \"material\""}),
     [](const auto& scene) { return scene.param.name; });
@@ -761,6 +827,32 @@ TEST_F(Playing, WindChangesWithItsKeys) {
   simulation.set_wind({});
   for (int f = 0; f < 10; ++f) simulation.step();
   EXPECT_EQ(point(simulation, 4, 4).z, 0);
+}
+
+// As if the caller had set them in every frame.
+TEST_F(Playing, MaterialAndPressureChangeWithTheirKeys) {
+  Scene scene = default_scene(folder_ / "sheet.glb");
+  Material wet;
+  wet.areal_density = 0.7F;
+  scene.cloths[0].material_motion = {{0.05, {}}, {0.1, wet}};
+  scene.cloths[0].pressure_motion = {{0, 1}, {0.1, 5}};
+  Simulation keyed(scene, test::cpu_settings());
+  scene.cloths[0].material_motion.clear();
+  scene.cloths[0].pressure_motion.clear();
+  scene.cloths[0].pressure = 1;
+  Simulation told(scene, test::cpu_settings());
+  for (int f = 1; f <= 10; ++f) {
+    const auto t = static_cast<float>(f / 60.0);
+    told.solver().set_material(0, mix({}, wet, (t - 0.05F) / 0.05F));
+    told.solver().set_pressure(0, 1 + 40 * std::min(t, 0.1F));
+    told.step();
+    keyed.step();
+    EXPECT_NEAR(keyed.solver().material(0).areal_density, told.solver().material(0).areal_density, 1e-6F) << f;
+    EXPECT_TRUE(keyed.cloths()[0].material == keyed.solver().material(0)) << f;
+  }
+  EXPECT_TRUE(keyed.solver().material(0) == wet);
+  const std::vector<Vec3> a = test::positions_of(keyed.solver()), b = test::positions_of(told.solver());
+  for (size_t p = 0; p < a.size(); ++p) EXPECT_LT(length(a[p] - b[p]), 1e-5F) << p;
 }
 
 TEST_F(Playing, DefaultSceneHangsAndFalls) {

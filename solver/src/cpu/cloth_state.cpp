@@ -32,8 +32,6 @@ ClothState::ClothState(ClothData cloth_data, bool accumulate, bool fine)
     if (accumulate) multiplier[c].resize(pixel_count());
   }
   take_springs();
-  if (accumulate) seam_multiplier.resize(data.seam_springs.size());
-  if (data.attachments) attachments.assign(pixel_count(), {shader::kNoAnchor, 0});
 }
 
 void ClothState::set_packed_mass(size_t i, float packed) {
@@ -67,6 +65,9 @@ void ClothState::take_springs() {
   }
   data.position = {};
   data.springs = {};
+  const bool accumulate = !multiplier[0].empty();
+  if (accumulate) seam_multiplier.resize(data.seam_springs.size());
+  if (data.attachments) attachments.resize(pixel_count(), {shader::kNoAnchor, 0});
 }
 
 size_t ClothState::memory_bytes() const {

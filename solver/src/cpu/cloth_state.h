@@ -108,7 +108,7 @@ struct ClothState {
   /// Forgets all that frames have left, as well where there is no cloth: a number that is not finite would come back
   /// from there. Constants and masses stay.
   void forget();
-  /// Takes over springs, cells, bends over seams and copies; positions stay.
+  /// Takes over springs, cells, bends over seams and copies; positions and masses stay.
   void set_topology(ClothData cloth_data);
 
   ClothData data;  ///< position and springs have moved to the arrays below

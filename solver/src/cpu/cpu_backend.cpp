@@ -304,7 +304,7 @@ class CpuBackend final : public SolverBackend {
     const ClothFrame& input = cloth.frame;
     if (input.pins_changed) {
       for (size_t i = 0; i < input.inverse_mass.size(); ++i) state.set_packed_mass(i, input.inverse_mass[i]);
-      if (state.data.attachments) state.attachments = input.attachments;
+      if (state.data.attachments && !input.attachments.empty()) state.attachments = input.attachments;
     }
     cloth.options = schedule_options(data_, c, frame);
     if (cloth.options.asleep) return false;

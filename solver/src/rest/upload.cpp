@@ -128,6 +128,10 @@ Evenness evenness_of(const ClothAsset& asset) {
 
 }  // namespace
 
+bool has_attachments(const Material& material) {
+  return largest_stretch(material, {}, {}, 0, 0) > 0;
+}
+
 ClothData make_cloth_data(const ClothDesc& cloth, const Vec3& origin, const ClothAsset& uncut) {
   const ClothAsset& asset = *cloth.asset;
   ClothData data;
@@ -141,7 +145,7 @@ ClothData make_cloth_data(const ClothDesc& cloth, const Vec3& origin, const Clot
   data.split_offset = asset.splits.offset;
   data.split_pixel = asset.splits.pixel;
   for (const uint32_t p : data.split_pixel) data.cell[p] |= shader::kCellCopyBit;
-  data.attachments = largest_stretch(cloth.material, {}, {}, 0, 0) > 0;
+  data.attachments = has_attachments(cloth.material);
   data.evenness = evenness_of(asset);
   if (data.attachments) {
     const std::vector<bool> short_seams = pixels_of_short_seams(uncut);
@@ -152,6 +156,20 @@ ClothData make_cloth_data(const ClothDesc& cloth, const Vec3& origin, const Clot
   }
   if (cloth.self_collision) add_self_points(cloth, data);
   return data;
+}
+
+std::vector<float> inverse_masses(const ClothData& cloth) {
+  std::vector<float> masses(cloth.position.size());
+  std::ranges::transform(cloth.position, masses.begin(), &shader::vec4::w);
+  return masses;
+}
+
+bool make_same_data(const Material& a, const Material& b) {
+  Material alike = a;
+  for (const auto field : {&Material::damping, &Material::thickness, &Material::friction, &Material::max_speed,
+                           &Material::max_stretch, &Material::verlet_damping})
+    alike.*field = b.*field;
+  return alike == b && has_attachments(a) == has_attachments(b);
 }
 
 Vec3 choose_origin(std::span<const ClothDesc> cloths) {

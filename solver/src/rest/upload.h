@@ -16,6 +16,15 @@ namespace geocloth {
   return make_cloth_data(cloth, origin, *cloth.asset);
 }
 
+/// [1/kg] One per pixel, without pins.
+[[nodiscard]] std::vector<float> inverse_masses(const ClothData& cloth);
+
+/// Whether springs of it are held by long-range attachments.
+[[nodiscard]] bool has_attachments(const Material& material);
+
+/// Whether make_cloth_data() makes the same of both.
+[[nodiscard]] bool make_same_data(const Material& a, const Material& b);
+
 /// The coordinate origin for these cloths: the middle of their bounds, rounded to multiples of 4 m.
 [[nodiscard]] Vec3 choose_origin(std::span<const ClothDesc> cloths);
 

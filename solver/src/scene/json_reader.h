@@ -45,6 +45,7 @@ class JsonReader {
   [[nodiscard]] std::vector<JsonReader> elements() const;   ///< this must be an array
   [[nodiscard]] bool is_string() const { return value_->is_string(); }
   [[nodiscard]] bool is_object() const { return value_->is_object(); }
+  [[nodiscard]] bool is_array() const { return value_->is_array(); }
 
   [[nodiscard]] double number() const;  ///< finite
   [[nodiscard]] float real() const;     ///< a number within the range of float

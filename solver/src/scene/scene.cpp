@@ -9,6 +9,7 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <tuple>
 #include <utility>
 
 #include "check_input.h"
@@ -90,13 +91,13 @@ Material preset_named(const JsonReader& json) {
   json.fail("there is no material preset " + in_quotes(name) + nearest_and_all(name, names));
 }
 
-/// A preset's name, or an object with the fields that differ from the defaults (or from its "preset").
-Material read_material(const JsonReader& json) {
-  if (json.is_string()) return preset_named(json);
-  std::vector<std::string_view> keys{"preset"};
+/// @param material  what is not said is as there, or as in its "preset"
+/// @param other     a key that it has beside those of a material
+Material read_material_fields(const JsonReader& json, Material material, std::string_view other) {
+  std::vector<std::string_view> keys{"preset", other};
   for (const MaterialField& field : kMaterialFields) keys.push_back(field.key);
   json.expect_object(keys);
-  Material material = json.has("preset") ? preset_named(json.at("preset")) : Material{};
+  if (json.has("preset")) material = preset_named(json.at("preset"));
   for (const MaterialField& field : kMaterialFields) json.read(field.key, material.*field.field);
   if (json.has("max_stretch")) in_range(json.at("max_stretch"), 0, 1e6);
   for (const auto* key : {"stiffness", "bend_stiffness", "verlet_damping"}) {
@@ -104,6 +105,48 @@ Material read_material(const JsonReader& json) {
   }
   checked([&] { check(material, json.where()); });
   return material;
+}
+
+/// Keys, each later than the one before.
+/// @param read  one of them but for its time
+template <class Key, class Read>
+std::vector<Key> read_keys(const JsonReader& json, const Read& read) {
+  std::vector<Key> motion;
+  for (const JsonReader& entry : json.elements()) {
+    Key key = read(entry);
+    key.time = entry.at("time").number();
+    if (!motion.empty() && !(key.time > motion.back().time)) entry.at("time").fail("must be later than the key before");
+    motion.push_back(std::move(key));
+  }
+  return motion;
+}
+
+/// A preset's name, or an object with the fields that differ from the defaults (or from its "preset"), and keys.
+void read_material(const JsonReader& json, SceneCloth& cloth) {
+  if (json.is_string()) {
+    cloth.material = preset_named(json);
+    return;
+  }
+  cloth.material = read_material_fields(json, {}, "motion");
+  if (!json.has("motion")) return;
+  cloth.material_motion = read_keys<MaterialKey>(json.at("motion"), [&](const JsonReader& entry) {
+    return MaterialKey{0, read_material_fields(entry, cloth.material, "time")};
+  });
+}
+
+/// A number, or keys.
+void read_pressure(const JsonReader& json, SceneCloth& cloth) {
+  const auto pressure = [](const JsonReader& number) {
+    return static_cast<float>(in_range(number, -kLargestPressure, kLargestPressure));
+  };
+  if (!json.is_array()) {
+    cloth.pressure = pressure(json);
+    return;
+  }
+  cloth.pressure_motion = read_keys<PressureKey>(json, [&](const JsonReader& entry) {
+    entry.expect_object({"time", "pressure"});
+    return PressureKey{0, pressure(entry.at("pressure"))};
+  });
 }
 
 Transform read_transform(const JsonReader& json) {
@@ -286,7 +329,7 @@ SceneCloth read_cloth(const JsonReader& json, const std::filesystem::path& folde
   const std::string asset = json.at("asset").text();
   if (asset.empty()) json.at("asset").fail("must name an asset file");
   cloth.asset = folder / std::filesystem::path(asset);
-  if (json.has("material")) cloth.material = read_material(json.at("material"));
+  if (json.has("material")) read_material(json.at("material"), cloth);
   if (json.has("transform")) cloth.transform = read_transform(json.at("transform"));
   cloth.motion = read_motion_of(json);
   if (json.has("inertia_scale")) {
@@ -304,8 +347,7 @@ SceneCloth read_cloth(const JsonReader& json, const std::filesystem::path& folde
     json.read("tear", cloth.tear);
     checked([&] { check_tear(cloth.tear, json.at("tear").where()); });
   }
-  if (json.has("pressure"))
-    cloth.pressure = static_cast<float>(in_range(json.at("pressure"), -kLargestPressure, kLargestPressure));
+  if (json.has("pressure")) read_pressure(json.at("pressure"), cloth);
   if (json.has("cuts")) {
     for (const JsonReader& cut : json.at("cuts").elements()) cloth.cuts.push_back(read_cut(cut));
   }
@@ -437,17 +479,23 @@ Wind read_wind(const JsonReader& json) {
 
 /// @param wind  what a key does not say is as there
 std::vector<WindKey> read_wind_motion(const JsonReader& json, const Wind& wind) {
-  std::vector<WindKey> motion;
-  for (const JsonReader& entry : json.elements()) {
+  return read_keys<WindKey>(json, [&](const JsonReader& entry) {
     entry.expect_object({"time", "velocity", "turbulence"});
-    WindKey key{entry.at("time").number(), wind.velocity, wind.turbulence};
-    if (!motion.empty() && !(key.time > motion.back().time)) entry.at("time").fail("must be later than the key before");
+    WindKey key{0, wind.velocity, wind.turbulence};
     entry.read("velocity", key.velocity);
     entry.read("turbulence", key.turbulence);
     checked([&] { check(Wind{.velocity = key.velocity, .turbulence = key.turbulence}, entry.where()); });
-    motion.push_back(key);
-  }
-  return motion;
+    return key;
+  });
+}
+
+/// The keys before and after a time, and how far between them it is, 0..1. There is one at least.
+template <class Key>
+std::tuple<const Key&, const Key&, float> keys_about(const std::vector<Key>& motion, double time) {
+  const auto after = std::ranges::upper_bound(motion, time, {}, &Key::time);
+  const Key& b = after == motion.end() ? motion.back() : *after;
+  const Key& a = after == motion.begin() ? b : *(after - 1);
+  return {a, b, b.time > a.time ? static_cast<float>((time - a.time) / (b.time - a.time)) : 0.F};
 }
 
 /// Collider names are what pins refer to: each once, and not one of the words with a meaning of their own.
@@ -563,15 +611,22 @@ Scene default_scene(const std::filesystem::path& asset) {
   return scene;
 }
 
+Material material_at(const SceneCloth& cloth, double time) {
+  if (cloth.material_motion.empty()) return cloth.material;
+  const auto [a, b, t] = keys_about(cloth.material_motion, time);
+  return mix(a.material, b.material, t);
+}
+
+float pressure_at(const SceneCloth& cloth, double time) {
+  if (cloth.pressure_motion.empty()) return cloth.pressure;
+  const auto [a, b, t] = keys_about(cloth.pressure_motion, time);
+  return a.pressure + t * (b.pressure - a.pressure);
+}
+
 Wind wind_at(const Scene& scene, double time) {
   Wind wind = scene.wind.value_or(Wind{});
-  const std::vector<WindKey>& motion = scene.wind_motion;
-  if (motion.empty()) return wind;
-  const auto after =
-      std::upper_bound(motion.begin(), motion.end(), time, [](double t, const WindKey& key) { return t < key.time; });
-  const WindKey& b = after == motion.end() ? motion.back() : *after;
-  const WindKey& a = after == motion.begin() ? b : *(after - 1);
-  const auto t = b.time > a.time ? static_cast<float>((time - a.time) / (b.time - a.time)) : 0.F;
+  if (scene.wind_motion.empty()) return wind;
+  const auto [a, b, t] = keys_about(scene.wind_motion, time);
   wind.velocity = a.velocity + t * (b.velocity - a.velocity);
   wind.turbulence = a.turbulence + t * (b.turbulence - a.turbulence);
   return wind;

@@ -150,7 +150,7 @@ Simulation::Simulation(Scene scene, SolverSettings settings, const BodyReader& b
     std::shared_ptr<const ClothAsset>& asset = assets[cloth.asset];
     if (!asset) asset = std::make_shared<const ClothAsset>(read_asset(cloth.asset));
     const Transform start = compose(pose_at(cloth.motion, 0), cloth.transform);
-    cloths_.push_back({asset, cloth.material, start, cloth.self_collision, cloth.inter_collision, cloth.meets});
+    cloths_.push_back({asset, material_at(cloth, 0), start, cloth.self_collision, cloth.inter_collision, cloth.meets});
     std::vector<Vec3> begins = asset->rest_position;
     for (Vec3& p : begins) p = apply(start, p);
     if (skins_[c]) {
@@ -184,7 +184,7 @@ Simulation::Simulation(Scene scene, SolverSettings settings, const BodyReader& b
   for (uint32_t c = 0; c < scene_.cloths.size(); ++c) {
     const SceneCloth& cloth = scene_.cloths[c];
     if (!cloth.motion.empty()) solver_->set_parent(c, pose_at(cloth.motion, 0), cloth.inertia_scale);
-    solver_->set_pressure(c, cloth.pressure);
+    solver_->set_pressure(c, pressure_at(cloth, 0));
   }
 }
 
@@ -494,6 +494,11 @@ void Simulation::step() {
   if (scene_.wind && !scene_.wind_motion.empty()) solver_->set_wind(wind_at(scene_, time()));
   for (uint32_t c = 0; c < scene_.cloths.size(); ++c) {
     const SceneCloth& cloth = scene_.cloths[c];
+    if (!cloth.material_motion.empty()) {
+      cloths_[c].material = material_at(cloth, time());
+      solver_->set_material(c, cloths_[c].material);
+    }
+    if (!cloth.pressure_motion.empty()) solver_->set_pressure(c, pressure_at(cloth, time()));
     if (cloth.motion.empty()) continue;
     solver_->set_parent(c, pose_at(cloth.motion, time()), cloth.inertia_scale, teleports(cloth.motion, start, time()));
   }

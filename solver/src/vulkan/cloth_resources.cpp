@@ -2,6 +2,7 @@
 #include "vulkan/cloth_resources.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "vulkan/upload.h"
 
@@ -21,20 +22,23 @@ Image make_image(const std::shared_ptr<const Context>& context, const ClothData&
   return {context, {.format = format, .extent = {data.width, data.height}, .usage = usage}};
 }
 
-template <typename T>
-size_t bytes_of(const std::vector<T>& values) {
-  return values.size() * sizeof(T);
-}
+/// [bytes] Of the buffers of which a cut, or another material, may make other ones; after any cut.
+struct Lengths {
+  Lengths(const ClothData& data, bool with_multipliers)
+      : attachments(data.attachments ? sizeof(shader::Attachment) * data.pixel_count() : 0),
+        seam_springs(sizeof(shader::SeamSpring) * data.most_seam_springs),
+        split_pixel(sizeof(uint32_t) * data.split_pixel.size()),
+        self_points(sizeof(shader::SelfPoint) * data.self.most_points),
+        self_words(sizeof(uint32_t) * data.self.most_words) {
+    // One for each spring component of each pixel and one for each seam bend.
+    const size_t components = size_t{shader::kSpringComponents} * data.pixel_count() + data.most_seam_springs;
+    if (with_multipliers) multipliers = sizeof(float) * components;
+    // Cuts may part a row, but one has at least two copies.
+    if (!data.split_pixel.empty()) split_offset = sizeof(uint32_t) * (data.split_pixel.size() / 2 + 1);
+  }
 
-/// One multiplier for each spring component of each pixel and one for each seam bend.
-size_t multiplier_bytes(const ClothData& data) {
-  return sizeof(float) * (size_t{shader::kSpringComponents} * data.pixel_count() + data.most_seam_springs);
-}
-
-/// Cuts may part a row, but one has at least two copies.
-size_t most_split_offsets(const ClothData& data) {
-  return data.split_pixel.empty() ? 0 : data.split_pixel.size() / 2 + 1;
-}
+  size_t multipliers = 0, attachments, seam_springs, split_offset = 0, split_pixel, self_points, self_words;
+};
 
 }  // namespace
 
@@ -56,16 +60,17 @@ ClothResources::ClothResources(const std::shared_ptr<const Context>& context, co
       offset(context, {.format = vk::Format::eR32G32B32A32Sfloat,
                        .extent = fine ? vk::Extent2D{data.width, data.height} : vk::Extent2D{1, 1},
                        .usage = kStateUsage}),
-      multipliers(storage_buffer(context, with_multipliers ? multiplier_bytes(data) : 0)),
-      attachments(storage_buffer(context, data.attachments ? sizeof(shader::Attachment) * data.pixel_count() : 0)),
-      seam_springs(storage_buffer(context, data.most_seam_springs * sizeof(shader::SeamSpring))),
-      split_offset(storage_buffer(context, most_split_offsets(data) * sizeof(uint32_t))),
-      split_pixel(storage_buffer(context, bytes_of(data.split_pixel))),
+      multipliers(storage_buffer(context, Lengths(data, with_multipliers).multipliers)),
+      attachments(storage_buffer(context, Lengths(data, with_multipliers).attachments)),
+      seam_springs(storage_buffer(context, Lengths(data, with_multipliers).seam_springs)),
+      split_offset(storage_buffer(context, Lengths(data, with_multipliers).split_offset)),
+      split_pixel(storage_buffer(context, Lengths(data, with_multipliers).split_pixel)),
       measures(context, sizeof(uint32_t) * shader::kMeasureCount, BufferUsage::eStorageBuffer, Memory::readback),
       inverse_mass(storage_buffer(context, sizeof(float) * data.pixel_count())),
-      self_points(storage_buffer(context, sizeof(shader::SelfPoint) * data.self.most_points)),
-      self_words(storage_buffer(context, sizeof(uint32_t) * data.self.most_words)),
-      pin_of_pixel(storage_buffer(context, path != SolverPath::plain ? sizeof(uint32_t) * data.pixel_count() : 0)) {
+      self_points(storage_buffer(context, Lengths(data, with_multipliers).self_points)),
+      self_words(storage_buffer(context, Lengths(data, with_multipliers).self_words)),
+      pin_of_pixel(storage_buffer(context, path != SolverPath::plain ? sizeof(uint32_t) * data.pixel_count() : 0)),
+      with_multipliers_(with_multipliers) {
   Upload upload(context);
   if (path == SolverPath::tiled) {
     scratch.emplace(ScratchImages{make_image(context, data, kRestUsage), make_image(context, data, kRestUsage),
@@ -93,13 +98,25 @@ void ClothResources::add_topology(Upload& upload, const ClothData& data) const {
   upload.to_buffer(self_words, std::span(data.self.words));
 }
 
-void ClothResources::upload_topology(const std::shared_ptr<const Context>& context, const ClothData& data) {
+bool ClothResources::upload_topology(const std::shared_ptr<const Context>& context, const ClothData& data) {
+  const Lengths lengths(data, with_multipliers_);
+  bool grown = false;
+  for (const auto& [buffer, length] :
+       {std::pair{&multipliers, lengths.multipliers}, std::pair{&attachments, lengths.attachments},
+        std::pair{&seam_springs, lengths.seam_springs}, std::pair{&split_offset, lengths.split_offset},
+        std::pair{&split_pixel, lengths.split_pixel}, std::pair{&self_points, lengths.self_points},
+        std::pair{&self_words, lengths.self_words}}) {
+    if (buffer->size() >= length) continue;
+    *buffer = storage_buffer(context, length);
+    grown = true;
+  }
   split_rows = data.split_rows();
   seam_color_offset = data.seam_color_offset;
   self = data.self.numbers;
   Upload upload(context);
   add_topology(upload, data);
   upload.run();
+  return grown;
 }
 
 size_t ClothResources::memory_bytes() const {

@@ -24,9 +24,10 @@ struct ClothResources {
   ClothResources(const std::shared_ptr<const Context>& context, const ClothData& data, bool multipliers, bool fine,
                  SolverPath path);
 
-  /// Replaces springs, cells, bends over seams and copies by those of the same cloth after a cut; waits. The device
-  /// must be done with the cloth.
-  void upload_topology(const std::shared_ptr<const Context>& context, const ClothData& data);
+  /// Replaces springs, cells, bends over seams and copies by those of the same cloth after a cut, or of another
+  /// material; waits. The device must be done with the cloth.
+  /// @return whether a buffer is another one now, because it has to hold more
+  bool upload_topology(const std::shared_ptr<const Context>& context, const ClothData& data);
 
   [[nodiscard]] uint32_t pixel_count() const { return width * height; }
   [[nodiscard]] size_t memory_bytes() const;
@@ -43,7 +44,7 @@ struct ClothResources {
   std::array<Image, 3> springs;
   Image cell;
   Image offset;  ///< one pixel without ClothParams::fine
-  /// As long as they can get: cuts leave fewer bends and copies, but make two rows of one that has four copies.
+  /// As long as cuts can make them: they leave fewer bends and copies, but make two rows of one that has four copies.
   Buffer multipliers, attachments, seam_springs, split_offset, split_pixel;
   Buffer measures;  ///< host-visible, kMeasureCount words
   Buffer inverse_mass;
@@ -53,6 +54,8 @@ struct ClothResources {
 
  private:
   void add_topology(Upload& upload, const ClothData& data) const;
+
+  bool with_multipliers_;
 };
 
 }  // namespace geocloth::vulkan

@@ -128,11 +128,17 @@ VulkanBackend::VulkanBackend(std::shared_ptr<const Context> context, SimulationD
     drop_uploaded(cloth);
   }
   take_parts();
-  for (size_t i = 0; i < kSlots; ++i)
-    slots_.push_back(std::make_unique<Slot>(context_, kernels_, tile_kernels_, cloths_, inter_.get()));
+  make_slots();
   std::vector<uint32_t> all(cloths_.size());
   std::iota(all.begin(), all.end(), 0U);
   compute_normals(all);
+}
+
+/// Anew where buffers of cloths are other ones.
+void VulkanBackend::make_slots() {
+  slots_.clear();
+  for (size_t i = 0; i < kSlots; ++i)
+    slots_.push_back(std::make_unique<Slot>(context_, kernels_, tile_kernels_, cloths_, inter_.get()));
 }
 
 VulkanBackend::Recipe VulkanBackend::recipe_of(const FrameInput& frame) const {
@@ -374,18 +380,19 @@ void VulkanBackend::shift(const Vec3& by) {
 }
 
 void VulkanBackend::replace_topology(uint32_t cloth, ClothData data) {
-  guarded("cut a cloth", [&] {
+  guarded("change a cloth", [&] {
     wait();
-    cloths_[cloth].upload_topology(context_, data);
+    const bool grown = cloths_[cloth].upload_topology(context_, data);
     drop_uploaded(data);
     data_.cloths[cloth] = std::move(data);
+    if (grown) make_slots();
     for (const std::unique_ptr<Slot>& slot : slots_) slot->recipe = {};  // lists have other lengths
     compute_normals({cloth});
   });
 }
 
 void VulkanBackend::replace_inter(InterData inter) {
-  guarded("cut a cloth", [&] {
+  guarded("change a cloth", [&] {
     wait();
     inter_->upload(context_, inter);
     take_parts();

@@ -28,7 +28,15 @@ struct Material {
   float stiffness = -1.F;       ///< 0..1 share of a structural or shear spring's error that one projection removes
   float bend_stiffness = -1.F;  ///< 0..1 the same for springs over two pixels, in place of the bending rigidity
   float verlet_damping = -1.F;  ///< Zeller's k, 0..1: x + k (x - x_prev)
+  bool operator==(const Material&) const = default;
 };
+
+/// A material on the way from one to another. What both have above 0 changes in proportion (half-way from 1 to 100 is
+/// 10), so that stiffnesses of other orders of magnitude are passed through evenly, and what one has as 0 in equal
+/// steps. What one leaves to the solver (below 0), and a largest speed or stretch that one does not have, changes at
+/// the end.
+/// @param t  0: a, 1: b; clamped
+[[nodiscard]] Material mix(const Material& a, const Material& b, float t);
 
 /// A measured fabric.
 struct MaterialPreset {

@@ -110,9 +110,22 @@ struct SceneMesh {
   std::optional<BodyAnimation> animation = {};  ///< not set: the body keeps the shape that it has in the file
 };
 
+/// A keyframe of what a cloth is made of: between keys it is as mix() has it, held before the first and after the last.
+struct MaterialKey {
+  double time = 0;  ///< [s], ascending
+  Material material = {};
+};
+
+/// A keyframe of Solver::set_pressure, which is linear between keys and held before the first and after the last.
+struct PressureKey {
+  double time = 0;     ///< [s], ascending
+  float pressure = 0;  ///< [Pa]
+};
+
 struct SceneCloth {
   std::filesystem::path asset;  ///< resolved against the scene file's folder
   Material material;
+  std::vector<MaterialKey> material_motion;  ///< in place of `material`; empty: it stays
   Transform transform;
   Motion motion;  ///< of the parent: the cloth starts at motion(0) * transform; pins with follow "cloth" take part
   Vec3 inertia_scale{1, 1, 1};  ///< see Solver::set_parent
@@ -124,8 +137,9 @@ struct SceneCloth {
   std::optional<InterCollision> inter_collision = {};  ///< see ClothDesc
   uint32_t meets = ~uint32_t{0};                       ///< see ClothDesc
   std::vector<SceneCut> cuts;
-  float pressure = 0;  ///< [Pa] see Solver::set_pressure
-  float tear = 0;      ///< above 1: the stretch that it tears at, see Solver::tear; 0: never
+  float pressure = 0;                        ///< [Pa] see Solver::set_pressure
+  std::vector<PressureKey> pressure_motion;  ///< in place of `pressure`; empty: it stays
+  float tear = 0;                            ///< above 1: the stretch that it tears at, see Solver::tear; 0: never
 };
 
 /// Reads the triangles of a body, in the file's coordinates [m].
@@ -189,6 +203,12 @@ struct Scene {
 /// Hangs one asset for 120 frames, see WhereHanger.
 [[nodiscard]] Scene default_scene(const std::filesystem::path& asset);
 
+/// What a cloth is made of at a time [s].
+[[nodiscard]] Material material_at(const SceneCloth& cloth, double time);
+
+/// [Pa] What presses on a cloth at a time [s].
+[[nodiscard]] float pressure_at(const SceneCloth& cloth, double time);
+
 /// The wind of a scene that has one, at a time [s].
 [[nodiscard]] Wind wind_at(const Scene& scene, double time);
 
@@ -234,7 +254,8 @@ class Simulation {
   [[nodiscard]] uint32_t frame() const { return frame_; }  ///< frames done
   [[nodiscard]] double time() const;                       ///< [s]
   [[nodiscard]] const Scene& scene() const { return scene_; }
-  /// Their assets are the solver's: a cut gives a cloth another one, see Solver::asset.
+  /// Their assets and materials are the solver's: a cut gives a cloth another one, see Solver::asset, and keys another
+  /// material.
   [[nodiscard]] const std::vector<ClothDesc>& cloths() const { return cloths_; }
   [[nodiscard]] std::vector<Collider> colliders() const;  ///< at time()
   [[nodiscard]] Solver& solver() { return *solver_; }

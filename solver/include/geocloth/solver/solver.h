@@ -171,6 +171,15 @@ class Solver {
   /// volume is; a gas that is shut in loses pressure as it grows, which is for the caller to say. 0 for a new cloth.
   void set_pressure(uint32_t cloth, float pressure);
 
+  /// Makes a cloth of another material, from the next step on: it stays where it is and as fast as it is, also where it
+  /// is heavier or lighter by then. Springs that are stretched and become stiffer pull at once as they pull from then
+  /// on; mix() between two materials, a little further in every frame, is what takes that without a jerk. Where no more
+  /// than damping, thickness, friction, max_speed, verlet_damping or a max_stretch changes it costs nothing; else it
+  /// waits for the device and makes the springs anew, about 0.5 us a point. @throws
+  /// Error(invalid_argument)
+  void set_material(uint32_t cloth, const Material& material);
+  [[nodiscard]] const Material& material(uint32_t cloth) const;
+
   /// From the next step on a cloth meets the colliders that are in one of these groups (bits), and no others: a cape
   /// may pass through the arms of its wearer, and each of many characters have its own. A cloth moves as if the others
   /// did not exist, and costs as much. Pins may follow colliders that their cloth does not meet.
@@ -223,13 +232,13 @@ class Solver {
   [[nodiscard]] std::vector<std::byte> save();
   /// The same into bytes that are there, whose memory is used again.
   void save(std::vector<std::byte>& state);
-  /// Puts everything back as it was: cloths, pins, parents, colliders, wind, gravity, time step, sleep; and cuts: those
-  /// made since are undone, those undone are made again. For the solver that was saved and for any other one that was
-  /// made with equal ClothDescs and settings; backend, threads, path, timings and check_copies may differ (bits then
-  /// agree as far as those of backends do). Bodies of triangles have to be among the present colliders, under any name
-  /// and at any place: call set_colliders() with them first. Waits for the device. Bytes are good for the version of
-  /// the library that wrote them, on machines with the same order of bytes, and are checked in full: those that are
-  /// damaged or come from elsewhere are refused or give a state that is safe, if wrong.
+  /// Puts everything back as it was: cloths, materials, pins, parents, colliders, wind, gravity, time step, sleep; and
+  /// cuts: those made since are undone, those undone are made again. For the solver that was saved and for any other
+  /// one that was made with equal ClothDescs and settings; materials, backend, threads, path, timings and check_copies
+  /// may differ (bits then agree as far as those of backends do). Bodies of triangles have to be among the present
+  /// colliders, under any name and at any place: call set_colliders() with them first. Waits for the device. Bytes are
+  /// good for the version of the library that wrote them, on machines with the same order of bytes, and are checked in
+  /// full: those that are damaged or come from elsewhere are refused or give a state that is safe, if wrong.
   /// @throws Error(invalid_data) for bytes that do not fit, and leaves the solver as it is
   void restore(std::span<const std::byte> state);
 
