@@ -411,6 +411,22 @@ TEST_F(SessionTest, wind_that_is_set_goes_before_the_keys_of_the_scene) {
   EXPECT_EQ(session.wind().velocity.z, -1);
 }
 
+// Sliders of the panel: what is set goes before the keys of the scene, and stays when it begins anew.
+TEST_F(SessionTest, a_material_that_is_set_stays) {
+  Material heavy;
+  heavy.areal_density = 2;
+  setup_.scene.cloths[0].material_motion = {{0, {}}, {1, find_material_preset("denim")->material}};
+  Session session(setup_, kSize);
+  play(session, 5);
+  EXPECT_NE(session.simulation().solver().material(0).areal_density, Material{}.areal_density);
+  session.set_material(0, heavy);
+  play(session, 5);
+  EXPECT_TRUE(session.simulation().solver().material(0) == heavy);
+  session.restart();
+  play(session, 5);
+  EXPECT_TRUE(session.simulation().solver().material(0) == heavy);
+}
+
 TEST_F(SessionTest, goes_along_with_a_garment_that_nothing_holds) {
   setup_.scene.cloths[0].pins.clear();
   setup_.scene.colliders.clear();

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include <backends/imgui_impl_glfw.h>
 #include <fmt/format.h>
@@ -131,6 +134,71 @@ void lay_out_forces(Session& session) {
   session.set_wind(wind);
 }
 
+/// A name in a list of these; none is chosen where it is not among them.
+/// @return the new choice, if there is one
+std::optional<size_t> choose(const char* label, const std::vector<std::string>& names, std::optional<size_t> chosen) {
+  std::optional<size_t> picked;
+  if (!ImGui::BeginCombo(label, chosen ? names[*chosen].c_str() : "")) return picked;
+  for (size_t i = 0; i < names.size(); ++i)
+    if (ImGui::Selectable(names[i].c_str(), chosen == i)) picked = i;
+  ImGui::EndCombo();
+  return picked;
+}
+
+bool lay_out_preset(Material& material) {
+  std::vector<std::string> names;
+  std::optional<size_t> chosen;
+  for (const MaterialPreset& preset : material_presets()) {
+    if (preset.material == material) chosen = names.size();
+    names.emplace_back(preset.name);
+  }
+  const std::optional<size_t> picked = choose("preset", names, chosen);
+  if (picked) material = material_presets()[*picked].material;
+  return picked.has_value();
+}
+
+/// A slider of a material's number; what is typed is held to its ends, too.
+struct MaterialSlider {
+  const char* label;
+  float Material::*value;
+  float least, most;  ///< in units that are shown
+  const char* format;
+  float unit = 1;         ///< that is shown, in those of the material
+  bool by_orders = true;  ///< of magnitude
+};
+constexpr std::array kMaterialSliders{
+    MaterialSlider{"density", &Material::areal_density, 0.01F, 5, "%.3f kg/m2"},
+    MaterialSlider{"stretch warp", &Material::stretch_warp, 0.1F, 1e5F, "%.1f N/m"},
+    MaterialSlider{"stretch weft", &Material::stretch_weft, 0.1F, 1e5F, "%.1f N/m"},
+    MaterialSlider{"shear", &Material::shear, 0.1F, 1e4F, "%.1f N/m"},
+    MaterialSlider{"bend warp", &Material::bend_warp, 0.1F, 1e5F, "%.1f uN m", 1e-6F},
+    MaterialSlider{"bend weft", &Material::bend_weft, 0.1F, 1e5F, "%.1f uN m", 1e-6F},
+    MaterialSlider{"damping", &Material::damping, 0, 10, "%.2f 1/s", 1, false},
+    MaterialSlider{"friction", &Material::friction, 0, 2, "%.2f", 1, false},
+    MaterialSlider{"thickness", &Material::thickness, 0, 20, "%.1f mm", 1e-3F, false}};
+
+/// @param cloth  whose material is shown; may be chosen anew
+void lay_out_material(Session& session, uint32_t& cloth) {
+  if (!ImGui::CollapsingHeader("material")) return;
+  const std::vector<SceneCloth>& cloths = session.scene().cloths;
+  if (cloths.size() > 1) {
+    std::vector<std::string> names;
+    for (size_t c = 0; c < cloths.size(); ++c)
+      names.push_back(fmt::format("{} {}", c, cloths[c].asset.stem().string()));
+    cloth = static_cast<uint32_t>(choose("cloth", names, cloth).value_or(cloth));
+  }
+  Material material = session.simulation().solver().material(cloth);
+  bool changed = lay_out_preset(material);
+  for (const MaterialSlider& s : kMaterialSliders) {
+    const ImGuiSliderFlags flags = ImGuiSliderFlags_AlwaysClamp | (s.by_orders ? ImGuiSliderFlags_Logarithmic : 0);
+    float value = material.*s.value / s.unit;
+    if (!ImGui::SliderFloat(s.label, &value, s.least, s.most, s.format, flags)) continue;
+    material.*s.value = s.unit * (std::isfinite(value) ? value : s.least);
+    changed = true;
+  }
+  if (changed) session.set_material(cloth, material);
+}
+
 void lay_out_controls() {
   if (!ImGui::CollapsingHeader("mouse and keys")) return;
   for (const auto& [hand, what] : kControls) {
@@ -203,6 +271,7 @@ const ImDrawData& Panel::lay_out(Session& session) {
       lay_out_display(session);
       ImGui::Separator();
       lay_out_forces(session);
+      lay_out_material(session, cloth_);
       lay_out_controls();
       if (!session.note().empty()) {
         ImGui::Separator();

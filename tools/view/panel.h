@@ -23,6 +23,9 @@ class Panel {
   /// Shows what the session does and does to it what the user asks for.
   /// @return valid until the next call
   const ImDrawData& lay_out(Session& session);
+
+ private:
+  uint32_t cloth_ = 0;  ///< whose material is shown
 };
 
 }  // namespace geocloth::view

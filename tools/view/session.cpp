@@ -145,6 +145,12 @@ void Session::set_wind(const Wind& wind) {
   scene_.wind_motion.clear();
 }
 
+void Session::set_material(uint32_t cloth, const Material& material) {
+  simulation_->set_material(cloth, material);
+  scene_.cloths[cloth].material = material;
+  scene_.cloths[cloth].material_motion.clear();
+}
+
 void Session::set_gravity(const Vec3& gravity) {
   simulation_->solver().set_gravity(gravity);
   scene_.gravity = gravity;

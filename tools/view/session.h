@@ -65,13 +65,14 @@ class Session {
   void resize(const PictureSize& size) { size_ = size; }
   /// Plays what is due after so much real time [s]. @throws Error naming the scene and the frame
   void advance(double seconds);
-  /// Begins the scene anew, with the wind, gravity and substeps that are set. What cannot be read any more is said in
-  /// note(), and the scene goes on.
+  /// Begins the scene anew, with the materials, wind, gravity and substeps that are set. What cannot be read any more
+  /// is said in note(), and the scene goes on.
   void restart();
   void frame_all();
 
   void set_playing(bool playing);
   void set_wind(const Wind& wind);
+  void set_material(uint32_t cloth, const Material& material);
   void set_gravity(const Vec3& gravity);
   /// @param substeps  1..256
   void set_substeps(uint32_t substeps);

@@ -468,6 +468,12 @@ void Simulation::set_wind(const Wind& wind) {
   scene_.wind_motion.clear();
 }
 
+void Simulation::set_material(uint32_t cloth, const Material& material) {
+  solver_->set_material(cloth, material);
+  cloths_[cloth].material = scene_.cloths[cloth].material = material;
+  scene_.cloths[cloth].material_motion.clear();
+}
+
 /// The cuts between the beginning of the last frame and that of the next one.
 void Simulation::cut(double start) {
   constexpr double kSameTime = 1e-9;  // [s] what a time loses as a decimal
