@@ -282,12 +282,12 @@ inline bool self_is_thin(SelfSet set, SelfRoom room, SelfPoint a, SelfPoint b) {
   return self_rest_distance(a, b) < self_pair_distance(set, room, a, b);
 }
 
-// Adds the points in a bucket that may touch this one to its list of `count`.
-inline uint self_find_in(SelfSet set, SelfRoom room, uint point, uint count, vec3 at, SelfCell cell, uint bucket) {
+// Adds the points of a layer in a cell that may touch this one to its list of `count`. Layers may share a bucket, too.
+inline uint self_find_in(SelfSet set, SelfRoom room, uint point, uint count, vec3 at, SelfCell cell, uint layer) {
   SelfPoint own = self_point(set, point);
   precise float reach2 = room.reach * room.reach;
   uint found = count;
-  uint other = self_word(set, self_head_word(room, bucket));
+  uint other = self_word(set, self_head_word(room, self_hash(room, cell, layer)));
   while (other != kSelfNone) {
     vec3 there = self_seen(set, room, other);
     vec3 d = there - at;
@@ -296,7 +296,9 @@ inline uint self_find_in(SelfSet set, SelfRoom room, uint point, uint count, vec
       float reach = self_pair_reach(set, room, own, neighbor);
       precise float pair2 = reach * reach;
       bool thin = self_is_thin(set, room, own, neighbor);
-      if (dot3(d, d) < pair2) found = self_keep(set, room, point, found, at, thin ? other | kSelfThinBit : other);
+      bool of_layer = self_layer(set, neighbor) == layer;
+      if (of_layer && dot3(d, d) < pair2)
+        found = self_keep(set, room, point, found, at, thin ? other | kSelfThinBit : other);
     }
     other = self_word(set, self_next_word(room, other));
   }
@@ -323,7 +325,7 @@ inline void self_find(SelfSet set, SelfRoom room, uint point) {
       if (filled / kSelfBucketPoint > room.most_in_bucket || layers == 0u) continue;
       for (uint layer = 0u; layer < kInterLayers; ++layer) {
         if ((layers >> layer & 1u) == 0u) continue;
-        count = self_find_in(set, room, point, count, at, cell, self_hash(room, cell, layer));
+        count = self_find_in(set, room, point, count, at, cell, layer);
       }
     }
     self_sort(set, room, point, count);

@@ -131,6 +131,31 @@ TEST(InterCollision, ThreadsAndPathsGiveTheSameBits) {
   EXPECT_EQ(play(2, SolverPath::plain), first);
 }
 
+// Two layers of a cell may be in one bucket of the hash: their points were listed twice by whoever looked through both,
+// and pushed twice as hard. Which cells do depends on the place.
+TEST(InterCollision, NobodyIsPushedTwiceWhereverThreeClothsMeet) {
+  const auto ends_at = [](float place, SolverPath path) {
+    std::vector<ClothDesc> cloths;
+    for (const float y : {0.F, 0.4F, 0.8F})
+      cloths.push_back(meeting({.nx = 9, .ny = 9, .horizontal = true, .center = {place, y, 0.6F * place}}));
+    SolverSettings settings = cpu_settings();
+    settings.path = path;
+    settings.substeps = 2;
+    Solver solver(cloths, settings);
+    for (uint32_t c = 0; c < 3; ++c) {  // nearer than they keep
+      std::vector<Vec3> together = positions_of(solver, c);
+      for (Vec3& p : together) p.y = 0.04F * static_cast<float>(c);
+      solver.write_state(c, together, std::vector<Vec3>(together.size()));
+    }
+    run(solver, 1);
+    return std::array{positions_of(solver, 0), positions_of(solver, 1), positions_of(solver, 2)};
+  };
+  for (int k = 0; k < 60; ++k) {
+    const float place = 1.37F * static_cast<float>(k);
+    ASSERT_EQ(ends_at(place, SolverPath::plain), ends_at(place, SolverPath::automatic)) << place;
+  }
+}
+
 TEST(InterCollision, LayersThatStartNearerStayThere) {
   // A lining a millimetre inside: it must not be blown out to the distance.
   std::vector<ClothDesc> cloths{meeting(level_sheet(21, 0.4F, 0)), meeting(level_sheet(21, 0.4F, 0.001F))};
