@@ -33,6 +33,10 @@ TriangleTree::TriangleTree(std::span<const TriangleCorners> triangles) {
 }
 
 std::optional<uint32_t> TriangleTree::nearest(const Vec3d& p) const {
+  return nearest(p, {});
+}
+
+std::optional<uint32_t> TriangleTree::nearest(const Vec3d& p, const MayTake& may_take) const {
   if (nodes_.empty()) return {};
   const auto away = [&](const Node& node) { return outside(node.box, p); };
   double least = std::numeric_limits<double>::infinity();
@@ -47,6 +51,7 @@ std::optional<uint32_t> TriangleTree::nearest(const Vec3d& p) const {
       const Vec3d d = p - closest_on_triangle(t.corners, p);
       const double square = dot(d, d);
       if (square > least || (square == least && found < t.index)) continue;
+      if (may_take && !may_take(t.index)) continue;
       least = square;
       found = t.index;
     }

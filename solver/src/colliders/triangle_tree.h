@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -18,6 +19,9 @@ class TriangleTree {
 
   /// By number, the lowest of several; none where there is none with an area.
   [[nodiscard]] std::optional<uint32_t> nearest(const Vec3d& p) const;
+  /// Of those that may be taken, by number.
+  using MayTake = std::function<bool(uint32_t)>;
+  [[nodiscard]] std::optional<uint32_t> nearest(const Vec3d& p, const MayTake& may_take) const;
 
  private:
   struct Indexed {

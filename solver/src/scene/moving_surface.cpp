@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "colliders/closest.h"
+#include "colliders/beside_triangle.h"
 #include "colliders/surface_bounds.h"
 #include "colliders/triangle_tree.h"
 #include "geocloth/asset/error.h"
@@ -18,15 +18,6 @@ namespace geocloth {
 namespace {
 
 constexpr uint32_t kNodes = 300'000;  ///< of the first field, about: one is made for every frame
-
-/// Orthonormal axes of a triangle.
-struct Axes {
-  Vec3d along, across, normal;
-};
-Axes axes_of(const TriangleCorners& t) {
-  const Vec3d along = unit(t.b - t.a, {}), normal = unit(cross(t.b - t.a, t.c - t.a), {});
-  return {along, cross(normal, along), normal};
-}
 
 }  // namespace
 
@@ -79,11 +70,8 @@ std::vector<SurfacePlace> MovingSurface::places_on(const std::vector<Vec3>& posi
       places.emplace_back();
       continue;
     }
-    const TriangleCorners& t = corners[*best];
-    const Vec3d nearest = closest_on_triangle(t, p), away = p - nearest, share = corner_shares(t, nearest);
-    const Axes axes = axes_of(t);
-    places.push_back(
-        {*best, to_float(share), to_float({dot(away, axes.along), dot(away, axes.across), dot(away, axes.normal)})});
+    const PlaceBeside beside = place_beside(corners[*best], p);
+    places.push_back({*best, to_float(beside.corner_share), to_float(beside.off)});
   }
   return places;
 }
@@ -107,10 +95,7 @@ std::optional<std::vector<Vec3>> MovingSurface::carried_from_opening(std::span<c
 
 Vec3 MovingSurface::point_of(const SurfacePlace& place, const std::vector<Vec3>& position) const {
   const TriangleCorners t = corners_of(now_.triangle[place.triangle], position);
-  const Axes axes = axes_of(t);
-  return to_float(double{place.corner_share.x} * t.a + double{place.corner_share.y} * t.b +
-                  double{place.corner_share.z} * t.c + double{place.off.x} * axes.along +
-                  double{place.off.y} * axes.across + double{place.off.z} * axes.normal);
+  return to_float(point_beside(t, {to_double(place.corner_share), to_double(place.off)}));
 }
 
 Vec3 MovingSurface::normal_of(const SurfacePlace& place, const std::vector<Vec3>& position) const {

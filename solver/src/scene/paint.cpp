@@ -29,13 +29,13 @@ std::vector<float> paint_at(const ClothAsset& asset, PaintChannel channel, std::
   std::vector<float> values;
   values.reserve(pixels.size());
   for (const uint32_t p : pixels) {
-    const std::optional<SourceSurface::Place> place = surface.place_of(p);
+    const std::optional<RestSurface::Place> place = surface.place_of(p);
     if (!place) {
       values.push_back(1);
       continue;
     }
     const auto& [a, b, c] = place->triangle;
-    const Vec3d& share = place->corner_share;
+    const Vec3d& share = place->beside.corner_share;
     const double value = share.x * value_of(a) + share.y * value_of(b) + share.z * value_of(c);
     values.push_back(static_cast<float>(std::clamp(value, 0.0, 1.0)));  // shares on edges are off by rounding
   }

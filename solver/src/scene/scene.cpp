@@ -321,10 +321,24 @@ SceneMesh read_skin(const JsonReader& json, const std::filesystem::path& folder)
   return skin;
 }
 
+/// A file, or an object with one.
+SceneStart read_start(const JsonReader& json, const std::filesystem::path& folder) {
+  constexpr uint32_t kMostFrames = 100'000'000;
+  const JsonReader file = json.is_object() ? json.at("file") : json;
+  if (file.text().empty()) file.fail("must name a mesh file or a point cache");
+  SceneStart start{.file = folder / std::filesystem::path(file.text())};
+  if (!json.is_object()) return start;
+  json.expect_object({"file", "frame", "moving", "transform"});
+  if (json.has("frame")) start.frame = json.at("frame").count(0, kMostFrames);
+  if (json.has("moving")) start.moving = json.at("moving").boolean();
+  if (json.has("transform")) start.transform = read_transform(json.at("transform"));
+  return start;
+}
+
 SceneCloth read_cloth(const JsonReader& json, const std::filesystem::path& folder) {
   expect_no_placing(json);
-  json.expect_object({"asset", "material", "transform", "inertia_scale", "motion", "pins", "skin", "cuts", "tear",
-                      "pressure", "self_collision", "inter_collision", "collides_with", "ignores"});
+  json.expect_object({"asset", "material", "transform", "inertia_scale", "motion", "pins", "skin", "start", "cuts",
+                      "tear", "pressure", "self_collision", "inter_collision", "collides_with", "ignores"});
   SceneCloth cloth;
   const std::string asset = json.at("asset").text();
   if (asset.empty()) json.at("asset").fail("must name an asset file");
@@ -343,6 +357,7 @@ SceneCloth read_cloth(const JsonReader& json, const std::filesystem::path& folde
     for (const JsonReader& pin : json.at("pins").elements()) cloth.pins.push_back(read_pin(pin));
   }
   if (json.has("skin")) cloth.skin = read_skin(json.at("skin"), folder);
+  if (json.has("start")) cloth.start = read_start(json.at("start"), folder);
   if (json.has("tear")) {
     json.read("tear", cloth.tear);
     checked([&] { check_tear(cloth.tear, json.at("tear").where()); });

@@ -19,6 +19,7 @@
 #include "geocloth/solver/scene.h"
 #include "rest/upload.h"
 #include "scene/moving_surface.h"
+#include "scene/start.h"
 
 namespace geocloth {
 namespace {
@@ -144,7 +145,7 @@ Simulation::Simulation(Scene scene, SolverSettings settings, const BodyReader& b
   settings.sleep_time = scene_.sleep_time;
 
   std::map<std::filesystem::path, std::shared_ptr<const ClothAsset>> assets;
-  std::vector<std::optional<std::vector<Vec3>>> posed(scene_.cloths.size());  // as skins stand at the beginning
+  std::vector<std::optional<StartState>> posed_at(scene_.cloths.size());
   for (uint32_t c = 0; c < scene_.cloths.size(); ++c) {
     const SceneCloth& cloth = scene_.cloths[c];
     std::shared_ptr<const ClothAsset>& asset = assets[cloth.asset];
@@ -153,10 +154,8 @@ Simulation::Simulation(Scene scene, SolverSettings settings, const BodyReader& b
     cloths_.push_back({asset, material_at(cloth, 0), start, cloth.self_collision, cloth.inter_collision, cloth.meets});
     std::vector<Vec3> begins = asset->rest_position;
     for (Vec3& p : begins) p = apply(start, p);
-    if (skins_[c]) {
-      for_body(element(scene_, "cloths", c) + ".skin", [&] { posed[c] = skins_[c]->carried_from_opening(begins); });
-      if (posed[c]) begins = *posed[c];
-    }
+    posed_at[c] = posed(c, bodies, begins);
+    if (posed_at[c]) begins = posed_at[c]->position;
     for (size_t k = 0; k < cloth.pins.size(); ++k) {
       const ScenePin& pin = cloth.pins[k];
       PinSet set{c, pin, selected_pixels(scene_, c, k, *asset, start), {}, {}, false};
@@ -177,8 +176,8 @@ Simulation::Simulation(Scene scene, SolverSettings settings, const BodyReader& b
   hands_.resize(cloths_.size());
   torn_.resize(cloths_.size());
   solver_ = std::make_unique<Solver>(solver_of(scene_, cloths_, settings, make_solver));
-  for (uint32_t c = 0; c < posed.size(); ++c)
-    if (posed[c]) solver_->write_state(c, *posed[c], std::vector<Vec3>(posed[c]->size()));
+  for (uint32_t c = 0; c < posed_at.size(); ++c)
+    if (posed_at[c]) solver_->write_state(c, posed_at[c]->position, posed_at[c]->velocity);
   solver_->set_colliders(colliders_at(scene_, 0), true);
   if (scene_.wind) solver_->set_wind(wind_at(scene_, 0));
   for (uint32_t c = 0; c < scene_.cloths.size(); ++c) {
@@ -186,6 +185,24 @@ Simulation::Simulation(Scene scene, SolverSettings settings, const BodyReader& b
     if (!cloth.motion.empty()) solver_->set_parent(c, pose_at(cloth.motion, 0), cloth.inertia_scale);
     solver_->set_pressure(c, pressure_at(cloth, 0));
   }
+}
+
+/// As a start or a skin has it at the beginning.
+/// @param begins  [m] where the pixels are without
+std::optional<StartState> Simulation::posed(uint32_t cloth, const BodyReader& bodies,
+                                            std::span<const Vec3> begins) const {
+  std::optional<StartState> posed;
+  const std::string where = element(scene_, "cloths", cloth);
+  if (scene_.cloths[cloth].start) {
+    const SceneStart& start = *scene_.cloths[cloth].start;
+    for_body(where + ".start", [&] { posed = start_state(start, cloths_[cloth], bodies.vertices, scene_.frame_rate); });
+  } else if (skins_[cloth]) {
+    for_body(where + ".skin", [&] {
+      if (std::optional<std::vector<Vec3>> carried = skins_[cloth]->carried_from_opening(begins))
+        posed = StartState{std::move(*carried), std::vector<Vec3>(begins.size())};
+    });
+  }
+  return posed;
 }
 
 /// The bodies of colliders of shape "mesh", and the skins of cloths.

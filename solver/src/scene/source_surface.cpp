@@ -1,27 +1,79 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/source_surface.h"
 
+#include <algorithm>
+#include <utility>
+
 namespace geocloth {
 namespace {
 
-std::vector<TriangleCorners> corners_of_all(const SourceMesh& source) {
+std::vector<TriangleCorners> corners_of_all(std::span<const Vec3> position, const std::vector<Triangle>& triangles) {
   std::vector<TriangleCorners> corners;
-  corners.reserve(source.triangle.size());
-  for (const Triangle& t : source.triangle) corners.push_back(corners_of(t, source.position));
+  corners.reserve(triangles.size());
+  for (const Triangle& t : triangles) corners.push_back(corners_of(t, position));
   return corners;
+}
+
+/// [pixels] Squared, in the image.
+float squared_way(const ClothAsset& asset, uint32_t a, uint32_t b) {
+  const auto x = static_cast<float>(a % asset.width) - static_cast<float>(b % asset.width);
+  const auto y = static_cast<float>(a / asset.width) - static_cast<float>(b / asset.width);
+  return x * x + y * y;
 }
 
 }  // namespace
 
-SourceSurface::SourceSurface(const ClothAsset& asset)
-    : asset_(asset), corners_(corners_of_all(asset.source)), tree_(corners_) {}
+RestSurface::RestSurface(std::span<const Vec3> position, std::vector<Triangle> triangles, float spacing)
+    : triangles_(std::move(triangles)),
+      corners_(corners_of_all(position, triangles_)),
+      tree_(corners_),
+      spacing_(spacing) {}
 
-std::optional<SourceSurface::Place> SourceSurface::place_of(uint32_t pixel) const {
-  const Vec3d p = to_double(asset_.rest_position[pixel]);
-  const std::optional<uint32_t> nearest = tree_.nearest(p);
-  if (!nearest) return {};
-  const TriangleCorners& t = corners_[*nearest];
-  return Place{asset_.source.triangle[*nearest], corner_shares(t, closest_on_triangle(t, p))};
+double RestSurface::distance(const Vec3d& p, uint32_t triangle) const {
+  return length(p - closest_on_triangle(corners_[triangle], p));
+}
+
+std::optional<RestSurface::Place> RestSurface::place_of(const Vec3d& p, const TriangleTree::MayTake& may_take) const {
+  std::optional<uint32_t> found = tree_.nearest(p);
+  if (!found) return {};
+  if (!may_take(*found)) {
+    const std::optional<uint32_t> own = tree_.nearest(p, may_take);
+    if (own && distance(p, *own) <= distance(p, *found) + spacing_) found = own;
+  }
+  return Place{triangles_[*found], place_beside(corners_[*found], p)};
+}
+
+bool is_bound_near(const ClothAsset& asset, const Triangle& triangle, uint32_t pixel) {
+  constexpr float kBeside = 2;  // pixels
+  const std::vector<Vec3>& at = asset.source.position;
+  const float edge = std::max({length(at[triangle[1]] - at[triangle[0]]), length(at[triangle[2]] - at[triangle[1]]),
+                               length(at[triangle[0]] - at[triangle[2]])});
+  const float reach = kBeside + edge / asset.spacing;
+  return std::ranges::any_of(triangle, [&](uint32_t v) {
+    return std::ranges::any_of(asset.binding[v].pixel, [&](uint32_t bound) {
+      return asset.chart[bound] == asset.chart[pixel] && squared_way(asset, bound, pixel) <= reach * reach;
+    });
+  });
+}
+
+SourceSurface::SourceSurface(const ClothAsset& asset)
+    : asset_(asset),
+      row_of_pixel_(asset.pixel_count(), kNoPixel),
+      surface_(asset.source.position, asset.source.triangle, asset.spacing) {
+  for (uint32_t r = 0; r < asset.splits.rows(); ++r)
+    for (uint32_t k = asset.splits.offset[r]; k < asset.splits.offset[r + 1]; ++k)
+      row_of_pixel_[asset.splits.pixel[k]] = r;
+}
+
+std::optional<RestSurface::Place> SourceSurface::place_of(uint32_t pixel) const {
+  std::span<const uint32_t> copies(&pixel, 1);
+  if (const uint32_t row = row_of_pixel_[pixel]; row != kNoPixel) {
+    const std::vector<uint32_t>& offset = asset_.splits.offset;
+    copies = std::span(asset_.splits.pixel).subspan(offset[row], offset[row + 1] - offset[row]);
+  }
+  return surface_.place_of(to_double(asset_.rest_position[pixel]), [&](uint32_t t) {
+    return std::ranges::any_of(copies, [&](uint32_t p) { return is_bound_near(asset_, surface_.triangles()[t], p); });
+  });
 }
 
 }  // namespace geocloth

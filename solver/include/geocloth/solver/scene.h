@@ -122,6 +122,15 @@ struct PressureKey {
   float pressure = 0;  ///< [Pa]
 };
 
+/// How a cloth stands at the beginning, where that is not as it was converted.
+struct SceneStart {
+  std::filesystem::path file = {};     ///< a mesh or a point cache with the vertices that the asset was converted
+                                       ///< from, or with those of its welded grid mesh
+  std::optional<uint32_t> frame = {};  ///< of a point cache, from 0; not set: the last one
+  bool moving = false;                 ///< as fast as it goes there from the frame before
+  Transform transform = {};            ///< from the file's coordinates to the scene's
+};
+
 struct SceneCloth {
   std::filesystem::path asset;  ///< resolved against the scene file's folder
   Material material;
@@ -133,6 +142,9 @@ struct SceneCloth {
   /// The garment as an animation moves it, in the asset's coordinates after the mesh's transform: what pins with follow
   /// "skin" ride on. It need not be closed, and nothing collides with it.
   std::optional<SceneMesh> skin = {};
+  /// In place of where transform, motion and skin have it. Its shape at rest is the asset's; pins take hold of it
+  /// there.
+  std::optional<SceneStart> start = {};
   std::optional<SelfCollision> self_collision = {};    ///< see ClothDesc
   std::optional<InterCollision> inter_collision = {};  ///< see ClothDesc
   uint32_t meets = ~uint32_t{0};                       ///< see ClothDesc
@@ -155,10 +167,19 @@ struct MovingBody {
 };
 /// Of a mesh with an animation.
 using ReadMovingBody = std::function<MovingBody(const SceneMesh&)>;
-/// How the bodies of colliders of shape "mesh" are read.
+/// All vertices of a mesh in the order of their file, as they stand in a frame.
+struct PosedVertices {
+  std::vector<Vec3> position;       ///< [m]
+  std::vector<Vec3> before = {};    ///< [m] in the frame before; empty where there is none
+  std::optional<double> rate = {};  ///< [1/s] frames; not set: the file does not say
+};
+/// Of a start.
+using ReadVertices = std::function<PosedVertices(const SceneStart&)>;
+/// How what a scene names is read, but for assets.
 struct BodyReader {
   ReadSurface surface = read_asset_surface;
   ReadMovingBody moving = {};  ///< not set: scenes with animated bodies are refused
+  ReadVertices vertices = {};  ///< not set: scenes with cloths that have a start are refused
 };
 /// Makes the solver of a simulation, on a device of the application say (make_vulkan_solver).
 using MakeSolver = std::function<Solver(std::span<const ClothDesc>, const SolverSettings&)>;
@@ -238,6 +259,7 @@ struct SurfacePlace {
 };
 class MovingCollider;
 class MovingSurface;
+struct StartState;
 
 /// A scene being played: assets loaded, pins chosen, keyframes evaluated frame by frame. A cloth all of whose pins jump
 /// alike, by their own keys or by those of colliders that they follow, jumps with them (what hangs on the pins does).
@@ -303,6 +325,8 @@ class Simulation {
     std::vector<float> backstop = {};      ///< [m] its distance, of a pin that has one
   };
   void take_hold(PinSet& set, double start);
+  [[nodiscard]] std::optional<StartState> posed(uint32_t cloth, const BodyReader& bodies,
+                                                std::span<const Vec3> begins) const;
   void measure_distances(uint32_t cloth);
   void read_bodies(const BodyReader& bodies);
   void advance_bodies();
