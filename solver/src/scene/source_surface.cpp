@@ -16,8 +16,9 @@ std::vector<TriangleCorners> corners_of_all(std::span<const Vec3> position, cons
 
 /// [pixels] Squared, in the image.
 float squared_way(const ClothAsset& asset, uint32_t a, uint32_t b) {
+  const uint32_t row_a = a / asset.width, row_b = b / asset.width;
   const auto x = static_cast<float>(a % asset.width) - static_cast<float>(b % asset.width);
-  const auto y = static_cast<float>(a / asset.width) - static_cast<float>(b / asset.width);
+  const auto y = static_cast<float>(row_a) - static_cast<float>(row_b);
   return x * x + y * y;
 }
 
