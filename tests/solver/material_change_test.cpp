@@ -48,6 +48,13 @@ void play(Solver& solver, const ClothAsset& asset, int frames) {
   }
 }
 
+/// A strip of 1 m that hangs by its upper edge.
+constexpr uint32_t kStripRows = 21;
+const test::SheetOptions kStrip{.nx = 5, .ny = kStripRows, .width = 0.2F, .height = 1};
+void hang_up(Solver& solver, const ClothDesc& strip) {
+  solver.set_pins(0, test::pins_at_rest(*strip.asset, "top"));
+}
+
 class MaterialChange : public test::MachineTest<> {
  protected:
   [[nodiscard]] int frames() const { return machine().slow() ? 3 : 8; }
@@ -150,16 +157,15 @@ TEST_P(MaterialChange, AHangingStripIsAsLongAsItsMaterialMakesIt) {
     m->max_stretch = 0;
     m->damping = 12;
   }
-  const test::SheetOptions strip{.nx = 5, .ny = 21, .width = 0.2F, .height = 1};
-  const ClothDesc cloth = test::describe(test::make_sheet(strip), soft);
+  const ClothDesc cloth = test::describe(test::make_sheet(kStrip), soft);
   SolverSettings settings;
   settings.substeps = 64;
   Solver solver = make(cloth, settings);
-  solver.set_pins(0, test::pins_at_rest(*cloth.asset, "top"));
+  hang_up(solver, cloth);
   const auto hangs_by = [&](const Material& m) {
     test::run(solver, 150);
     const std::vector<Vec3> x = test::positions_of(solver);
-    const float far = x[test::sheet_pixel(strip, 2, 0)].y - x[test::sheet_pixel(strip, 2, 20)].y;
+    const float far = x[test::sheet_pixel(kStrip, 2, 0)].y - x[test::sheet_pixel(kStrip, 2, kStripRows - 1)].y;
     const float strain = m.areal_density * 9.81F / (2 * m.stretch_warp);
     EXPECT_NEAR(far - 1, strain, 0.03F * strain);
   };
@@ -175,12 +181,11 @@ TEST_P(MaterialChange, AttachmentsThatComeDoNotPullAtOnce) {
   Material slack = with(&Material::stretch_warp, 4), held = slack;
   slack.max_stretch = 0;
   held.max_stretch = 0.02F;
-  const test::SheetOptions strip{.nx = 5, .ny = 13, .width = 0.3F, .height = 1};
-  const ClothDesc cloth = test::describe(test::make_sheet(strip), slack);
+  const ClothDesc cloth = test::describe(test::make_sheet(kStrip), slack);
   SolverSettings settings;
   settings.substeps = 4;
   Solver solver = make(cloth, settings);
-  solver.set_pins(0, test::pins_at_rest(*cloth.asset, "top"));
+  hang_up(solver, cloth);
   test::run(solver, machine().slow() ? 12 : 40);
   const auto stretch = [&] { return measure_stretch(*cloth.asset, 1, test::positions_of(solver)).max; };
   const auto fastest = [&] {

@@ -639,13 +639,13 @@ TEST_F(Playing, PaintBetweenVerticesIsInProportion) {
 
 // Shares of a triangle's corners are off by rounding at its edges: a distance below 0 was refused by the solver.
 TEST_F(Playing, PaintIsNeverBelowBlackOrAboveWhite) {
-  ClothAsset asset = test::make_sheet({.nx = 3, .ny = 3});
+  ClothAsset asset = test::make_sheet({.nx = 20, .ny = 10});
   const Vec3 a{0.13F, 1.27F, -0.31F}, b{1.71F, -0.37F, 0.53F};
   asset.source.position = {a, b, {0.19F, 0.23F, 2.9F}};
   asset.source.triangle = {{0, 1, 2}};
   asset.source.source_vertex = {0, 1, 2};
   asset.paint = {{0, 255}, {0, 255}, {255, 0}};
-  std::vector<uint32_t> pixels(200);
+  std::vector<uint32_t> pixels(asset.pixel_count());
   std::iota(pixels.begin(), pixels.end(), 0U);
   asset.rest_position.clear();
   for (const uint32_t p : pixels) asset.rest_position.push_back(a + static_cast<float>(p) / 200 * (b - a));

@@ -22,8 +22,10 @@ Image make_image(const std::shared_ptr<const Context>& context, const ClothData&
   return {context, {.format = format, .extent = {data.width, data.height}, .usage = usage}};
 }
 
+}  // namespace
+
 /// [bytes] Of the buffers of which a cut, or another material, may make other ones; after any cut.
-struct Lengths {
+struct ClothResources::Lengths {
   Lengths(const ClothData& data, bool with_multipliers)
       : attachments(data.attachments ? sizeof(shader::Attachment) * data.pixel_count() : 0),
         seam_springs(sizeof(shader::SeamSpring) * data.most_seam_springs),
@@ -40,10 +42,12 @@ struct Lengths {
   size_t multipliers = 0, attachments, seam_springs, split_offset = 0, split_pixel, self_points, self_words;
 };
 
-}  // namespace
-
 ClothResources::ClothResources(const std::shared_ptr<const Context>& context, const ClothData& data,
                                bool with_multipliers, bool fine, SolverPath chosen_path)
+    : ClothResources(context, data, Lengths(data, with_multipliers), with_multipliers, fine, chosen_path) {}
+
+ClothResources::ClothResources(const std::shared_ptr<const Context>& context, const ClothData& data,
+                               const Lengths& lengths, bool with_multipliers, bool fine, SolverPath chosen_path)
     : path(chosen_path),
       width(data.width),
       height(data.height),
@@ -60,15 +64,15 @@ ClothResources::ClothResources(const std::shared_ptr<const Context>& context, co
       offset(context, {.format = vk::Format::eR32G32B32A32Sfloat,
                        .extent = fine ? vk::Extent2D{data.width, data.height} : vk::Extent2D{1, 1},
                        .usage = kStateUsage}),
-      multipliers(storage_buffer(context, Lengths(data, with_multipliers).multipliers)),
-      attachments(storage_buffer(context, Lengths(data, with_multipliers).attachments)),
-      seam_springs(storage_buffer(context, Lengths(data, with_multipliers).seam_springs)),
-      split_offset(storage_buffer(context, Lengths(data, with_multipliers).split_offset)),
-      split_pixel(storage_buffer(context, Lengths(data, with_multipliers).split_pixel)),
+      multipliers(storage_buffer(context, lengths.multipliers)),
+      attachments(storage_buffer(context, lengths.attachments)),
+      seam_springs(storage_buffer(context, lengths.seam_springs)),
+      split_offset(storage_buffer(context, lengths.split_offset)),
+      split_pixel(storage_buffer(context, lengths.split_pixel)),
       measures(context, sizeof(uint32_t) * shader::kMeasureCount, BufferUsage::eStorageBuffer, Memory::readback),
       inverse_mass(storage_buffer(context, sizeof(float) * data.pixel_count())),
-      self_points(storage_buffer(context, Lengths(data, with_multipliers).self_points)),
-      self_words(storage_buffer(context, Lengths(data, with_multipliers).self_words)),
+      self_points(storage_buffer(context, lengths.self_points)),
+      self_words(storage_buffer(context, lengths.self_words)),
       pin_of_pixel(storage_buffer(context, path != SolverPath::plain ? sizeof(uint32_t) * data.pixel_count() : 0)),
       with_multipliers_(with_multipliers) {
   Upload upload(context);

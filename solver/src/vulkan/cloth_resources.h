@@ -53,6 +53,9 @@ struct ClothResources {
   std::optional<ScratchImages> scratch;  ///< on the tiled path
 
  private:
+  struct Lengths;
+  ClothResources(const std::shared_ptr<const Context>& context, const ClothData& data, const Lengths& lengths,
+                 bool with_multipliers, bool fine, SolverPath chosen_path);
   void add_topology(Upload& upload, const ClothData& data) const;
 
   bool with_multipliers_;
