@@ -108,6 +108,14 @@ TEST_F(Starts, WhatIsOfNoUseIsNamed) {
   EXPECT_THAT(refused(R"({"file":"first.pc2","frame":0,"moving":true})"), HasSubstr("has no frame before"));
   EXPECT_THAT(refused(R"({"file":"first.obj","moving":true})"), HasSubstr("has no frame before"));
   EXPECT_THAT(refused(R"({"file":"first.obj","frame":1})"), HasSubstr("is a mesh; frames are for point caches"));
+  std::string jumps = read_text(folder_ / "first.pc2");
+  constexpr size_t kHeader = 32, kPoints = 81;
+  const float far = 9e5F;
+  for (size_t p = 0; p < kPoints; ++p)
+    jumps.replace(kHeader + 12 * (kPoints + p), 4, reinterpret_cast<const char*>(&far), 4);
+  folder_.write("jumps.pc2", jumps);
+  EXPECT_THAT(refused(R"({"file":"jumps.pc2","moving":true})"),
+              HasSubstr("jumps.pc2: the speed from the frame before"));
   EXPECT_THAT(refused(R"("missing.pc2")"), HasSubstr("missing.pc2"));
   EXPECT_THAT(refused(R"("missing.obj")"), HasSubstr("missing.obj"));
   EXPECT_THAT(refused(R"({"frame":1})"), HasSubstr("the key \"file\" is missing"));

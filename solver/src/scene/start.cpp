@@ -102,7 +102,10 @@ StartState start_state(const SceneStart& start, const ClothDesc& cloth, const Re
   }
   const std::vector<Vec3> before = pixels.positions(file.before);
   const auto rate = static_cast<float>(file.rate.value_or(frame_rate));
-  for (size_t p = 0; p < before.size(); ++p) state.velocity[p] = rate * (state.position[p] - before[p]);
+  for (size_t p = 0; p < before.size(); ++p) {
+    state.velocity[p] = rate * (state.position[p] - before[p]);
+    check_position(state.velocity[p], start.file.string() + ": the speed from the frame before");
+  }
   return state;
 }
 
