@@ -141,11 +141,12 @@ class Planner {
     for (const PassStep& step : schedule) add_step(step, substep);
   }
 
-  /// Of all steps so far.
+  /// Of the steps since the last one.
   void add_tiny_dispatch() {
     plan_.dispatches.push_back({.kind = Dispatch::Kind::tiny,
-                                .tile = {.first = 0, .count = step_count(), .keep_history = 0},
+                                .tile = {.first = dispatched_, .count = step_count() - dispatched_, .keep_history = 0},
                                 .name = "whole_frame"});
+    dispatched_ = step_count();
   }
 
   FramePlan take() { return std::move(plan_); }
@@ -197,6 +198,7 @@ class Planner {
   const ScheduleOptions& options_;
   const ClothLists& lists_;
   FramePlan plan_;
+  uint32_t dispatched_ = 0;  ///< steps
 };
 
 bool fits_tiny(const TileLimits& limits, const PathNeeds& needs) {
@@ -224,7 +226,8 @@ uint32_t tile_side(const TileLimits& limits, uint32_t border) {
   return std::min(kLargestSide, (region - 2 * border) / kSideStep * kSideStep);
 }
 
-FramePlan plan_frame(SolverPath path, const ScheduleOptions& options, uint32_t substeps, const ClothLists& lists) {
+FramePlan plan_frame(SolverPath path, const ScheduleOptions& options, uint32_t substeps, const ClothLists& lists,
+                     bool short_dispatches) {
   if (options.asleep) return {};
   Planner planner(options, lists);
   const std::vector<PassStep> substep = substep_schedule(options), finish = finish_schedule(options);
@@ -240,7 +243,10 @@ FramePlan plan_frame(SolverPath path, const ScheduleOptions& options, uint32_t s
       planner.add_passes(steps, s);
     }
   };
-  for (uint32_t s = 0; s < substeps; ++s) add(substep, s);
+  for (uint32_t s = 0; s < substeps; ++s) {
+    add(substep, s);
+    if (path == SolverPath::tiny && short_dispatches) planner.add_tiny_dispatch();
+  }
   add(finish, substeps - 1);
   if (path == SolverPath::tiny) {
     const auto in_group = std::ranges::find_if_not(end, runs_alone);

@@ -44,7 +44,7 @@ struct Dispatch {
   enum class Kind : uint8_t {
     pass,  ///< one step of the schedule over the images
     tile,  ///< several ones, tile by tile, from one set of images to the other
-    tiny   ///< all of a frame in one work group
+    tiny   ///< many of a frame, or all, in one work group
   };
   Kind kind = Kind::pass;
   PassStep step{};               ///< of a pass
@@ -69,7 +69,9 @@ struct ClothLists {
   std::span<const uint32_t> seam_color_offset;  ///< see ClothData
 };
 
+/// @param short_dispatches  tiny: one for each substep instead of one for the frame. Software devices need it: llvmpipe
+///   leaves all loops of an invocation once they have gone round 65,535 times together, and says nothing
 [[nodiscard]] FramePlan plan_frame(SolverPath path, const ScheduleOptions& options, uint32_t substeps,
-                                   const ClothLists& lists);
+                                   const ClothLists& lists, bool short_dispatches = false);
 
 }  // namespace geocloth::vulkan

@@ -116,6 +116,7 @@ VulkanBackend::VulkanBackend(std::shared_ptr<const Context> context, SimulationD
       kernels_(context_, data_.fine),
       tile_kernels_(context_, kernels_.set_layout()) {
   const TileLimits limits = tile_limits(*context_);
+  is_software_ = limits.software;
   cloths_.reserve(data_.cloths.size());
   if (!data_.inter.parts.empty()) inter_ = std::make_unique<InterResources>(context_, data_.inter);
   data_.inter = {};
@@ -178,7 +179,7 @@ void VulkanBackend::record(Slot& slot) {
   std::vector<FramePlan> plans;
   for (size_t c = 0; c < cloths_.size(); ++c) {
     plans.push_back(plan_frame(cloths_[c].path, slot.recipe.schedules[c], slot.recipe.schedules[c].substeps,
-                               {cloths_[c].split_rows, cloths_[c].seam_color_offset}));
+                               {cloths_[c].split_rows, cloths_[c].seam_color_offset}, is_software_));
     if (slot.tiles[c]) slot.tiles[c]->write_steps(plans[c].steps, cloths_[c]);
   }
   std::vector<Batch> batches = side_by_side(plans);

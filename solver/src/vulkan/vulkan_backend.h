@@ -79,6 +79,7 @@ class VulkanBackend final : public SolverBackend {
 
   std::shared_ptr<const Context> context_;
   SimulationData data_;  ///< without the arrays that are on the device
+  bool is_software_ = false;
   PassKernels kernels_;
   TileKernels tile_kernels_;
   std::vector<ClothResources> cloths_;

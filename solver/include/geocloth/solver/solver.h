@@ -56,7 +56,8 @@ enum class SolverPath : uint8_t {
               ///< device
   plain,      ///< pass by pass: the reference that the others are compared with
   tiled,      ///< vulkan: two dispatches for each substep of an uncut cloth; not with several relaxation steps
-  tiny        ///< vulkan: one dispatch for each frame, for cloths that fit into the memory of a work group
+  tiny        ///< vulkan: one dispatch for each frame (of a software device: substep), for cloths that fit into the
+              ///< memory of a work group
 };
 [[nodiscard]] const char* to_string(SolverPath path);
 
