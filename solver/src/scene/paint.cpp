@@ -29,7 +29,7 @@ std::vector<float> paint_at(const ClothAsset& asset, PaintChannel channel, std::
   std::vector<float> values;
   values.reserve(pixels.size());
   for (const uint32_t p : pixels) {
-    const std::optional<RestSurface::Place> place = surface.place_of(p);
+    const std::optional<RestPlace> place = surface.place_of(p);
     if (!place) {
       values.push_back(1);
       continue;

@@ -9,13 +9,16 @@
 
 namespace geocloth {
 
+PixelBinding::Place PixelBinding::place_at(uint32_t pixel, const RestPlace& place) {
+  return {pixel, place.triangle, to_float(place.beside.corner_share), to_float(place.beside.off)};
+}
+
 PixelBinding::PixelBinding(const ClothAsset& asset)
     : pixels_(asset.pixel_count()), points_(asset.source.position.size()) {
   const SourceSurface surface(asset);
   for (uint32_t p = 0; p < pixels_; ++p) {
     if (!asset.valid(p)) continue;
-    if (const auto place = surface.place_of(p))
-      places_.push_back({p, place->triangle, to_float(place->beside.corner_share), to_float(place->beside.off)});
+    if (const auto place = surface.place_of(p)) places_.push_back(place_at(p, *place));
   }
 }
 
@@ -31,8 +34,7 @@ PixelBinding::PixelBinding(const ClothAsset& asset, const ClothAsset& from)
     const auto place = grid.place_of(to_double(asset.rest_position[p]), [&](uint32_t t) {
       return !on_mesh || is_bound_near(from, on_mesh->triangle, grid.triangles()[t][0]);
     });
-    if (place)
-      places_.push_back({p, place->triangle, to_float(place->beside.corner_share), to_float(place->beside.off)});
+    if (place) places_.push_back(place_at(p, *place));
   }
 }
 

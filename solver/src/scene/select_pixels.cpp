@@ -264,7 +264,7 @@ class Selector {
     for (uint32_t p = 0; p < asset_.pixel_count(); ++p) {
       if (!asset_.valid(p) || taken_[p]) continue;
       const Vec3d x = to_double(asset_.rest_position[p]);
-      const std::optional<RestSurface::Place> place = surface.place_of(p);
+      const std::optional<RestPlace> place = surface.place_of(p);
       if (!place) return;
       std::vector<Vec3d> of_group;
       for (const uint32_t v : place->triangle)

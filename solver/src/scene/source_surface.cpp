@@ -34,14 +34,14 @@ double RestSurface::distance(const Vec3d& p, uint32_t triangle) const {
   return length(p - closest_on_triangle(corners_[triangle], p));
 }
 
-std::optional<RestSurface::Place> RestSurface::place_of(const Vec3d& p, const TriangleTree::MayTake& may_take) const {
+std::optional<RestPlace> RestSurface::place_of(const Vec3d& p, const TriangleTree::MayTake& may_take) const {
   std::optional<uint32_t> found = tree_.nearest(p);
   if (!found) return {};
   if (!may_take(*found)) {
     const std::optional<uint32_t> own = tree_.nearest(p, may_take);
     if (own && distance(p, *own) <= distance(p, *found) + spacing_) found = own;
   }
-  return Place{triangles_[*found], place_beside(corners_[*found], p)};
+  return RestPlace{triangles_[*found], place_beside(corners_[*found], p)};
 }
 
 bool is_bound_near(const ClothAsset& asset, const Triangle& triangle, uint32_t pixel) {
@@ -66,7 +66,7 @@ SourceSurface::SourceSurface(const ClothAsset& asset)
       row_of_pixel_[asset.splits.pixel[k]] = r;
 }
 
-std::optional<RestSurface::Place> SourceSurface::place_of(uint32_t pixel) const {
+std::optional<RestPlace> SourceSurface::place_of(uint32_t pixel) const {
   std::span<const uint32_t> copies(&pixel, 1);
   if (const uint32_t row = row_of_pixel_[pixel]; row != kNoPixel) {
     const std::vector<uint32_t>& offset = asset_.splits.offset;

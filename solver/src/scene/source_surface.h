@@ -11,19 +11,21 @@
 
 namespace geocloth {
 
+/// Where a point is at rest: beside a triangle.
+struct RestPlace {
+  Triangle triangle;
+  PlaceBeside beside;
+};
+
 /// Triangles of a garment at rest. Nearest may be what is far along the cloth: a lining, or what lies beyond a slit.
 class RestSurface {
  public:
   RestSurface(std::span<const Vec3> position, std::vector<Triangle> triangles, float spacing);
 
-  struct Place {
-    Triangle triangle;
-    PlaceBeside beside;
-  };
   /// On the nearest triangle that may be taken, or on the nearest one where that is nearer by more than a spacing.
   /// @param may_take  a triangle, by its number
   /// @return none where no triangle has an area
-  [[nodiscard]] std::optional<Place> place_of(const Vec3d& p, const TriangleTree::MayTake& may_take) const;
+  [[nodiscard]] std::optional<RestPlace> place_of(const Vec3d& p, const TriangleTree::MayTake& may_take) const;
 
   [[nodiscard]] const std::vector<Triangle>& triangles() const { return triangles_; }
 
@@ -43,7 +45,7 @@ class SourceSurface {
 
   /// Where a pixel lies at rest, on what is bound near it in the image, or near one of its copies, which lie at the
   /// same place. None where the mesh has no triangle with an area.
-  [[nodiscard]] std::optional<RestSurface::Place> place_of(uint32_t pixel) const;
+  [[nodiscard]] std::optional<RestPlace> place_of(uint32_t pixel) const;
 
  private:
   const ClothAsset& asset_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/start.h"
 
+#include <optional>
 #include <span>
 #include <sstream>
 #include <string>
@@ -29,7 +30,10 @@ class FilePixels {
       : start_(start), cloth_(cloth), by_grid_(points != cloth.asset->source.source_vertex_count) {
     const ClothAsset& asset = *cloth.asset;
     if (by_grid_) grid_ = welded_grid_mesh(asset, asset.rest_position);
-    if (!by_grid_ || points == grid_.pixel.size()) return;
+    if (!by_grid_ || points == grid_.pixel.size()) {
+      binding_.emplace(by_grid_ ? PixelBinding(asset, asset) : PixelBinding(asset));
+      return;
+    }
     throw Error(ErrorCode::invalid_data, start.file.string() + ": has " + std::to_string(points) +
                                              " vertices, and the mesh that the asset was converted from has " +
                                              std::to_string(asset.source.source_vertex_count) + " (its grid " +
@@ -49,7 +53,7 @@ class FilePixels {
     std::vector<Vec3> known, out;
     if (!by_grid_) {
       for (const uint32_t v : asset.source.source_vertex) known.push_back(placed[v]);
-      PixelBinding(asset).evaluate(known, out, cloth_.transform.scale);
+      binding_->evaluate(known, out, cloth_.transform.scale);
       return out;
     }
     // The grid mesh has no pixels that no cell is at; these go along with what is nearest.
@@ -61,7 +65,7 @@ class FilePixels {
     }
     const std::vector<uint32_t> first = first_copies(asset);
     for (uint32_t p = 0; p < known.size(); ++p) known[p] = known[first[p]];
-    PixelBinding(asset, asset).evaluate(known, out, cloth_.transform.scale);
+    binding_->evaluate(known, out, cloth_.transform.scale);
     for (uint32_t p = 0; p < known.size(); ++p)
       if (asset.valid(p) && told[first[p]]) out[p] = known[p];
     return out;
@@ -72,6 +76,7 @@ class FilePixels {
   const ClothDesc& cloth_;
   bool by_grid_;  ///< or by the vertices of the mesh
   GridMesh grid_;
+  std::optional<PixelBinding> binding_;  ///< to those points
 };
 
 void check_unit(const SceneStart& start, const ClothDesc& cloth, std::span<const Vec3> position) {

@@ -9,6 +9,8 @@
 
 namespace geocloth {
 
+struct RestPlace;
+
 /// Where the pixels of a cloth are by the points of a surface that is the same garment: the vertices of its mesh (the
 /// other way round than evaluate_binding()), as it was modelled or animated; or the pixels of another asset of that
 /// mesh, of another resolution or layout, to which a garment changes while it moves:
@@ -40,6 +42,7 @@ class PixelBinding {
     Triangle triangle{};
     Vec3 corner_share, off;  ///< of a triangle's corners; [m] at rest, see PlaceBeside
   };
+  [[nodiscard]] static Place place_at(uint32_t pixel, const RestPlace& place);
   void check_count(size_t points) const;
 
   uint32_t pixels_;

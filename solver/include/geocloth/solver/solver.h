@@ -176,8 +176,8 @@ class Solver {
   /// is heavier or lighter by then. Springs that are stretched and become stiffer pull at once as they pull from then
   /// on; mix() between two materials, a little further in every frame, is what takes that without a jerk. Where no more
   /// than damping, thickness, friction, max_speed, verlet_damping or a max_stretch changes it costs nothing; else it
-  /// waits for the device and makes the springs anew, about 0.5 us a point. @throws
-  /// Error(invalid_argument)
+  /// waits for the device and makes the springs anew, about 0.5 us a point.
+  /// @throws Error(invalid_argument)
   void set_material(uint32_t cloth, const Material& material);
   [[nodiscard]] const Material& material(uint32_t cloth) const;
 
