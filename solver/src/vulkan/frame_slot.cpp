@@ -83,6 +83,7 @@ bool FrameSlot::write(const FrameInput& frame, const std::vector<ClothResources>
     numbers_written_ = frame.collider_numbers;
   }
   for (size_t c = 0; c < cloths_.size(); ++c) {
+    if (frame.cloths[c].asleep) continue;  // nothing was said of it, and passes between frames look at what there is
     cloths_[c].params.as<shader::ClothParams>().front() = frame.cloths[c].params;
     grown = fill(context_, cloths_[c].pins, frame.cloths[c].pins) || grown;
   }
