@@ -142,7 +142,7 @@ std::vector<std::string> split(const std::string& text) {
 }
 
 std::vector<std::filesystem::path> meshes_in(const Settings& settings) {
-  const std::set<std::string> endings{".obj", ".gltf", ".glb", ".ply", ".stl", ".fbx", ".dae"};
+  const std::set<std::string> endings{".obj", ".gltf", ".glb", ".ply", ".stl", ".off", ".fbx", ".dae"};
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(settings.folder)) {
     const bool wanted = entry.path().string().find(settings.only) != std::string::npos;

@@ -17,7 +17,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace geocloth;
-  constexpr std::array<const char*, 7> endings{".obj", ".gltf", ".glb", ".ply", ".stl", ".fbx", ".dae"};
+  constexpr std::array<const char*, 8> endings{".obj", ".gltf", ".glb", ".ply", ".stl", ".fbx", ".dae", ".off"};
   if (size == 0) return 0;
   const std::filesystem::path file =
       std::filesystem::temp_directory_path() /

@@ -98,6 +98,10 @@ TEST_F(Import, PaintedVerticesAreGroups) {
                      "property list uchar int vertex_indices\nend_header\n0 0 0 255 0 0\n1 0 0 0 0 255\n0 1 0 250 3 9\n"
                      "3 0 1 2\n"),
               ElementsAre(is("color:red", {0, 2}), is("color:blue", {1})));
+  EXPECT_THAT(groups("a.off", "COFF\n3 1 0\n0 0 0 255 0 0 255\n1 0 0 0 0 255 255\n0 1 0 250 3 9 255\n3 0 1 2\n"),
+              ElementsAre(is("color:red", {0, 2}), is("color:blue", {1})));
+  EXPECT_THAT(groups("b.off", "CNOFF\n3 1 0\n0 0 0 0 0 1 1 0 0\n1 0 0 0 0 1 0 0 1\n0 1 0 0 0 1 1 0 0\n3 0 1 2\n"),
+              ElementsAre(is("color:red", {0, 2}), is("color:blue", {1})));
   Gltf g = square();
   const auto color = g.add_accessor<float>({1, 1, 1, 0, 0, 0, 0, 1, 0, 1, 1, 1}, 5126, "VEC3", 3);
   g.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = color;
@@ -541,7 +545,7 @@ TEST_F(Import, DeeplyNestedJsonIsRefused) {
   EXPECT_THAT(refusal("a.gltf", deep).what(), HasSubstr("nested"));
 }
 
-// --- PLY, STL
+// --- PLY, STL, OFF
 
 std::string binary_ply(bool big) {
   std::string out = std::string("ply\nformat binary_") + (big ? "big" : "little") +
@@ -618,6 +622,46 @@ TEST_F(Import, StlOfOtherPrograms) {
     expect_covers(read("a.stl", bytes), 1);
   }
   EXPECT_THAT(refusal("a.stl", binary_stl() + binary_stl()).what(), HasSubstr("longer than its header says"));
+}
+
+const std::string kOff = "OFF\n4 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n";
+
+TEST_F(Import, OffOfManyPrograms) {
+  for (const std::string& bytes :
+       {kOff,
+        // comments, blanks, line ends of other systems, no number of edges, colors of faces, what comes after the faces
+        std::string("# made by hand\r\nOFF # geomview\r\n\r\n4 1\r\n0 0 0 # a\r\n1 0 0\r\n\r\n1 1 0\r\n+0 1e0 0\r\n"
+                    "4  0 1 2 3  0.5 0.5 0.5 1\r\n3 0 1 9\r\n"),
+        std::string("OFF 4 1 4\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3"),
+        std::string("OFF4 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n"),
+        std::string("NOFF\n4 1 0\n0 0 0 0 0 1\n1 0 0 0 0 1\n1 1 0 0 0 1\n0 1 0 0 0 1\n4 0 1 2 3\n")}) {
+    SCOPED_TRACE(bytes);
+    const TriangleMesh mesh = read("a.off", bytes);
+    EXPECT_EQ(mesh.position.size(), 4U);
+    EXPECT_EQ(mesh.position[2], (Point3{1, 1, 0}));
+    EXPECT_THAT(mesh.polygon, ElementsAre(0, 0));
+    expect_covers(mesh, 1);
+  }
+}
+
+TEST_F(Import, OffThatIsBrokenIsRefusedByItsLine) {
+  const auto what = [&](const std::string& old, const std::string& now) {
+    std::string bytes = kOff;
+    return std::string(refusal("a.off", bytes.replace(bytes.find(old), old.size(), now)).what());
+  };
+  EXPECT_THAT(what("4 1 0", "5 1 0"), HasSubstr("5 of 5 vertices, 0 of 1 faces"));  // the face is read as one
+  EXPECT_THAT(what("4 1 0", "4 2 0"), HasSubstr("4 of 4 vertices, 1 of 2 faces"));
+  EXPECT_THAT(what("4 1 0", "4000000000 1 0"), HasSubstr("100 million"));
+  EXPECT_THAT(what("4 1 0", "-4 1 0"), HasSubstr("line 2: the header"));
+  EXPECT_THAT(what("1 1 0", "1 1"), HasSubstr("line 5: a vertex"));
+  EXPECT_THAT(what("1 1 0", "1 1 up"), HasSubstr("line 5: a vertex"));
+  EXPECT_THAT(what("1 1 0", "1 1 0\\"), HasSubstr("line 5: a number"));
+  EXPECT_THAT(what("1 1 0", "1 1 nan"), HasSubstr("vertex 2"));
+  EXPECT_THAT(what("0 1 2 3", "0 1 2 4"), HasSubstr("line 7: a face uses vertex '4' of 4"));
+  EXPECT_THAT(what("4 0 1 2 3", "5 0 1 2 3"), HasSubstr("line 7: a face needs"));
+  EXPECT_THAT(what("OFF", "4OFF"), HasSubstr("four coordinates"));
+  EXPECT_THAT(what("OFF", "OFF BINARY"), HasSubstr("binary OFF"));
+  EXPECT_THAT(what("OFF", "off"), HasSubstr("no OFF file"));
 }
 
 // --- DAE, FBX
@@ -856,7 +900,7 @@ TEST_F(Import, MissingFileFolderAndUnknownEnding) {
 }
 
 TEST_F(Import, RubbishUnderEveryEnding) {
-  for (const std::string ending : {"obj", "gltf", "glb", "ply", "stl", "fbx", "dae"}) {
+  for (const std::string ending : {"obj", "gltf", "glb", "ply", "stl", "off", "fbx", "dae"}) {
     for (const std::string& bytes :
          {std::string(), std::string("\0", 1), std::string(4096, '\0'), std::string("hello, this is no mesh\n"),
           std::string("{}"), std::string("[1,2,3]"), std::string("<xml/>"), std::string(100000, '('),
@@ -870,6 +914,7 @@ TEST_F(Import, TruncatedFilesAreRefused) {
   expect_truncations_refused("a.glb", square().glb());
   expect_truncations_refused("a.ply", binary_ply(true));
   expect_truncations_refused("a.ply", kTextPly, 1);
+  expect_truncations_refused("a.off", kOff, std::string(" 3\n").size());
   expect_truncations_refused("a.stl", binary_stl());
   expect_truncations_refused("a.stl", kTextStl, std::string(" square\n").size());
 }
@@ -889,6 +934,7 @@ TEST_F(Import, SurvivesDamage) {
   survive_damage("a.ply", kTextPly, 150);
   survive_damage("a.stl", binary_stl(), 200);
   survive_damage("a.stl", kTextStl, 200);
+  survive_damage("a.off", kOff, 200);
   survive_damage("a.obj", kSquareObj, 200);
 }
 

@@ -134,6 +134,10 @@ std::vector<MemoryFile> prepare(const std::filesystem::path& file, std::span<con
     case Format::gltf:
     case Format::glb:
       return read_gltf(file, bytes, is_container(out.format, text), out.left_out);
+    case Format::off:
+      text = off_as_obj(file, text);
+      out.format = Format::obj;
+      [[fallthrough]];
     case Format::obj:
       out.obj = read_obj(file, text);
       return {{"mesh.obj", std::move(out.obj.coded)}};
@@ -160,12 +164,13 @@ Format format_of(const std::filesystem::path& file) {
   for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   const std::map<std::string, Format> known{{".obj", Format::obj}, {".gltf", Format::gltf}, {".glb", Format::glb},
                                             {".ply", Format::ply}, {".stl", Format::stl},   {".fbx", Format::fbx},
-                                            {".dae", Format::dae}, {".vrm", Format::glb}};
+                                            {".dae", Format::dae}, {".vrm", Format::glb},   {".off", Format::off}};
   const auto it = known.find(ending);
   if (it != known.end()) return it->second;
   fail(file, ErrorCode::unsupported,
        "unknown ending '" + ending +
-           "'; geocloth reads .obj, .gltf, .glb, .vrm, .ply, .stl, .fbx and .dae: export the mesh as one of these");
+           "'; geocloth reads .obj, .gltf, .glb, .vrm, .ply, .stl, .off, .fbx and .dae: export the mesh as one of "
+           "these");
 }
 
 bool is_gltf(const std::filesystem::path& file) {

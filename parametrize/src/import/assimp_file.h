@@ -20,7 +20,7 @@ struct AssimpFile {
   /// @throws Error as import_mesh()
   AssimpFile(const std::filesystem::path& file, bool animated);
 
-  Format format;
+  Format format;                      ///< obj where an OFF file was read as one
   Assimp::Importer importer;          ///< which owns the scene
   const aiScene* scene = nullptr;     ///< has a root node
   ObjText obj = {};                   ///< of an OBJ file

@@ -12,9 +12,7 @@
 #include "import/import_detail.h"
 
 namespace geocloth::import_detail {
-namespace {
-
-std::vector<std::string_view> words(std::string_view line) {
+std::vector<std::string_view> words_of(std::string_view line) {
   std::vector<std::string_view> out;
   constexpr std::string_view kBlank = " \t\r\n\v\f";
   for (std::size_t at = line.find_first_not_of(kBlank); at != std::string_view::npos;) {
@@ -31,6 +29,8 @@ std::optional<std::size_t> whole_number(std::string_view word) {
   if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
   return value;
 }
+
+namespace {
 
 // --- PLY -----------------------------------------------------------------------------------------------------------
 
@@ -94,7 +94,7 @@ class PlyChecker {
   void read_header() {
     if (!bytes_.starts_with("ply\n") && !bytes_.starts_with("ply\r\n")) bad(file_, "this is no PLY file");
     bool has_format = false;
-    for (auto line = words(next_line()); line.empty() || line[0] != "end_header"; line = words(next_line())) {
+    for (auto line = words_of(next_line()); line.empty() || line[0] != "end_header"; line = words_of(next_line())) {
       if (line.size() >= 2 && line[0] == "format") {
         ascii_ = line[1] == "ascii";
         big_ = line[1] == "binary_big_endian";

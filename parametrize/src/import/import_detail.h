@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstring>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -26,6 +27,11 @@ inline constexpr double kMaxCoordinate = 1e18;  ///< beyond it, products of coor
 [[noreturn]] inline void bad(const std::filesystem::path& file, const std::string& what) {
   fail(file, ErrorCode::invalid_data, what);
 }
+
+/// What blanks are between.
+[[nodiscard]] std::vector<std::string_view> words_of(std::string_view line);
+/// Nothing where a word is another thing, or too large.
+[[nodiscard]] std::optional<std::size_t> whole_number(std::string_view word);
 
 /// Reads a little-endian integer.
 template <typename T>
@@ -58,7 +64,7 @@ struct MemoryFile {
   std::string name, bytes;
 };
 
-enum class Format { obj, gltf, glb, ply, stl, fbx, dae };
+enum class Format { obj, gltf, glb, ply, stl, off, fbx, dae };
 /// What a file is by its ending.
 /// @throws Error(unsupported) for an ending that is not known
 [[nodiscard]] Format format_of(const std::filesystem::path& file);
@@ -86,6 +92,9 @@ struct GltfBytes {
 void check_ply(const std::filesystem::path& file, std::string_view bytes);
 /// The same for STL. @returns it as assimp reads it: without padding at the end, words in small letters
 [[nodiscard]] std::string checked_stl(const std::filesystem::path& file, std::string text);
+/// An OFF file as the OBJ text that says the same, on the same lines.
+/// @throws Error(unsupported) for its binary form, and for points of other than three coordinates
+[[nodiscard]] std::string off_as_obj(const std::filesystem::path& file, std::string_view text);
 /// Walks the records of a binary FBX file, or looks for the opening of a textual one, and at its connections.
 /// @param animated  whether animations are wanted; else those of the file do not matter
 /// @returns it as assimp reads it

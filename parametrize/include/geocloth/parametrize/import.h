@@ -13,7 +13,7 @@ struct ImportOptions {
   std::optional<double> scale;
 };
 
-/// Reads OBJ, glTF (.gltf with files or data URIs, .glb, .vrm), PLY, STL, FBX or DAE with assimp: all meshes and
+/// Reads OBJ, glTF (.gltf with files or data URIs, .glb, .vrm), PLY, STL, OFF, FBX or DAE with assimp: all meshes and
 /// primitives of the file with their node transforms, quads and polygons triangulated. Skinned and morphed glTF and
 /// skinned DAE are taken as viewers show them before anything moves; in FBX skinned meshes keep their bind pose. glTF
 /// may be compressed by EXT_meshopt_compression or KHR_draco_mesh_compression. Lines and points are left out. Vertices
