@@ -211,6 +211,7 @@ void run(const SimulateArguments& options) {
   if (options.check) {
     print_check(options, simulation);
     print_warnings(options, scene_warnings(simulation));
+    print_warnings(options, ContactCheck(simulation).warnings(simulation));
   } else {
     play(options, simulation);
   }
