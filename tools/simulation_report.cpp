@@ -86,8 +86,8 @@ void SimulationRecorder::add_energy(Simulation& simulation) {
   for (uint32_t i = 0; i < meters_.size(); ++i) {
     const ClothDesc& cloth = simulation.cloths()[i];
     CutMeter& meter = meters_[i];
-    if (meter.asset != cloth.asset || meter.material != cloth.material)
-      meter = {cloth.asset, cloth.material, EnergyMeter(cloth)};
+    if (meter.asset != cloth.asset || meter.material != cloth.material || meter.fabrics != cloth.fabrics)
+      meter = {cloth.asset, cloth.material, cloth.fabrics, EnergyMeter(cloth)};
     simulation.solver().read_positions(i, positions);
     simulation.solver().read_velocities(i, velocities);
     const Energy one =

@@ -40,6 +40,7 @@ class SimulationRecorder {
   struct CutMeter {
     std::shared_ptr<const ClothAsset> asset;
     Material material;
+    std::vector<Fabric> fabrics;
     std::optional<EnergyMeter> meter;
   };
 

@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "geocloth/asset/error.h"
+#include "rest/fabrics.h"
 
 namespace geocloth {
 namespace {
@@ -237,6 +238,36 @@ void check(const Material& m, const std::string& where) {
   check_share(m.stiffness, where, "stiffness");
   check_share(m.bend_stiffness, where, "bend_stiffness");
   check_share(m.verlet_damping, where, "verlet_damping");
+}
+
+void check_fabrics(const Material& material, std::span<const Fabric> fabrics, const std::string& where) {
+  const auto in_physical_units = [](const Material& m, const std::string& whose) {
+    if (m.stiffness >= 0 || m.bend_stiffness >= 0)
+      throw Error(ErrorCode::invalid_argument, whose +
+                                                   ": a cloth of several fabrics needs materials in physical units; "
+                                                   "leave out stiffness and bend_stiffness");
+  };
+  if (!fabrics.empty()) in_physical_units(material, where + ": material");
+  for (size_t f = 0; f < fabrics.size(); ++f) {
+    const std::string whose = where + ": fabric " + std::to_string(f);
+    check(fabrics[f].material, whose);
+    in_physical_units(fabrics[f].material, whose);
+  }
+}
+
+void check_fabrics(const ClothDesc& cloth, const std::string& where) {
+  if (cloth.fabrics.size() > kMostFabrics) {
+    throw Error(ErrorCode::limit, where + ": has " + std::to_string(cloth.fabrics.size()) + " fabrics; there can be " +
+                                      std::to_string(kMostFabrics));
+  }
+  check_fabrics(cloth.material, cloth.fabrics, where);
+  for (size_t f = 0; f < cloth.fabrics.size(); ++f) {
+    for (const uint32_t p : cloth.fabrics[f].pixels) {
+      if (p < cloth.asset->pixel_count() && cloth.asset->valid(p)) continue;
+      throw Error(ErrorCode::invalid_argument, where + ": fabric " + std::to_string(f) + ": pixel " +
+                                                   std::to_string(p) + " is not one of the cloth's");
+    }
+  }
 }
 
 void check(const Transform& t, const std::string& where) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <string>
 
 #include "geocloth/solver/solver.h"
@@ -26,6 +27,10 @@ inline constexpr double kLargestBackstop = 100;     ///< [m] of a larger ball si
 /// @throws Error(invalid_argument) naming the field, its value and its range
 void check(const SolverSettings& settings);
 void check(const Material& material, const std::string& where);
+/// Of fabrics that the cloth is made of beside its material.
+void check_fabrics(const Material& material, std::span<const Fabric> fabrics, const std::string& where);
+/// The same, and their pixels.
+void check_fabrics(const ClothDesc& cloth, const std::string& where);
 void check(const Transform& transform, const std::string& where);
 /// @param known  its field was checked before: half a million distances are not looked at again
 void check(const Collider& collider, const std::string& where, bool known = false);

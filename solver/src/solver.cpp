@@ -16,6 +16,7 @@
 #include "device_name.h"
 #include "geocloth/asset/error.h"
 #include "rest/cut_asset.h"
+#include "rest/fabrics.h"
 #include "rest/inter_points.h"
 #include "rest/self_points.h"
 #include "rest/tear.h"
@@ -48,6 +49,7 @@ void check_cloths(std::span<const ClothDesc> cloths) {
     if (!cloths[i].asset) throw Error(ErrorCode::invalid_argument, cloth_name(i) + ": asset is null");
     validate(*cloths[i].asset);
     check(cloths[i].material, cloth_name(i) + ": material");
+    check_fabrics(cloths[i], cloth_name(i));
     check(cloths[i].transform, cloth_name(i) + ": transform");
     if (cloths[i].self_collision)
       check_points(cloths[i], cloths[i].self_collision->distance, cloth_name(i) + ": self_collision");
@@ -159,6 +161,8 @@ Solver::Impl::Impl(std::span<const ClothDesc> cloths, const SolverSettings& sett
     Cloth& cloth = cloths_.emplace_back();
     cloth.asset = cloth.original = desc.asset;
     cloth.material = desc.material;
+    cloth.fabrics = desc.fabrics;
+    cloth.weakest = weakest_of(cloth);
     cloth.self_collision = desc.self_collision;
     cloth.inter_collision = desc.inter_collision;
     cloth.meets = desc.meets;
@@ -562,7 +566,7 @@ CutResult Solver::Impl::tear(uint32_t cloth, float stretch) {
 
 void Solver::Impl::take_cut(uint32_t cloth, std::shared_ptr<const ClothAsset> asset) {
   Cloth& c = cloths_[cloth];
-  ClothData data = cloth_data(c, asset, c.material);
+  ClothData data = cloth_data(c, asset, c.material, c.fabrics);
   take_version(cloth, std::move(asset), std::move(data));
   c.pins_changed = true;  // attachments run around the cut
   c.disturbed = true;
@@ -572,12 +576,40 @@ void Solver::Impl::take_cut(uint32_t cloth, std::shared_ptr<const ClothAsset> as
 void Solver::Impl::set_material(uint32_t cloth, const Material& material) {
   static_cast<void>(cloth_at(cloth));
   check(material, cloth_name(cloth) + ": material");
+  const Cloth& c = cloths_[cloth];
+  check_fabrics(material, c.fabrics, cloth_name(cloth));
+  if (material != c.material) change_fabrics(cloth, material, c.fabrics);
+}
+
+void Solver::Impl::set_fabric(uint32_t cloth, uint32_t fabric, const Material& material) {
+  if (material == this->fabric(cloth, fabric)) return;
+  const Cloth& c = cloths_[cloth];
+  std::vector<Fabric> fabrics = c.fabrics;
+  fabrics[fabric].material = material;
+  check_fabrics(c.material, fabrics, cloth_name(cloth));
+  change_fabrics(cloth, c.material, std::move(fabrics));
+}
+
+const Material& Solver::Impl::fabric(uint32_t cloth, uint32_t fabric) const {
+  const Cloth& c = cloth_at(cloth);
+  if (fabric < c.fabrics.size()) return c.fabrics[fabric].material;
+  throw Error(ErrorCode::invalid_argument, cloth_name(cloth) + " has no fabric " + std::to_string(fabric) + ", only " +
+                                               std::to_string(c.fabrics.size()));
+}
+
+Material Solver::Impl::weakest_of(const Cloth& cloth) {
+  return FabricMap({.material = cloth.material, .fabrics = cloth.fabrics}, *cloth.original).weakest();
+}
+
+void Solver::Impl::change_fabrics(uint32_t cloth, const Material& material, std::vector<Fabric> fabrics) {
   Cloth& c = cloths_[cloth];
-  if (material == c.material) return;
   std::optional<ClothData> data;
-  if (!make_same_data(material, c.material)) data = cloth_data(c, c.asset, material);
+  if (!make_same_data(material, c.material) || !make_same_data(fabrics, c.fabrics))
+    data = cloth_data(c, c.asset, material, fabrics);
   const bool was_attached = stretch_limit(c) > 0;
   const Material before = std::exchange(c.material, material);
+  c.fabrics = std::move(fabrics);
+  c.weakest = weakest_of(c);
   c.disturbed = true;
   if (data) {
     take_version(cloth, c.asset, std::move(*data));
@@ -597,8 +629,13 @@ void Solver::Impl::ease_from_present(uint32_t cloth) {
 }
 
 ClothData Solver::Impl::cloth_data(const Cloth& cloth, const std::shared_ptr<const ClothAsset>& asset,
-                                   const Material& material) const {
-  return make_cloth_data({asset, material, cloth.start, cloth.self_collision}, origin_, *cloth.original);
+                                   const Material& material, const std::vector<Fabric>& fabrics) const {
+  return make_cloth_data({.asset = asset,
+                          .material = material,
+                          .transform = cloth.start,
+                          .self_collision = cloth.self_collision,
+                          .fabrics = fabrics},
+                         origin_, *cloth.original);
 }
 
 /// The same cloth with other springs, masses or copies.
@@ -744,6 +781,14 @@ void Solver::set_parent(uint32_t cloth, const Transform& pose, const Vec3& inert
 }
 void Solver::set_material(uint32_t cloth, const Material& material) {
   impl_->set_material(cloth, material);
+}
+
+void Solver::set_fabric(uint32_t cloth, uint32_t fabric, const Material& material) {
+  impl_->set_fabric(cloth, fabric, material);
+}
+
+const Material& Solver::fabric(uint32_t cloth, uint32_t fabric) const {
+  return impl_->fabric(cloth, fabric);
 }
 
 const Material& Solver::material(uint32_t cloth) const {

@@ -36,6 +36,8 @@ class Solver::Impl {
   void set_pressure(uint32_t cloth, float pressure);
   void set_material(uint32_t cloth, const Material& material);
   [[nodiscard]] const Material& material(uint32_t cloth) const { return cloth_at(cloth).material; }
+  void set_fabric(uint32_t cloth, uint32_t fabric, const Material& material);
+  [[nodiscard]] const Material& fabric(uint32_t cloth, uint32_t fabric) const;
   void set_meets(uint32_t cloth, uint32_t groups);
   void set_parent(uint32_t cloth, const Transform& pose, const Vec3& inertia_scale, bool teleport);
   CutResult cut(uint32_t cloth, const std::array<Vec3, 3>& triangle);
@@ -91,7 +93,9 @@ class Solver::Impl {
   struct Cloth {
     std::shared_ptr<const ClothAsset> asset, original;  ///< as cuts have left it, and as it was given
     Material material;
-    Transform start;  ///< where its rest shape started
+    std::vector<Fabric> fabrics;
+    Material weakest;  ///< see FabricMap::weakest()
+    Transform start;   ///< where its rest shape started
     float scale = 1;
     std::vector<float> free_inverse_mass;  ///< [1/kg] without pins
     std::vector<uint32_t> row_of_pixel;    ///< row of the split-vertex table, kNoPixel for a single pixel
@@ -186,7 +190,9 @@ class Solver::Impl {
   };
   [[nodiscard]] std::vector<Version> versions() const;
   [[nodiscard]] ClothData cloth_data(const Cloth& cloth, const std::shared_ptr<const ClothAsset>& asset,
-                                     const Material& material) const;
+                                     const Material& material, const std::vector<Fabric>& fabrics) const;
+  [[nodiscard]] static Material weakest_of(const Cloth& cloth);
+  void change_fabrics(uint32_t cloth, const Material& material, std::vector<Fabric> fabrics);
   [[nodiscard]] InterData inter_data(std::span<const Version> cloths, const Vec3& origin) const;
   void take_cut(uint32_t cloth, std::shared_ptr<const ClothAsset> asset);
   void take_version(uint32_t cloth, std::shared_ptr<const ClothAsset> asset, ClothData data);

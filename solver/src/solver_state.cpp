@@ -13,6 +13,7 @@
 #include "check_input.h"
 #include "lib/self_words.h"
 #include "lib/yield.h"
+#include "rest/fabrics.h"
 #include "rest/self_points.h"
 #include "rest/upload.h"
 #include "solver_impl.h"
@@ -24,7 +25,7 @@ namespace {
 using shader::vec4;
 
 constexpr uint32_t kMagic = 0x53434C47;  // "GLCS"; read in another order of bytes it is another number
-constexpr uint32_t kVersion = 6;         ///< one more whenever what is written changes, or what a frame makes of it
+constexpr uint32_t kVersion = 7;         ///< one more whenever what is written changes, or what a frame makes of it
 
 /// Of one point.
 struct SavedPoint {
@@ -277,6 +278,7 @@ struct Solver::Impl::SavedCloth {
 
   uint64_t mark = 0;
   Material material;
+  std::vector<Material> fabrics;
   std::optional<SavedCut> cut;
   std::vector<PinAt> pins;
   bool pins_changed = false, masses_changed = false;
@@ -299,6 +301,7 @@ struct Solver::Impl::SavedCloth {
 
   // Made of them.
   std::shared_ptr<const ClothAsset> asset;
+  std::vector<Fabric> new_fabrics;
   std::optional<ClothData> data;    ///< where asset or material are not as present
   std::vector<float> inverse_mass;  ///< of the data
   FoundPoints found_points;
@@ -308,6 +311,7 @@ struct Solver::Impl::SavedCloth {
     const auto pose = [&](Transform& t) { bytes.value(t); };
     bytes.value(mark);
     bytes.value(material);
+    bytes.values(fabrics);
     bytes.optional(cut, [&](SavedCut& c) { geocloth::exchange(bytes, c); });
     bytes.values(pins);
     bytes.flag(pins_changed);
@@ -410,6 +414,7 @@ uint64_t Solver::Impl::mark_of_cloth(Cloth& cloth) const {
   mark.add(cloth.start);
   mark.add(cloth.self_collision ? cloth.self_collision->distance : 0);
   mark.add(cloth.inter_collision ? cloth.inter_collision->distance : 0);
+  for (const Fabric& fabric : cloth.fabrics) mark.add(fabric.pixels);
   cloth.mark = mark.get();
   return *cloth.mark;
 }
@@ -448,6 +453,7 @@ void Solver::Impl::keep_cloth(uint32_t index, SavedCloth& saved) {
   Cloth& cloth = cloths_[index];
   saved.mark = mark_of_cloth(cloth);
   saved.material = cloth.material;
+  for (const Fabric& fabric : cloth.fabrics) saved.fabrics.push_back(fabric.material);
   if (cloth.asset != cloth.original) saved.cut = cut_of(*cloth.asset);
   for (const auto& [pixel, pin] : cloth.pins) saved.pins.push_back({pixel, pin});
   saved.pins_changed = cloth.pins_changed;
@@ -582,11 +588,16 @@ void Solver::Impl::check_versions(Saved& saved) const {
     s.asset = cloth.original;
     if (s.cut) s.asset = is_as(*cloth.asset, *s.cut) ? cloth.asset : with_cut(*cloth.original, *s.cut, cloth_name(c));
     check(s.material, cloth_name(c) + ": material");
+    require(s.fabrics.size() == cloth.fabrics.size(), cloth_name(c), " has another number of fabrics");
+    s.new_fabrics = cloth.fabrics;
+    for (size_t f = 0; f < s.fabrics.size(); ++f) s.new_fabrics[f].material = s.fabrics[f];
+    check_fabrics(s.material, s.new_fabrics, cloth_name(c));
     all[c].asset = s.asset.get();
     all[c].friction = s.material.friction;
-    const bool same_data = s.asset == cloth.asset && make_same_data(s.material, cloth.material);
+    const bool same_data = s.asset == cloth.asset && make_same_data(s.material, cloth.material) &&
+                           make_same_data(s.new_fabrics, cloth.fabrics);
     if (!same_data) {
-      s.data = cloth_data(cloth, s.asset, s.material);
+      s.data = cloth_data(cloth, s.asset, s.material, s.new_fabrics);
       s.inverse_mass = inverse_masses(*s.data);
       all[c].inverse_mass = s.inverse_mass;
     }
@@ -684,6 +695,8 @@ void Solver::Impl::take_scene(Saved& saved) {
 void Solver::Impl::take_cloth(SavedCloth& saved, uint32_t index) {
   Cloth& cloth = cloths_[index];
   cloth.material = saved.material;
+  cloth.fabrics = std::move(saved.new_fabrics);
+  cloth.weakest = weakest_of(cloth);
   cloth.pins.clear();
   for (const auto& [pixel, pin] : saved.pins) cloth.pins.emplace_back(pixel, pin);
   ClothFrame frame;

@@ -177,6 +177,23 @@ TEST(Scene, WindIsLinearBetweenItsKeys) {
   EXPECT_EQ(wind_at(scene, 9).turbulence, 0.5F);
 }
 
+TEST(Scene, AFabricIsTheClothsMaterialButForWhatItSays) {
+  const Scene scene = parse_scene(
+      R"({"version":1,"cloths":[{"asset":"a.glb","material":"denim","fabrics":[
+      {"where":{"top":0.1},"material":{"bend_warp":1,"motion":[{"time":0},{"time":2,"bend_warp":100}]}},
+      {"where":{"boundary":0},"material":"cotton"}]}]})",
+      "s.json");
+  const std::vector<SceneFabric>& fabrics = scene.cloths[0].fabrics;
+  ASSERT_EQ(fabrics.size(), 2U);
+  Material stiff = find_material_preset("denim")->material;
+  stiff.bend_warp = 1;
+  EXPECT_TRUE(fabrics[0].material == stiff);
+  stiff.bend_warp = 10;
+  EXPECT_TRUE(material_at(fabrics[0], 1) == stiff);
+  EXPECT_TRUE(material_at(fabrics[1], 1) == find_material_preset("cotton")->material);
+  EXPECT_TRUE(std::holds_alternative<WhereBoundary>(fabrics[1].where));
+}
+
 // A sail of nylon that gets wet and stiff, and is a preset in the end; what a key does not say is as outside.
 TEST(Scene, AMaterialIsInProportionBetweenItsKeys) {
   const Scene scene = parse_scene(
@@ -354,6 +371,17 @@ INSTANTIATE_TEST_SUITE_P(
                  "cloths[0].material.motion[1].time: must be later than the key before"},
         BadScene{"MaterialKeyMisspelt", "\"areal_density\": 0.3", R"("motion": [{ "time": 1, "densty": 1 }])",
                  "cloths[0].material.motion[0]: unknown key \"densty\"; known are preset, time"},
+        BadScene{"FabricNowhere", "\"transform\"", R"("fabrics": [{ "material": "denim" }], "transform")",
+                 "cloths[0].fabrics[0]: the key \"where\" is missing"},
+        BadScene{"FabricOfNothing", "\"transform\"", R"("fabrics": [{ "where": { "top": 1 } }], "transform")",
+                 "cloths[0].fabrics[0]: the key \"material\" is missing"},
+        BadScene{"FabricWithFriction", "\"transform\"",
+                 R"("fabrics": [{ "where": { "top": 1 }, "material": { "friction": 1 } }], "transform")",
+                 "cloths[0].fabrics[0].material.friction: is of the whole cloth"},
+        BadScene{"FabricKeyWithThickness", "\"transform\"",
+                 R"("fabrics": [{ "where": { "top": 1 }, "material": { "motion": [{ "time": 0, "thickness": 1 }] } }],
+                 "transform")",
+                 "cloths[0].fabrics[0].material.motion[0].thickness: is of the whole cloth"},
         BadScene{"UnknownClothKey", "\"transform\"", "\"material_\": 1, \"transform\"",
                  "nearest known one is \"material\""}),
     [](const auto& scene) { return scene.param.name; });

@@ -48,14 +48,14 @@ constexpr uint32_t kWeft = 0, kWarp = 1;  ///< of the directions of bend_directi
 
 class BendBuilder {
  public:
-  BendBuilder(const ClothDesc& cloth, const RestShape& rest, ClothData& data)
-      : asset_(*cloth.asset), material_(cloth.material), rest_(rest), data_(data) {
-    if (material_.bend_stiffness < 0) compute_normals(asset_, asset_.rest_position, normal_);
+  BendBuilder(const ClothDesc& cloth, const FabricMap& fabrics, const RestShape& rest, ClothData& data)
+      : asset_(*cloth.asset), by_share_(cloth.material.bend_stiffness), fabrics_(fabrics), rest_(rest), data_(data) {
+    if (by_share_ < 0) compute_normals(asset_, asset_.rest_position, normal_);
   }
 
   void build() {
-    const bool springs = material_.bend_stiffness >= 0;
-    if (springs ? material_.bend_stiffness == 0 : !(stiffest() > 0)) return;
+    const bool springs = by_share_ >= 0;
+    if (springs ? by_share_ == 0 : !(fabrics_.stiffest() > 0)) return;
     for (uint32_t p = 0; p < asset_.pixel_count(); ++p) {
       for (const uint32_t component : {kRowBend, kColumnBend}) {
         if ((asset_.spring_mask[p] & (1U << component)) != 0)
@@ -110,11 +110,12 @@ class BendBuilder {
   }
 
   void add_diagonal_bends() {
-    if (material_.bend_bias < 0) return;
+    if (!fabrics_.has_bias()) return;
     for (uint32_t p = 0; p < asset_.pixel_count(); ++p) {
       const Rigidities rigidity = rigidities_at(p);
+      const auto stiffest = static_cast<double>(stiffest_bend(fabrics_.bending_at(p)));
       for (const uint32_t direction : {kWarp + 1, kWarp + 2}) {
-        if (!(rigidity[direction] > kLeastShare * static_cast<double>(stiffest()))) continue;
+        if (!(rigidity[direction] > kLeastShare * stiffest)) continue;
         const uint32_t a = p - way(direction), b = p + way(direction);
         const shader::SeamSpring bend =
             make_bend(a, p, b, rest_.pixel_area(p), rigidity[direction], kink(a, direction));
@@ -127,8 +128,9 @@ class BendBuilder {
   /// [N m] at a pixel that is the middle of a bend. Where one of the four is missing, at an outline, warp and weft have
   /// their own.
   [[nodiscard]] Rigidities rigidities_at(uint32_t p) const {
-    const Rigidities own{material_.bend_weft, material_.bend_warp, 0, 0};
-    if (material_.bend_bias < 0) return own;
+    const Material material = fabrics_.bending_at(p);
+    const Rigidities own{material.bend_weft, material.bend_warp, 0, 0};
+    if (!fabrics_.has_bias()) return own;
     for (uint32_t direction = 0; direction < kBendDirections; ++direction)
       if (!runs_through(p, direction)) return own;
     const Vec3 right = asset_.rest_position[p + 1] - asset_.rest_position[p - 1];
@@ -136,7 +138,7 @@ class BendBuilder {
     const double a = length(right), b = length(down);
     if (!(a > 0 && b > 0)) return own;
     const double cosine = static_cast<double>(dot(right, down)) / (a * b);
-    return spread_rigidity(material_, {a, b, std::acos(std::clamp(cosine, -kLargestCosine, kLargestCosine))});
+    return spread_rigidity(material, {a, b, std::acos(std::clamp(cosine, -kLargestCosine, kLargestCosine))});
   }
   /// Pixels from one to the next.
   [[nodiscard]] uint32_t way(uint32_t direction) const {
@@ -146,9 +148,6 @@ class BendBuilder {
   [[nodiscard]] bool runs_through(uint32_t p, uint32_t direction) const {
     const auto bit = static_cast<uint8_t>(1U << direction);
     return p >= way(direction) && (asset_.spring_mask[p] & asset_.spring_mask[p - way(direction)] & bit) != 0;
-  }
-  [[nodiscard]] float stiffest() const {
-    return std::max({material_.bend_warp, material_.bend_weft, material_.bend_bias});
   }
 
   [[nodiscard]] uint32_t step_of(uint32_t component) const { return component == kRowBend ? 1 : asset_.width; }
@@ -203,7 +202,8 @@ class BendBuilder {
     const double within = std::sqrt(std::max(0.0, whole * whole - out_of_plane * out_of_plane));
     // [N/m] if rest were out_of_plane
     const double pull = 2 * rigidity * (2 * scale * kink / (h1 * h2)) / (0.5 * (h1 + h2));
-    const double softest = std::min(material_.stretch_warp, material_.stretch_weft);
+    const Material material = fabrics_.at(middle);
+    const double softest = std::min(material.stretch_warp, material.stretch_weft);
     const double turned = within * (h1 + h2) / (h1 * h2);
     const bool turns = within > out_of_plane;
     const bool straighten = turns && pull <= kLargestPull * softest && turned <= kLargestTurn;
@@ -305,9 +305,9 @@ class BendBuilder {
     }
   }
 
-  /// Mean of both sides'; each bends along a row or a column of its chart, or, beside a ragged outline, along neither.
+  /// Between both sides'; each bends along a row or a column of its chart, or, beside a ragged outline, along neither.
   [[nodiscard]] double seam_rigidity(const SeamBend& seam) const {
-    return 0.5 * (side_rigidity(seam.a, seam.middle) + side_rigidity(seam.b, seam.middle));
+    return fabrics_.rigidity_between(side_rigidity(seam.a, seam.middle), side_rigidity(seam.b, seam.middle));
   }
   [[nodiscard]] double side_rigidity(uint32_t inside, uint32_t middle) const {
     const Vec3& at = asset_.rest_position[middle];
@@ -316,9 +316,10 @@ class BendBuilder {
              (inside >= step && (asset_.spring_mask[inside - step] & bit) != 0 &&
               asset_.rest_position[inside - step] == at);
     };
-    if (leads_to(kSpringRight, 1)) return material_.bend_weft;
-    if (leads_to(kSpringDown, asset_.width)) return material_.bend_warp;
-    return 0.5 * (static_cast<double>(material_.bend_warp) + static_cast<double>(material_.bend_weft));
+    const Material material = fabrics_.at(inside);
+    if (leads_to(kSpringRight, 1)) return material.bend_weft;
+    if (leads_to(kSpringDown, asset_.width)) return material.bend_warp;
+    return 0.5 * (static_cast<double>(material.bend_warp) + static_cast<double>(material.bend_weft));
   }
 
   void append(std::span<const shader::SeamSpring> bends) {
@@ -327,7 +328,8 @@ class BendBuilder {
   }
 
   const ClothAsset& asset_;
-  const Material& material_;
+  float by_share_;  ///< Material::bend_stiffness
+  const FabricMap& fabrics_;
   const RestShape& rest_;
   ClothData& data_;
   std::vector<Vec3> normal_;                ///< at rest, only with a rigidity
@@ -338,8 +340,8 @@ class BendBuilder {
 
 }  // namespace
 
-void add_bends(const ClothDesc& cloth, const RestShape& rest, ClothData& data) {
-  BendBuilder(cloth, rest, data).build();
+void add_bends(const ClothDesc& cloth, const FabricMap& fabrics, const RestShape& rest, ClothData& data) {
+  BendBuilder(cloth, fabrics, rest, data).build();
 }
 
 }  // namespace geocloth

@@ -39,8 +39,8 @@ double triangle_area(const Vec3& a, const Vec3& b, const Vec3& c) {
 
 }  // namespace
 
-RestShape::RestShape(const ClothAsset& asset, float scale, const Material& material)
-    : asset_(asset), scale_(scale), material_(material), cells_(asset.pixel_count()) {
+RestShape::RestShape(const ClothAsset& asset, float scale, const FabricMap& fabrics)
+    : asset_(asset), scale_(scale), fabrics_(fabrics), cells_(asset.pixel_count()) {
   for (uint32_t y = 0; y + 1 < asset.height; ++y)
     for (uint32_t x = 0; x + 1 < asset.width; ++x)
       if (asset.cell[pixel(x, y)] & (kCellFirst | kCellSecond)) cells_[pixel(x, y)] = make_cell(x, y);
@@ -67,14 +67,17 @@ double RestShape::structural_stiffness(uint32_t component, uint32_t x, uint32_t 
   for_triangles(component, x, y, [&](const RestCell& c, size_t triangle) {
     sum += c.area[triangle] * (warp ? c.moduli.warp : c.moduli.weft);
   });
-  if (!(sum > 0)) sum = lone_area(x, y) * static_cast<double>(warp ? material_.stretch_warp : material_.stretch_weft);
+  if (!(sum > 0)) {
+    const Material lone = fabrics_.at(pixel(x, y));
+    sum = lone_area(x, y) * static_cast<double>(warp ? lone.stretch_warp : lone.stretch_weft);
+  }
   return sum / (rest * rest);
 }
 
 double RestShape::diagonal_stiffness(uint32_t component, uint32_t x, uint32_t y, double rest) const {
   const RestCell c = cell(component == 2 ? x : x - 1, y);
   if (c.triangles() > 0) return c.triangles() * c.moduli.diagonal * rest * rest;
-  return static_cast<double>(material_.shear) * lone_area(x, y) / (rest * rest);
+  return static_cast<double>(fabrics_.at(pixel(x, y)).shear) * lone_area(x, y) / (rest * rest);
 }
 
 RestCell RestShape::make_cell(uint32_t x, uint32_t y) const {
@@ -91,7 +94,7 @@ RestCell RestShape::make_cell(uint32_t x, uint32_t y) const {
   const bool first = c.area[0] > 0, second = c.area[1] > 0;
   const double a = first && second ? 0.5 * (upper + lower) : first == left ? upper : lower;
   const double b = first && second ? 0.5 * (west + east) : first ? west : east;
-  if (a > 0 && b > 0) c.moduli = cell_moduli(material_, s * a, s * b);
+  if (a > 0 && b > 0) c.moduli = cell_moduli(fabrics_.of_cell(pixel(x, y)), s * a, s * b);
   return c;
 }
 

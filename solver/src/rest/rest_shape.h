@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "geocloth/asset/cloth_asset.h"
-#include "geocloth/solver/material.h"
+#include "rest/fabrics.h"
 
 namespace geocloth {
 
@@ -32,7 +32,7 @@ struct RestCell {
 class RestShape {
  public:
   /// Keeps the references.
-  RestShape(const ClothAsset& asset, float scale, const Material& material);
+  RestShape(const ClothAsset& asset, float scale, const FabricMap& fabrics);
 
   [[nodiscard]] double rest_length(uint32_t a, uint32_t b) const;
 
@@ -63,7 +63,7 @@ class RestShape {
 
   const ClothAsset& asset_;
   float scale_;
-  const Material& material_;
+  const FabricMap& fabrics_;
   std::vector<RestCell> cells_;
 };
 

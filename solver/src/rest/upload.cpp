@@ -19,6 +19,7 @@
 #include "lib/lines.h"
 #include "lib/yield.h"
 #include "rest/bends.h"
+#include "rest/fabrics.h"
 #include "rest/rest_shape.h"
 #include "rest/seam_spans.h"
 #include "rest/seam_ties.h"
@@ -39,7 +40,7 @@ constexpr uint32_t kMembraneSprings = 4;  ///< structural and shear
 class SpringBuilder {
  public:
   SpringBuilder(const ClothDesc& cloth, const RestShape& rest, ClothData& data)
-      : asset_(*cloth.asset), material_(cloth.material), rest_(rest), data_(data) {}
+      : asset_(*cloth.asset), by_share_(cloth.material.stiffness >= 0), rest_(rest), data_(data) {}
 
   void build() {
     for (auto& family : data_.springs) family.assign(asset_.pixel_count(), {0, 0, 0, 0});
@@ -58,11 +59,10 @@ class SpringBuilder {
                                          static_cast<int64_t>(asset_.width) * kSpringOffset[c][1]);
     const double rest = rest_.rest_length(a, b);
     if (!(rest > 0)) return;
-    const bool by_share = material_.stiffness >= 0;
     const double stiffness =
         c < 2 ? rest_.structural_stiffness(c, x, y, rest) : rest_.diagonal_stiffness(c, x, y, rest);
-    if (!by_share && !(stiffness > 0)) return;
-    const auto compliance = by_share ? 0.F : to_compliance(stiffness);
+    if (!by_share_ && !(stiffness > 0)) return;
+    const auto compliance = by_share_ ? 0.F : to_compliance(stiffness);
     shader::vec4& entry = data_.springs[c / 2][a];
     (c % 2 == 0 ? entry.x : entry.z) = static_cast<float>(rest);
     (c % 2 == 0 ? entry.y : entry.w) = compliance;
@@ -74,12 +74,12 @@ class SpringBuilder {
   }
 
   const ClothAsset& asset_;
-  const Material& material_;
+  bool by_share_;
   const RestShape& rest_;
   ClothData& data_;
 };
 
-std::vector<shader::vec4> start_positions(const ClothDesc& cloth, const Vec3& origin) {
+std::vector<shader::vec4> start_positions(const ClothDesc& cloth, const FabricMap& fabrics, const Vec3& origin) {
   const ClothAsset& asset = *cloth.asset;
   const double scale = cloth.transform.scale;
   double total = 0;
@@ -90,7 +90,7 @@ std::vector<shader::vec4> start_positions(const ClothDesc& cloth, const Vec3& or
     if (!asset.valid(p)) continue;
     const Vec3 x = apply(cloth.transform, asset.rest_position[p]) - origin;
     const double area = std::max(static_cast<double>(asset.area[p]), smallest) * scale * scale;
-    const auto w = static_cast<float>(1 / (area * static_cast<double>(cloth.material.areal_density)));
+    const auto w = static_cast<float>(1 / (area * static_cast<double>(fabrics.at(p).areal_density)));
     position[p] = {x.x, x.y, x.z, shader::inverse_mass_of(w)};
   }
   return position;
@@ -137,10 +137,11 @@ ClothData make_cloth_data(const ClothDesc& cloth, const Vec3& origin, const Clot
   ClothData data;
   data.width = asset.width;
   data.height = asset.height;
-  data.position = start_positions(cloth, origin);
-  const RestShape rest(asset, cloth.transform.scale, cloth.material);
+  const FabricMap fabrics(cloth, uncut);
+  data.position = start_positions(cloth, fabrics, origin);
+  const RestShape rest(asset, cloth.transform.scale, fabrics);
   SpringBuilder(cloth, rest, data).build();
-  add_bends(cloth, rest, data);
+  add_bends(cloth, fabrics, rest, data);
   data.cell.assign(asset.cell.begin(), asset.cell.end());
   data.split_offset = asset.splits.offset;
   data.split_pixel = asset.splits.pixel;
@@ -170,6 +171,14 @@ bool make_same_data(const Material& a, const Material& b) {
                            &Material::max_stretch, &Material::verlet_damping})
     alike.*field = b.*field;
   return alike == b && has_attachments(a) == has_attachments(b);
+}
+
+bool make_same_data(std::span<const Fabric> a, std::span<const Fabric> b) {
+  return std::ranges::equal(a, b, [](const Fabric& x, const Fabric& y) {
+    Material own = x.material;  // what it has that is the cloth's
+    own.max_stretch = y.material.max_stretch;
+    return make_same_data(own, y.material);
+  });
 }
 
 Vec3 choose_origin(std::span<const ClothDesc> cloths) {

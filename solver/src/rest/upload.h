@@ -24,6 +24,8 @@ namespace geocloth {
 
 /// Whether make_cloth_data() makes the same of both.
 [[nodiscard]] bool make_same_data(const Material& a, const Material& b);
+/// @param a,b  of the same pixels
+[[nodiscard]] bool make_same_data(std::span<const Fabric> a, std::span<const Fabric> b);
 
 /// The coordinate origin for these cloths: the middle of their bounds, rounded to multiples of 4 m.
 [[nodiscard]] Vec3 choose_origin(std::span<const ClothDesc> cloths);

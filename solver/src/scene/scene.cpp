@@ -72,16 +72,23 @@ Motion read_motion_of(const JsonReader& json) {
 struct MaterialField {
   std::string_view key;
   float Material::*field;
+  bool is_fabric = false;  ///< see Fabric
 };
-constexpr MaterialField kMaterialFields[] = {
-    {"areal_density", &Material::areal_density},  {"stretch_warp", &Material::stretch_warp},
-    {"stretch_weft", &Material::stretch_weft},    {"shear", &Material::shear},
-    {"bend_warp", &Material::bend_warp},          {"bend_weft", &Material::bend_weft},
-    {"bend_bias", &Material::bend_bias},          {"damping", &Material::damping},
-    {"thickness", &Material::thickness},          {"friction", &Material::friction},
-    {"max_speed", &Material::max_speed},          {"max_stretch", &Material::max_stretch},
-    {"stiffness", &Material::stiffness},          {"bend_stiffness", &Material::bend_stiffness},
-    {"verlet_damping", &Material::verlet_damping}};
+constexpr MaterialField kMaterialFields[] = {{"areal_density", &Material::areal_density, true},
+                                             {"stretch_warp", &Material::stretch_warp, true},
+                                             {"stretch_weft", &Material::stretch_weft, true},
+                                             {"shear", &Material::shear, true},
+                                             {"bend_warp", &Material::bend_warp, true},
+                                             {"bend_weft", &Material::bend_weft, true},
+                                             {"bend_bias", &Material::bend_bias, true},
+                                             {"damping", &Material::damping},
+                                             {"thickness", &Material::thickness},
+                                             {"friction", &Material::friction},
+                                             {"max_speed", &Material::max_speed},
+                                             {"max_stretch", &Material::max_stretch},
+                                             {"stiffness", &Material::stiffness},
+                                             {"bend_stiffness", &Material::bend_stiffness},
+                                             {"verlet_damping", &Material::verlet_damping}};
 
 Material preset_named(const JsonReader& json) {
   const std::string name = json.text();
@@ -121,16 +128,18 @@ std::vector<Key> read_keys(const JsonReader& json, const Read& read) {
   return motion;
 }
 
-/// A preset's name, or an object with the fields that differ from the defaults (or from its "preset"), and keys.
-void read_material(const JsonReader& json, SceneCloth& cloth) {
+/// A preset's name, or an object with the fields that differ from what is usual (or from its "preset"), and keys.
+/// @param of  a SceneCloth or a SceneFabric
+template <class Of>
+void read_material(const JsonReader& json, const Material& usual, Of& of) {
   if (json.is_string()) {
-    cloth.material = preset_named(json);
+    of.material = preset_named(json);
     return;
   }
-  cloth.material = read_material_fields(json, {}, "motion");
+  of.material = read_material_fields(json, usual, "motion");
   if (!json.has("motion")) return;
-  cloth.material_motion = read_keys<MaterialKey>(json.at("motion"), [&](const JsonReader& entry) {
-    return MaterialKey{0, read_material_fields(entry, cloth.material, "time")};
+  of.material_motion = read_keys<MaterialKey>(json.at("motion"), [&](const JsonReader& entry) {
+    return MaterialKey{0, read_material_fields(entry, of.material, "time")};
   });
 }
 
@@ -335,15 +344,38 @@ SceneStart read_start(const JsonReader& json, const std::filesystem::path& folde
   return start;
 }
 
+/// What a material has that is the whole cloth's.
+void expect_fabric_only(const JsonReader& json) {
+  if (!json.is_object()) return;
+  for (const MaterialField& field : kMaterialFields) {
+    if (!field.is_fabric && json.has(field.key))
+      json.at(field.key).fail("is of the whole cloth; say it in the cloth's \"material\"");
+  }
+  if (!json.has("motion")) return;
+  for (const JsonReader& key : json.at("motion").elements()) expect_fabric_only(key);
+}
+
+SceneFabric read_fabric(const JsonReader& json, const SceneCloth& cloth) {
+  json.expect_object({"where", "material"});
+  SceneFabric fabric{.where = read_where(json.at("where"))};
+  const JsonReader material = json.at("material");
+  expect_fabric_only(material);
+  read_material(material, cloth.material, fabric);
+  return fabric;
+}
+
 SceneCloth read_cloth(const JsonReader& json, const std::filesystem::path& folder) {
   expect_no_placing(json);
-  json.expect_object({"asset", "material", "transform", "inertia_scale", "motion", "pins", "skin", "start", "cuts",
-                      "tear", "pressure", "self_collision", "inter_collision", "collides_with", "ignores"});
+  json.expect_object({"asset", "material", "fabrics", "transform", "inertia_scale", "motion", "pins", "skin", "start",
+                      "cuts", "tear", "pressure", "self_collision", "inter_collision", "collides_with", "ignores"});
   SceneCloth cloth;
   const std::string asset = json.at("asset").text();
   if (asset.empty()) json.at("asset").fail("must name an asset file");
   cloth.asset = folder / std::filesystem::path(asset);
-  if (json.has("material")) read_material(json.at("material"), cloth);
+  if (json.has("material")) read_material(json.at("material"), {}, cloth);
+  if (json.has("fabrics")) {
+    for (const JsonReader& fabric : json.at("fabrics").elements()) cloth.fabrics.push_back(read_fabric(fabric, cloth));
+  }
   if (json.has("transform")) cloth.transform = read_transform(json.at("transform"));
   cloth.motion = read_motion_of(json);
   if (json.has("inertia_scale")) {
@@ -513,6 +545,14 @@ std::tuple<const Key&, const Key&, float> keys_about(const std::vector<Key>& mot
   return {a, b, b.time > a.time ? static_cast<float>((time - a.time) / (b.time - a.time)) : 0.F};
 }
 
+/// @param of  a SceneCloth or a SceneFabric
+template <class Of>
+Material material_of(const Of& of, double time) {
+  if (of.material_motion.empty()) return of.material;
+  const auto [a, b, t] = keys_about(of.material_motion, time);
+  return mix(a.material, b.material, t);
+}
+
 /// Collider names are what pins refer to: each once, and not one of the words with a meaning of their own.
 void check_names(const Scene& scene, const JsonReader& json) {
   const bool skins = std::ranges::any_of(scene.cloths, [](const SceneCloth& cloth) { return cloth.skin.has_value(); });
@@ -627,9 +667,10 @@ Scene default_scene(const std::filesystem::path& asset) {
 }
 
 Material material_at(const SceneCloth& cloth, double time) {
-  if (cloth.material_motion.empty()) return cloth.material;
-  const auto [a, b, t] = keys_about(cloth.material_motion, time);
-  return mix(a.material, b.material, t);
+  return material_of(cloth, time);
+}
+Material material_at(const SceneFabric& fabric, double time) {
+  return material_of(fabric, time);
 }
 
 float pressure_at(const SceneCloth& cloth, double time) {

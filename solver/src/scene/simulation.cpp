@@ -17,6 +17,7 @@
 #include "geocloth/asset/asset_file.h"
 #include "geocloth/asset/error.h"
 #include "geocloth/solver/scene.h"
+#include "rest/fabrics.h"
 #include "rest/upload.h"
 #include "scene/moving_surface.h"
 #include "scene/start.h"
@@ -47,15 +48,34 @@ Transform carrier(const Scene& scene, const SceneCloth& cloth, const std::string
               scene.path.string() + ": a pin follows \"" + follow + "\", but there is no collider of that name");
 }
 
-/// Pixels of a pin, with its path in the scene on what goes wrong.
-std::vector<uint32_t> selected_pixels(const Scene& scene, size_t cloth, size_t pin, const ClothAsset& asset,
-                                      const Transform& start) {
+std::string element(const Scene& scene, const char* list, size_t i) {
+  return scene.path.string() + ": " + list + "[" + std::to_string(i) + "]";
+}
+
+/// Pixels of a pin or a fabric.
+/// @param path  of it in the scene, for what goes wrong
+std::vector<uint32_t> selected_pixels(const std::string& path, const ClothAsset& asset, const Transform& start,
+                                      const Where& where) {
   try {
-    return select_pixels(asset, start, scene.cloths[cloth].pins[pin].where);
+    return select_pixels(asset, start, where);
   } catch (const Error& error) {
-    throw Error(error.code(), scene.path.string() + ": cloths[" + std::to_string(cloth) + "].pins[" +
-                                  std::to_string(pin) + "].where: " + error.what());
+    throw Error(error.code(), path + ".where: " + error.what());
   }
+}
+
+std::vector<Fabric> fabrics_of(const Scene& scene, size_t cloth, const ClothAsset& asset, const Transform& start) {
+  std::vector<Fabric> fabrics;
+  for (const SceneFabric& fabric : scene.cloths[cloth].fabrics) {
+    const std::string path = element(scene, "cloths", cloth) + ".fabrics[" + std::to_string(fabrics.size()) + "]";
+    std::vector<uint32_t> pixels = selected_pixels(path, asset, start, fabric.where);
+    if (!has_cell(asset, pixels)) {
+      throw Error(ErrorCode::invalid_data, path +
+                                               ".where: the corners of no cell of the cloth are in it; take more of "
+                                               "the cloth, or convert with a larger --resolution");
+    }
+    fabrics.push_back({std::move(pixels), material_at(fabric, 0)});
+  }
+  return fabrics;
 }
 
 Vec3 middle(const std::vector<Vec3>& points) {
@@ -75,10 +95,6 @@ std::vector<float> ways_along_cloth(const ClothDesc& cloth, const std::vector<ui
 }
 
 /// Where in the scene, for messages.
-std::string element(const Scene& scene, const char* list, size_t i) {
-  return scene.path.string() + ": " + list + "[" + std::to_string(i) + "]";
-}
-
 /// Of each of the pixels of a pin.
 /// @param where  in the scene, for messages
 std::vector<float> painted_numbers(const ClothAsset& asset, const PaintedNumber& painted,
@@ -151,20 +167,22 @@ Simulation::Simulation(Scene scene, SolverSettings settings, const BodyReader& b
     std::shared_ptr<const ClothAsset>& asset = assets[cloth.asset];
     if (!asset) asset = std::make_shared<const ClothAsset>(read_asset(cloth.asset));
     const Transform start = compose(pose_at(cloth.motion, 0), cloth.transform);
-    cloths_.push_back({asset, material_at(cloth, 0), start, cloth.self_collision, cloth.inter_collision, cloth.meets});
+    cloths_.push_back({asset, material_at(cloth, 0), start, cloth.self_collision, cloth.inter_collision, cloth.meets,
+                       fabrics_of(scene_, c, *asset, start)});
     std::vector<Vec3> begins = asset->rest_position;
     for (Vec3& p : begins) p = apply(start, p);
     posed_at[c] = posed(c, bodies, begins);
     if (posed_at[c]) begins = posed_at[c]->position;
     for (size_t k = 0; k < cloth.pins.size(); ++k) {
       const ScenePin& pin = cloth.pins[k];
-      PinSet set{c, pin, selected_pixels(scene_, c, k, *asset, start), {}, {}, false};
+      const std::string path = element(scene_, "cloths", c) + ".pins[" + std::to_string(k) + "]";
+      PinSet set{c, pin, selected_pixels(path, *asset, start, pin.where), {}, {}, false};
       for (const uint32_t p : set.pixels) set.rest.push_back(begins[p]);
       attach(set);
       if (pin.backstop && set.place.empty() && !set.pixels.empty()) {
         throw Error(ErrorCode::invalid_data,
-                    element(scene_, "cloths", c) + ".pins[" + std::to_string(k) +
-                        "].backstop: has no surface to be behind; let the pin follow the cloth's \"skin\", or a "
+                    path +
+                        ".backstop: has no surface to be behind; let the pin follow the cloth's \"skin\", or a "
                         "collider of shape \"mesh\" with an \"animation\"");
       }
       pins_.push_back(std::move(set));
@@ -520,6 +538,11 @@ void Simulation::step() {
     if (!cloth.material_motion.empty()) {
       cloths_[c].material = material_at(cloth, time());
       solver_->set_material(c, cloths_[c].material);
+    }
+    for (uint32_t f = 0; f < cloth.fabrics.size(); ++f) {
+      if (cloth.fabrics[f].material_motion.empty()) continue;
+      cloths_[c].fabrics[f].material = material_at(cloth.fabrics[f], time());
+      solver_->set_fabric(c, f, cloths_[c].fabrics[f].material);
     }
     if (!cloth.pressure_motion.empty()) solver_->set_pressure(c, pressure_at(cloth, time()));
     if (cloth.motion.empty()) continue;

@@ -116,6 +116,13 @@ struct MaterialKey {
   Material material = {};
 };
 
+/// Where a cloth is of another fabric, see Fabric.
+struct SceneFabric {
+  Where where;  ///< the corners of its cells
+  Material material = {};
+  std::vector<MaterialKey> material_motion = {};  ///< in place of `material`; empty: it stays
+};
+
 /// A keyframe of Solver::set_pressure, which is linear between keys and held before the first and after the last.
 struct PressureKey {
   double time = 0;     ///< [s], ascending
@@ -135,6 +142,7 @@ struct SceneCloth {
   std::filesystem::path asset;  ///< resolved against the scene file's folder
   Material material;
   std::vector<MaterialKey> material_motion;  ///< in place of `material`; empty: it stays
+  std::vector<SceneFabric> fabrics;
   Transform transform;
   Motion motion;  ///< of the parent: the cloth starts at motion(0) * transform; pins with follow "cloth" take part
   Vec3 inertia_scale{1, 1, 1};  ///< see Solver::set_parent
@@ -224,8 +232,9 @@ struct Scene {
 /// Hangs one asset for 120 frames, see WhereHanger.
 [[nodiscard]] Scene default_scene(const std::filesystem::path& asset);
 
-/// What a cloth is made of at a time [s].
+/// What a cloth, or a fabric of it, is made of at a time [s].
 [[nodiscard]] Material material_at(const SceneCloth& cloth, double time);
+[[nodiscard]] Material material_at(const SceneFabric& fabric, double time);
 
 /// [Pa] What presses on a cloth at a time [s].
 [[nodiscard]] float pressure_at(const SceneCloth& cloth, double time);

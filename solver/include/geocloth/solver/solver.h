@@ -31,6 +31,15 @@ struct InterCollision {
   float distance = -1;  ///< [m] that points keep; below 0: 1.2 times the spacing
 };
 
+/// Cells of a cloth that are of another fabric: a collar, a waistband, a leather patch. A cell is a fabric's if all of
+/// its corners are listed, the last one's of several; pixels weigh and bend as the cells about them do.
+struct Fabric {
+  std::vector<uint32_t> pixels = {};  ///< valid ones, in any order
+  /// Its density, stretch, shear and bending count; what else a material has is the cloth's own. In physical units.
+  Material material = {};
+  bool operator==(const Fabric&) const = default;
+};
+
 /// One garment in the solver.
 struct ClothDesc {
   std::shared_ptr<const ClothAsset> asset = {};  ///< must outlive construction only
@@ -39,6 +48,7 @@ struct ClothDesc {
   std::optional<SelfCollision> self_collision = {};    ///< none: it passes through itself
   std::optional<InterCollision> inter_collision = {};  ///< none: it passes through other cloths
   uint32_t meets = ~uint32_t{0};                       ///< Collider::groups that it meets; others are not there for it
+  std::vector<Fabric> fabrics = {};                    ///< in other places than `material`; up to 32
 };
 
 struct Wind {
@@ -180,6 +190,9 @@ class Solver {
   /// @throws Error(invalid_argument)
   void set_material(uint32_t cloth, const Material& material);
   [[nodiscard]] const Material& material(uint32_t cloth) const;
+  /// The same for one of the fabrics that the cloth was made with. Costs as much where anything changes.
+  void set_fabric(uint32_t cloth, uint32_t fabric, const Material& material);
+  [[nodiscard]] const Material& fabric(uint32_t cloth, uint32_t fabric) const;
 
   /// From the next step on a cloth meets the colliders that are in one of these groups (bits), and no others: a cape
   /// may pass through the arms of its wearer, and each of many characters have its own. A cloth moves as if the others
