@@ -107,7 +107,23 @@ std::shared_ptr<const DistanceField> any_body() {
   return std::make_shared<const DistanceField>(make_distance_field(convex_hull(points).surface, 10'000));
 }
 
-constexpr uint32_t kDeeds = 14;
+/// In physical units, as cloths of several fabrics need it.
+Material any_fabric(Chance& chance) {
+  Material m = any_material(chance);
+  m.stiffness = m.bend_stiffness = -1;
+  return m;
+}
+
+/// Some of a cloth, in order of the image.
+void add_fabric(Chance& chance, ClothDesc& cloth) {
+  cloth.material.stiffness = cloth.material.bend_stiffness = -1;
+  Fabric& fabric = cloth.fabrics.emplace_back(Fabric{{}, any_fabric(chance)});
+  const uint32_t pixels = cloth.asset->pixel_count(), first = chance.below(pixels), last = first + chance.below(pixels);
+  for (uint32_t p = first; p < std::min(pixels, last); ++p)
+    if (cloth.asset->valid(p)) fabric.pixels.push_back(p);
+}
+
+constexpr uint32_t kDeeds = 15;
 
 /// On the points of a cloth that are farthest along some direction: all held, soft, or free within a distance.
 std::vector<Pin> any_pins(Chance& chance, const ClothDesc& cloth, const Vec3& way) {
@@ -171,8 +187,13 @@ void act(const RandomScene& scene, const Deed& deed, Solver& solver) {
       for (Vec3& v : velocities) v += push;
       return solver.write_state(c, positions_of(solver, c), velocities);
     }
-    case 12:
-      return solver.set_material(c, mix(solver.material(c), any_material(chance), chance.within(0, 1)));
+    case 12: {
+      const Material other = scene.cloths[c].fabrics.empty() ? any_material(chance) : any_fabric(chance);
+      return solver.set_material(c, mix(solver.material(c), other, chance.within(0, 1)));
+    }
+    case 13:
+      if (!scene.cloths[c].fabrics.empty()) solver.set_fabric(c, 0, any_fabric(chance));
+      return;
     default:
       return solver.restore(solver.save());
   }
@@ -195,6 +216,7 @@ RandomScene make_random_scene(uint32_t seed, uint32_t frames) {
   const uint32_t count = chance.happens(0.6F) ? 1 : 2 + chance.below(2);
   for (uint32_t c = 0; c < count; ++c) {
     ClothDesc& cloth = scene.cloths.emplace_back(describe(any_asset(chance), any_material(chance)));
+    while (chance.happens(0.2F)) add_fabric(chance, cloth);
     if (chance.happens(0.5F)) cloth.transform.rotate = chance.turn();
     if (chance.happens(0.3F)) cloth.transform.scale = chance.within(0.5F, 2);
     cloth.transform.translate = chance.vector(0.3F);
