@@ -375,6 +375,9 @@ INSTANTIATE_TEST_SUITE_P(
                  "cloths[0].fabrics[0]: the key \"where\" is missing"},
         BadScene{"FabricOfNothing", "\"transform\"", R"("fabrics": [{ "where": { "top": 1 } }], "transform")",
                  "cloths[0].fabrics[0]: the key \"material\" is missing"},
+        BadScene{"FabricOfNegativeWidth", "\"transform\"",
+                 R"("fabrics": [{ "where": { "top": 1 }, "width": -1, "material": "denim" }], "transform")",
+                 "cloths[0].fabrics[0].width: must be from"},
         BadScene{"FabricWithFriction", "\"transform\"",
                  R"("fabrics": [{ "where": { "top": 1 }, "material": { "friction": 1 } }], "transform")",
                  "cloths[0].fabrics[0].material.friction: is of the whole cloth"},
@@ -429,6 +432,32 @@ TEST_F(Playing, EverySelectorTakesItsPointsWithAllCopies) {
   EXPECT_THROW(count(WhereBoundary{.index = 1U}), Error);
   EXPECT_THROW(count(WhereVertices{{81}}), Error);
   EXPECT_THROW(count(WhereVertexGroup{"collar"}), Error);
+}
+
+// A hem is a boundary and what lies within a hand of it, in metres of the scene.
+TEST_F(Playing, AFabricIsWhatItsPlaceSaysOrABandAlongIt) {
+  const auto scene = [&](const std::string& width, const std::string& material = R"({"areal_density":0.8})") {
+    return play(R"(,"transform":{"scale":2},"fabrics":[{"where":{"vertex_group":"bottom"})" + width +
+                R"(,"material":)" + material + "}]");
+  };
+  const auto points = [&](const std::string& width) { return scene(width).cloths()[0].fabrics[0].pixels.size(); };
+  EXPECT_EQ(points(R"(,"width":0.26)"), 20U);  // two rows of 9 points, one of them twice
+  EXPECT_EQ(points(R"(,"width":0.51)"), 30U);
+  for (const auto* narrow : {"", R"(,"width":0.1)"}) {
+    try {
+      static_cast<void>(scene(narrow));
+      ADD_FAILURE() << "a row of points has no cells";
+    } catch (const Error& error) {
+      EXPECT_THAT(error.what(), testing::HasSubstr("cloths[0].fabrics[0].where: the corners of no cell")) << narrow;
+    }
+  }
+  Simulation simulation = scene(R"(,"width":0.26)", R"({"motion":[{"time":0},{"time":0.02,"areal_density":0.8}]})");
+  simulation.step();
+  EXPECT_TRUE(simulation.solver().fabric(0, 0) == simulation.cloths()[0].fabrics[0].material);
+  EXPECT_GT(simulation.solver().fabric(0, 0).areal_density, 0.5F);
+  simulation.step();
+  EXPECT_EQ(simulation.solver().fabric(0, 0).areal_density, 0.8F);
+  EXPECT_EQ(simulation.solver().material(0).areal_density, Material{}.areal_density);
 }
 
 // Garments of games have triangles twenty pixels long: cloth hung through between the points at its vertices.

@@ -356,8 +356,9 @@ void expect_fabric_only(const JsonReader& json) {
 }
 
 SceneFabric read_fabric(const JsonReader& json, const SceneCloth& cloth) {
-  json.expect_object({"where", "material"});
+  json.expect_object({"where", "width", "material"});
   SceneFabric fabric{.where = read_where(json.at("where"))};
+  if (json.has("width")) fabric.width = static_cast<float>(in_range(json.at("width"), 0, double{kLargestLength}));
   const JsonReader material = json.at("material");
   expect_fabric_only(material);
   read_material(material, cloth.material, fabric);

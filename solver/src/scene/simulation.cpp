@@ -63,15 +63,30 @@ std::vector<uint32_t> selected_pixels(const std::string& path, const ClothAsset&
   }
 }
 
+/// [m] along the cloth at rest from every pixel to the nearest one of these; endless where none is reached.
+std::vector<float> ways_along_cloth(const ClothAsset& asset, float scale, const std::vector<uint32_t>& pixels) {
+  std::vector<float> way;
+  for (const shader::Attachment& a : make_attachments(asset, scale, pixels))
+    way.push_back(a.anchor == shader::kNoAnchor ? std::numeric_limits<float>::infinity() : a.reach);
+  for (const uint32_t p : pixels) way[p] = 0;
+  return way;
+}
+
 std::vector<Fabric> fabrics_of(const Scene& scene, size_t cloth, const ClothAsset& asset, const Transform& start) {
   std::vector<Fabric> fabrics;
   for (const SceneFabric& fabric : scene.cloths[cloth].fabrics) {
     const std::string path = element(scene, "cloths", cloth) + ".fabrics[" + std::to_string(fabrics.size()) + "]";
     std::vector<uint32_t> pixels = selected_pixels(path, asset, start, fabric.where);
+    if (fabric.width > 0) {
+      const std::vector<float> way = ways_along_cloth(asset, start.scale, pixels);
+      pixels.clear();
+      for (uint32_t p = 0; p < asset.pixel_count(); ++p)
+        if (asset.valid(p) && way[p] <= fabric.width) pixels.push_back(p);
+    }
     if (!has_cell(asset, pixels)) {
       throw Error(ErrorCode::invalid_data, path +
-                                               ".where: the corners of no cell of the cloth are in it; take more of "
-                                               "the cloth, or convert with a larger --resolution");
+                                               ".where: the corners of no cell of the cloth are in it; give it a "
+                                               "\"width\" [m], or convert with a larger --resolution");
     }
     fabrics.push_back({std::move(pixels), material_at(fabric, 0)});
   }
@@ -82,16 +97,6 @@ Vec3 middle(const std::vector<Vec3>& points) {
   Vec3 sum;
   for (const Vec3& p : points) sum += p;
   return (1.F / static_cast<float>(points.size())) * sum;
-}
-
-/// [m] along the cloth at rest from every pixel to the nearest one of those that are held; endless where none is
-/// reached.
-std::vector<float> ways_along_cloth(const ClothDesc& cloth, const std::vector<uint32_t>& held) {
-  std::vector<float> way;
-  for (const shader::Attachment& a : make_attachments(*cloth.asset, cloth.transform.scale, held))
-    way.push_back(a.anchor == shader::kNoAnchor ? std::numeric_limits<float>::infinity() : a.reach);
-  for (const uint32_t p : held) way[p] = 0;
-  return way;
 }
 
 /// Where in the scene, for messages.
@@ -353,7 +358,7 @@ void Simulation::measure_distances(uint32_t cloth) {
                       ": grows from the points that pins of the cloth hold, and none holds any; give a "
                       "pin without frequency and max_distance, or one distance for all");
     }
-    if (way.empty()) way = ways_along_cloth(cloths_[cloth], held);
+    if (way.empty()) way = ways_along_cloth(*cloths_[cloth].asset, cloths_[cloth].transform.scale, held);
     for (size_t i = 0; i < set.pixels.size(); ++i) {
       const float distance = most.least + most.per_metre * way[set.pixels[i]];
       set.max_distance[i] = distance > kFree ? std::numeric_limits<float>::infinity() : distance;

@@ -118,7 +118,8 @@ struct MaterialKey {
 
 /// Where a cloth is of another fabric, see Fabric.
 struct SceneFabric {
-  Where where;  ///< the corners of its cells
+  Where where;      ///< the corners of its cells
+  float width = 0;  ///< [m] >= 0 along the cloth at rest: points so near to those are its corners, too
   Material material = {};
   std::vector<MaterialKey> material_motion = {};  ///< in place of `material`; empty: it stays
 };
