@@ -427,6 +427,23 @@ TEST_F(SessionTest, a_material_that_is_set_stays) {
   EXPECT_TRUE(session.simulation().solver().material(0) == heavy);
 }
 
+TEST_F(SessionTest, a_fabric_that_is_set_stays) {
+  Material heavy;
+  heavy.areal_density = 2;
+  setup_.scene.cloths[0].fabrics = {{.where = WhereTop{1}},
+                                    {.where = WhereTop{0.5F}, .material_motion = {{0, {}}, {1, heavy}}}};
+  Session session(setup_, kSize);
+  play(session, 5);
+  EXPECT_NE(session.simulation().solver().fabric(0, 1).areal_density, Material{}.areal_density);
+  session.set_fabric(0, 1, heavy);
+  play(session, 5);
+  EXPECT_TRUE(session.simulation().solver().fabric(0, 1) == heavy);
+  session.restart();
+  play(session, 5);
+  EXPECT_TRUE(session.simulation().solver().fabric(0, 1) == heavy);
+  EXPECT_TRUE(session.simulation().solver().fabric(0, 0) == Material{});
+}
+
 TEST_F(SessionTest, goes_along_with_a_garment_that_nothing_holds) {
   setup_.scene.cloths[0].pins.clear();
   setup_.scene.colliders.clear();

@@ -165,6 +165,7 @@ struct MaterialSlider {
   const char* format;
   float unit = 1;         ///< that is shown, in those of the material
   bool by_orders = true;  ///< of magnitude
+  bool is_fabric = true;  ///< see Fabric
 };
 constexpr std::array kMaterialSliders{
     MaterialSlider{"density", &Material::areal_density, 0.01F, 5, "%.3f kg/m2"},
@@ -173,12 +174,24 @@ constexpr std::array kMaterialSliders{
     MaterialSlider{"shear", &Material::shear, 0.1F, 1e4F, "%.1f N/m"},
     MaterialSlider{"bend warp", &Material::bend_warp, 0.1F, 1e5F, "%.1f uN m", 1e-6F},
     MaterialSlider{"bend weft", &Material::bend_weft, 0.1F, 1e5F, "%.1f uN m", 1e-6F},
-    MaterialSlider{"damping", &Material::damping, 0, 10, "%.2f 1/s", 1, false},
-    MaterialSlider{"friction", &Material::friction, 0, 2, "%.2f", 1, false},
-    MaterialSlider{"thickness", &Material::thickness, 0, 20, "%.1f mm", 1e-3F, false}};
+    MaterialSlider{"damping", &Material::damping, 0, 10, "%.2f 1/s", 1, false, false},
+    MaterialSlider{"friction", &Material::friction, 0, 2, "%.2f", 1, false, false},
+    MaterialSlider{"thickness", &Material::thickness, 0, 20, "%.1f mm", 1e-3F, false, false}};
 
-/// @param cloth  whose material is shown; may be chosen anew
-void lay_out_material(Session& session, uint32_t& cloth) {
+/// @param fabric  of a cloth that has some; none: its own material
+void choose_fabric(const SceneCloth& cloth, std::optional<uint32_t>& fabric) {
+  if (fabric && *fabric >= cloth.fabrics.size()) fabric.reset();
+  if (cloth.fabrics.empty()) return;
+  std::vector<std::string> names{"the cloth's own"};
+  for (size_t f = 0; f < cloth.fabrics.size(); ++f) names.push_back(fmt::format("fabrics[{}]", f));
+  const std::optional<size_t> picked = choose("fabric", names, fabric ? *fabric + 1 : 0);
+  if (!picked) return;
+  fabric = *picked == 0 ? std::nullopt : std::optional(static_cast<uint32_t>(*picked - 1));
+}
+
+/// @param cloth   whose material is shown; may be chosen anew
+/// @param fabric  that of it
+void lay_out_material(Session& session, uint32_t& cloth, std::optional<uint32_t>& fabric) {
   if (!ImGui::CollapsingHeader("material")) return;
   const std::vector<SceneCloth>& cloths = session.scene().cloths;
   if (cloths.size() > 1) {
@@ -187,16 +200,20 @@ void lay_out_material(Session& session, uint32_t& cloth) {
       names.push_back(fmt::format("{} {}", c, cloths[c].asset.stem().string()));
     cloth = static_cast<uint32_t>(choose("cloth", names, cloth).value_or(cloth));
   }
-  Material material = session.simulation().solver().material(cloth);
+  choose_fabric(cloths[cloth], fabric);
+  const Solver& solver = session.simulation().solver();
+  Material material = fabric ? solver.fabric(cloth, *fabric) : solver.material(cloth);
   bool changed = lay_out_preset(material);
   for (const MaterialSlider& s : kMaterialSliders) {
+    if (fabric && !s.is_fabric) continue;
     const ImGuiSliderFlags flags = ImGuiSliderFlags_AlwaysClamp | (s.by_orders ? ImGuiSliderFlags_Logarithmic : 0);
     float value = material.*s.value / s.unit;
     if (!ImGui::SliderFloat(s.label, &value, s.least, s.most, s.format, flags)) continue;
     material.*s.value = s.unit * (std::isfinite(value) ? value : s.least);
     changed = true;
   }
-  if (changed) session.set_material(cloth, material);
+  if (!changed) return;
+  fabric ? session.set_fabric(cloth, *fabric, material) : session.set_material(cloth, material);
 }
 
 void lay_out_controls() {
@@ -271,7 +288,7 @@ const ImDrawData& Panel::lay_out(Session& session) {
       lay_out_display(session);
       ImGui::Separator();
       lay_out_forces(session);
-      lay_out_material(session, cloth_);
+      lay_out_material(session, cloth_, fabric_);
       lay_out_controls();
       if (!session.note().empty()) {
         ImGui::Separator();

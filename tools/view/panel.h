@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
+
 #include "view/session.h"
 #include "view/window.h"
 
@@ -25,7 +27,8 @@ class Panel {
   const ImDrawData& lay_out(Session& session);
 
  private:
-  uint32_t cloth_ = 0;  ///< whose material is shown
+  uint32_t cloth_ = 0;              ///< whose material is shown
+  std::optional<uint32_t> fabric_;  ///< that of it, in place of its own
 };
 
 }  // namespace geocloth::view

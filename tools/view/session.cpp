@@ -151,6 +151,11 @@ void Session::set_material(uint32_t cloth, const Material& material) {
   scene_.cloths[cloth].material_motion.clear();
 }
 
+void Session::set_fabric(uint32_t cloth, uint32_t fabric, const Material& material) {
+  simulation_->set_fabric(cloth, fabric, material);
+  scene_.cloths[cloth].fabrics[fabric] = simulation_->scene().cloths[cloth].fabrics[fabric];
+}
+
 void Session::set_gravity(const Vec3& gravity) {
   simulation_->solver().set_gravity(gravity);
   scene_.gravity = gravity;

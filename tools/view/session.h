@@ -73,6 +73,7 @@ class Session {
   void set_playing(bool playing);
   void set_wind(const Wind& wind);
   void set_material(uint32_t cloth, const Material& material);
+  void set_fabric(uint32_t cloth, uint32_t fabric, const Material& material);
   void set_gravity(const Vec3& gravity);
   /// @param substeps  1..256
   void set_substeps(uint32_t substeps);

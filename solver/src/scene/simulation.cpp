@@ -514,6 +514,13 @@ void Simulation::set_material(uint32_t cloth, const Material& material) {
   scene_.cloths[cloth].material_motion.clear();
 }
 
+void Simulation::set_fabric(uint32_t cloth, uint32_t fabric, const Material& material) {
+  solver_->set_fabric(cloth, fabric, material);
+  SceneFabric& told = scene_.cloths[cloth].fabrics[fabric];
+  cloths_[cloth].fabrics[fabric].material = told.material = material;
+  told.material_motion.clear();
+}
+
 /// The cuts between the beginning of the last frame and that of the next one.
 void Simulation::cut(double start) {
   constexpr double kSameTime = 1e-9;  // [s] what a time loses as a decimal

@@ -305,6 +305,8 @@ class Simulation {
   void set_wind(const Wind& wind);
   /// A material of a cloth in place of the scene's and its keyframes. @throws as Solver::set_material
   void set_material(uint32_t cloth, const Material& material);
+  /// The same of one of its fabrics. @throws as Solver::set_fabric
+  void set_fabric(uint32_t cloth, uint32_t fabric, const Material& material);
 
   /// [m] How far the pins of a cloth that follow its skin are from it, at most, as they took hold; 0 without.
   [[nodiscard]] float farthest_from_skin(uint32_t cloth) const;
