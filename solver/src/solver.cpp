@@ -611,6 +611,7 @@ void Solver::Impl::change_fabrics(uint32_t cloth, const Material& material, std:
   c.fabrics = std::move(fabrics);
   c.weakest = weakest_of(c);
   c.disturbed = true;
+  c.pins_changed = c.pins_changed || !c.fabrics.empty();  // see stretch_shares()
   if (data) {
     take_version(cloth, c.asset, std::move(*data));
     c.masses_changed = true;

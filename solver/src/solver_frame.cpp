@@ -10,6 +10,7 @@
 #include "check_input.h"
 #include "colliders/ways.h"
 #include "geocloth/asset/grid_mesh.h"
+#include "rest/fabrics.h"
 #include "rest/self_points.h"
 #include "rest/upload.h"
 #include "solver_impl.h"
@@ -225,9 +226,30 @@ void Solver::Impl::take_pins(Cloth& cloth, ClothFrame& frame) const {
     for (PinWay& way : cloth.pin_ways) way = {number_of(way.a), number_of(way.b), way.length};
     if (pinned.empty()) cloth.reach = cloth.size;
     for (const shader::Attachment& a : frame.attachments) cloth.reach = std::max(cloth.reach, a.reach);
+    if (!cloth.fabrics.empty())
+      frame.attachments = make_attachments(*cloth.asset, cloth.scale, pinned, stretch_shares(cloth));
     cloth.hangs = hangs(*cloth.asset, frame.attachments, frame.inverse_mass);
     cloth.hangs_by_few = hangs_by_few(*cloth.asset, frame.inverse_mass);
   }
+}
+
+/// How much longer than at rest each fabric may be, in shares of the one that stretches most, by which the limit is. A
+/// stiff shirt is held tight below an elastic band. By the least load that there is: more of it holds stiff cloth
+/// looser than need be, never below its length at rest.
+std::vector<float> Solver::Impl::stretch_shares(const Cloth& cloth) {
+  const FabricMap fabrics({.material = cloth.material, .fabrics = cloth.fabrics}, *cloth.original);
+  const auto longest = [&](const Material& material) { return 1 + largest_stretch(material, {}, {}, 0, cloth.reach); };
+  const float most = longest(cloth.weakest);
+  std::vector<float> shares(cloth.original->pixel_count(), 1);
+  for (uint32_t p = 0; p < shares.size(); ++p) {
+    if (!cloth.original->valid(p)) continue;
+    Material own = cloth.weakest;
+    const Material fabric = fabrics.at(p);
+    own.stretch_warp = fabric.stretch_warp;
+    own.stretch_weft = fabric.stretch_weft;
+    shares[p] = longest(own) / most;
+  }
+  return shares;
 }
 
 /// About all places where a cloth can be in this frame, less its reach; none where no pins tell.

@@ -191,6 +191,7 @@ class Solver::Impl {
   [[nodiscard]] std::vector<Version> versions() const;
   [[nodiscard]] ClothData cloth_data(const Cloth& cloth, const std::shared_ptr<const ClothAsset>& asset,
                                      const Material& material, const std::vector<Fabric>& fabrics) const;
+  [[nodiscard]] static std::vector<float> stretch_shares(const Cloth& cloth);
   [[nodiscard]] static Material weakest_of(const Cloth& cloth);
   void change_fabrics(uint32_t cloth, const Material& material, std::vector<Fabric> fabrics);
   [[nodiscard]] InterData inter_data(std::span<const Version> cloths, const Vec3& origin) const;

@@ -199,6 +199,37 @@ TEST_P(Fabrics, StretchEachByWhatHangsOnThem) {
   }
 }
 
+// A stiff shirt on an elastic band: attachments that let the band stretch must not let the shirt, which eight substeps
+// alone do not hold.
+TEST_P(Fabrics, StiffClothIsHeldTightBelowAnElasticBand) {
+  if (machine().slow()) GTEST_SKIP() << "hundreds of substeps";
+  const test::SheetOptions options{.nx = 41, .ny = 61, .width = 0.6F, .height = 0.9F, .charts_x = 2};
+  Material band = with(&Material::stretch_warp, 30);
+  band.stretch_weft = 30;
+  band.shear = 0;
+  const auto longest = [&](bool has_band) {
+    ClothDesc cloth = test::describe(test::make_sheet(options), Material{});
+    if (has_band) cloth.fabrics = {fabric_where(*cloth.asset, band, [](const Vec3& x) { return x.y > 0.3799F; })};
+    SolverSettings settings;
+    settings.substeps = 8;
+    Solver solver = make(cloth, settings);
+    solver.set_pins(0, test::pins_at_rest(*cloth.asset, "top"));
+    test::run(solver, 240);
+    const std::vector<Vec3> x = test::positions_of(solver);
+    const auto height = [&](uint32_t row) { return double{x[test::sheet_pixel(options, 20, row)].y}; };
+    const uint32_t lowest = options.ny - 1, hem = 5;  // rows of 15 mm
+    return std::pair{(height(0) - height(hem)) / (0.015 * hem),
+                     (height(hem) - height(lowest)) / (0.015 * (lowest - hem))};
+  };
+  const auto [plain_band, plain_shirt] = longest(false);
+  const auto [soft_band, shirt] = longest(true);
+  EXPECT_LT(plain_shirt, 1.01);
+  EXPECT_LT(shirt, 1.01);
+  const double load = double{Material{}.areal_density} * kGravity * (0.9 - 0.5 * 0.075);
+  EXPECT_NEAR(soft_band - 1, load / 30, 0.2 * load / 30);
+  EXPECT_LT(plain_band, 1.01);
+}
+
 // The stiff half of a strip that sticks out stays level, and the limp half droops as a strip of half the length.
 TEST_P(Fabrics, BendEachByTheirOwnRigidity) {
   if (machine().slow()) GTEST_SKIP() << "thousands of substeps";

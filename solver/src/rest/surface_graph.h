@@ -16,8 +16,9 @@ namespace geocloth {
 class SurfaceGraph {
  public:
   /// Keeps the reference.
-  SurfaceGraph(const ClothAsset& asset, float scale)
-      : asset_(asset), scale_(scale), row_of_(asset.pixel_count(), kNoPixel) {
+  /// @param shares  of each pixel, by which lengths about it count; none: 1
+  SurfaceGraph(const ClothAsset& asset, float scale, std::span<const float> shares = {})
+      : asset_(asset), scale_(scale), shares_(shares), row_of_(asset.pixel_count(), kNoPixel) {
     for (uint32_t r = 0; r < asset.splits.rows(); ++r)
       for (uint32_t k = asset.splits.offset[r]; k < asset.splits.offset[r + 1]; ++k) row_of_[asset.splits.pixel[k]] = r;
   }
@@ -55,11 +56,14 @@ class SurfaceGraph {
   }
 
   [[nodiscard]] double distance(uint32_t a, uint32_t b) const {
-    return static_cast<double>(scale_) * static_cast<double>(length(asset_.rest_position[b] - asset_.rest_position[a]));
+    const double share = shares_.empty() ? 1 : 0.5 * (double{shares_[a]} + double{shares_[b]});
+    return share * static_cast<double>(scale_) *
+           static_cast<double>(length(asset_.rest_position[b] - asset_.rest_position[a]));
   }
 
   const ClothAsset& asset_;
   float scale_;
+  std::span<const float> shares_;
   std::vector<uint32_t> row_of_;
 };
 

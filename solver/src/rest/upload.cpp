@@ -200,9 +200,9 @@ float rest_size(const ClothAsset& asset, float scale) {
   return bounds.empty() ? 0 : length(bounds.high - bounds.low);
 }
 
-std::vector<shader::Attachment> make_attachments(const ClothAsset& asset, float scale,
-                                                 std::span<const uint32_t> pinned) {
-  const SurfaceGraph graph(asset, scale);
+std::vector<shader::Attachment> make_attachments(const ClothAsset& asset, float scale, std::span<const uint32_t> pinned,
+                                                 std::span<const float> shares) {
+  const SurfaceGraph graph(asset, scale, shares);
   std::vector<double> distance(asset.pixel_count(), std::numeric_limits<double>::infinity());
   std::vector<uint32_t> anchor(asset.pixel_count(), shader::kNoAnchor);
   for (const uint32_t p : pinned) {

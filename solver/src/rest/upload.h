@@ -36,8 +36,10 @@ namespace geocloth {
 /// For every pixel that is not pinned the nearest pinned pixel along the surface at rest, over splits too, and how far
 /// it is [m]. The distance runs over grid edges, diagonals and knight's moves: at most 2.8 % too long on a flat grid.
 /// @param pinned  pixels, all copies listed
+/// @param shares  of each pixel, by which lengths about it count; none: 1
 [[nodiscard]] std::vector<shader::Attachment> make_attachments(const ClothAsset& asset, float scale,
-                                                               std::span<const uint32_t> pinned);
+                                                               std::span<const uint32_t> pinned,
+                                                               std::span<const float> shares = {});
 
 /// A way along the surface at rest between two pinned pixels.
 struct PinWay {
