@@ -71,13 +71,13 @@ Summary summarize(const ClothAsset& asset) {
   return summary;
 }
 
-/// The first ones, for a line.
-std::string group_names(const ClothAsset& asset) {
+/// The first of many.
+template <class Named>
+std::string names_of(const std::vector<Named>& all) {
   constexpr size_t kMost = 12;
   std::string names;
-  for (size_t k = 0; k < std::min(kMost, asset.vertex_groups.size()); ++k)
-    names += (k > 0 ? ", " : "") + asset.vertex_groups[k].name;
-  if (asset.vertex_groups.size() > kMost) names += fmt::format(" and {} more", asset.vertex_groups.size() - kMost);
+  for (size_t k = 0; k < std::min(kMost, all.size()); ++k) names += (k > 0 ? ", " : "") + all[k].name;
+  if (all.size() > kMost) names += fmt::format(" and {} more", all.size() - kMost);
   return names;
 }
 
@@ -114,7 +114,8 @@ void print_for_people(const InspectArguments& options, const ClothAsset& asset, 
   fmt::print("  source    {} vertices, {} triangles, {} parts, {} materials, {} images, {} vertex groups\n",
              source.source_vertex_count, source.triangle.size(), source.part.size(), source.material.size(),
              source.image.size(), asset.vertex_groups.size());
-  if (!asset.vertex_groups.empty()) fmt::print("  groups    {}\n", group_names(asset));
+  if (!source.material.empty()) fmt::print("  materials {}\n", names_of(source.material));
+  if (!asset.vertex_groups.empty()) fmt::print("  groups    {}\n", names_of(asset.vertex_groups));
   std::string paint;
   for (const auto& [channel, range] : paint_ranges(asset))
     paint += fmt::format("{}{} {:.3g} to {:.3g}", paint.empty() ? "" : ", ", channel, range[0], range[1]);
@@ -129,6 +130,8 @@ nlohmann::ordered_json to_json(const ClothAsset& asset, const Summary& summary) 
   for (const ClothAsset::VertexGroup& group : asset.vertex_groups) {
     groups.push_back({{"name", group.name}, {"vertices", group.source_vertex.size()}});
   }
+  nlohmann::ordered_json materials = nlohmann::ordered_json::array();
+  for (const SourceMaterial& material : asset.source.material) materials.push_back(material.name);
   nlohmann::ordered_json paint = nlohmann::ordered_json::object();
   for (const auto& [channel, range] : paint_ranges(asset)) paint[channel] = {{"min", range[0]}, {"max", range[1]}};
   return {{"name", asset.name},
@@ -157,6 +160,7 @@ nlohmann::ordered_json to_json(const ClothAsset& asset, const Summary& summary) 
             {"materials", asset.source.material.size()},
             {"images", asset.source.image.size()}}},
           {"vertex_groups", groups},
+          {"material_names", materials},
           {"paint", paint}};
 }
 

@@ -35,7 +35,8 @@ constexpr const char* kFull = R"({ "version": 1, "frame_rate": 30, "frames": 10,
     "pins": [ { "where": { "top": 0.02 }, "follow": "cloth" }, { "where": { "boundary": 1 }, "follow": "world" },
               { "where": { "boundary": "highest" }, "follow": "ball", "motion": [ { "time": 1, "translate": [0, 1, 0] } ] },
               { "where": { "box": [[0, 0, 0], [1, 1, 1]] } }, { "where": { "sphere": { "center": [0, 0, 0], "radius": 1 } } },
-              { "where": { "vertices": [1, 2] } }, { "where": { "vertex_group": "hem" } } ],
+              { "where": { "vertices": [1, 2] } }, { "where": { "vertex_group": "hem" } },
+              { "where": { "material": "denim" } } ],
     "fabrics": [ { "where": { "top": 0.1 }, "width": 0.2, "material": { "bend_warp": 1e-3, "motion": [ { "time": 1 } ] } } ],
     "cuts": [], "self_collision": false } ],
   "colliders": [ { "shape": "plane", "point": [0, 0, 0], "normal": [0, 2, 0] },
@@ -425,6 +426,14 @@ TEST_F(Playing, EverySelectorTakesItsPointsWithAllCopies) {
   EXPECT_EQ(count(WhereSphere{{0, 0, 0}, 0.01F}), 2U);
   EXPECT_EQ(count(WhereVertices{{0, 8}}), 2U);
   EXPECT_EQ(count(WhereVertexGroup{"bottom"}), 10U);
+  ClothAsset painted = asset;
+  painted.source.material.resize(2);
+  painted.source.material[0].name = "denim";
+  painted.source.material[1].name = "silk";
+  painted.source.part = {{"a", 1, 0, 16}, {"b", 0, 16, 112}};  // the first of eight rows of triangles is of silk
+  EXPECT_EQ(select_pixels(painted, {}, WhereMaterial{"silk"}).size(), 20U);
+  EXPECT_EQ(select_pixels(painted, {}, WhereMaterial{"denim"}).size(), 80U);
+  EXPECT_THROW(static_cast<void>(select_pixels(painted, {}, WhereMaterial{"wool"})), Error);
   EXPECT_THROW(count(WhereBox{{5, 5, 5}, {6, 6, 6}}), Error);
   EXPECT_THROW(count(WhereBoundary{.index = 1U}), Error);
   EXPECT_THROW(count(WhereVertices{{81}}), Error);

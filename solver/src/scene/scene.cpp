@@ -169,10 +169,10 @@ Transform read_transform(const JsonReader& json) {
 }
 
 Where read_where(const JsonReader& json) {
-  const std::vector<std::string_view> keys{"top", "boundary", "box", "sphere", "vertices", "vertex_group"};
+  const std::vector<std::string_view> keys{"top", "boundary", "box", "sphere", "vertices", "vertex_group", "material"};
   json.expect_object(keys);
   const auto given = std::count_if(keys.begin(), keys.end(), [&](auto key) { return json.has(key); });
-  if (given != 1) json.fail("must have exactly one of top, boundary, box, sphere, vertices, vertex_group");
+  if (given != 1) json.fail("must have exactly one of top, boundary, box, sphere, vertices, vertex_group, material");
 
   if (json.has("top")) return WhereTop{static_cast<float>(in_range(json.at("top"), 0, 1))};
   if (json.has("boundary")) {
@@ -204,6 +204,7 @@ Where read_where(const JsonReader& json) {
     }
     return where;
   }
+  if (json.has("material")) return WhereMaterial{json.at("material").text()};
   return WhereVertexGroup{json.at("vertex_group").text()};
 }
 

@@ -114,15 +114,20 @@ class Selector {
 
   void operator()(const WhereVertexGroup& where) {
     const auto group = std::ranges::find(asset_.vertex_groups, where.name, &ClothAsset::VertexGroup::name);
-    if (group != asset_.vertex_groups.end()) {
-      const std::vector<bool> wanted = marked(group->source_vertex);
-      take_vertices(wanted);
-      return take_between(wanted);
+    if (group != asset_.vertex_groups.end()) return take_surface(marked(group->source_vertex));
+    refuse("vertex group", where.name, asset_.vertex_groups);
+  }
+
+  void operator()(const WhereMaterial& where) {
+    const SourceMesh& source = asset_.source;
+    std::vector<bool> wanted(source.source_vertex_count);
+    for (const SourcePart& part : source.part) {
+      if (source.material[part.material].name != where.name) continue;
+      for (uint32_t t = part.first_triangle; t < part.first_triangle + part.triangle_count; ++t)
+        for (const uint32_t v : source.triangle[t]) wanted[source.source_vertex[v]] = true;
     }
-    std::string known;
-    for (const auto& other : asset_.vertex_groups) known += (known.empty() ? "" : ", ") + other.name;
-    throw Error(ErrorCode::invalid_data,
-                name() + "there is no vertex group \"" + where.name + "\"; it has " + (known.empty() ? "none" : known));
+    if (std::ranges::find(wanted, true) == wanted.end()) refuse("material", where.name, source.material);
+    take_surface(wanted);
   }
 
   [[nodiscard]] std::vector<uint32_t> with_copies() {
@@ -137,12 +142,20 @@ class Selector {
     for (uint32_t p = 0; p < asset_.pixel_count(); ++p)
       if (taken_[p]) pixels.push_back(p);
     if (pixels.empty()) {
-      throw Error(ErrorCode::invalid_data, name() + "the pin's \"where\" selects no point; widen it or move the cloth");
+      throw Error(ErrorCode::invalid_data, name() + "\"where\" selects no point; widen it or move the cloth");
     }
     return pixels;
   }
 
  private:
+  template <class Named>
+  [[noreturn]] void refuse(const std::string& what, const std::string& wanted, const std::vector<Named>& all) const {
+    std::string known;
+    for (const Named& other : all) known += (known.empty() ? "" : ", ") + other.name;
+    throw Error(ErrorCode::invalid_data,
+                name() + "there is no " + what + " \"" + wanted + "\"; it has " + (known.empty() ? "none" : known));
+  }
+
   [[nodiscard]] std::string name() const { return asset_.name.empty() ? "" : asset_.name + ": "; }
 
   /// [m] A row that lies on the face of a box is taken whole, on whichever side of it rounding left its points.
@@ -253,6 +266,11 @@ class Selector {
       const auto largest = std::max_element(binding.weight.begin(), binding.weight.end()) - binding.weight.begin();
       taken_[binding.pixel[static_cast<size_t>(largest)]] = true;
     }
+  }
+
+  void take_surface(const std::vector<bool>& wanted) {
+    take_vertices(wanted);
+    take_between(wanted);
   }
 
   /// What lies on triangles and edges between vertices of a group: where those of the mesh are long the pixels at its

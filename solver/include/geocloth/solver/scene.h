@@ -39,8 +39,12 @@ struct WhereVertices {
 struct WhereVertexGroup {
   std::string name;
 };
-using Where =
-    std::variant<WhereTop, WhereBoundary, WhereBox, WhereSphere, WhereVertices, WhereVertexGroup, WhereHanger>;
+/// What the file has of a material, by its name.
+struct WhereMaterial {
+  std::string name;
+};
+using Where = std::variant<WhereTop, WhereBoundary, WhereBox, WhereSphere, WhereVertices, WhereVertexGroup,
+                           WhereMaterial, WhereHanger>;
 
 /// One of the numbers of what vertices are painted in.
 enum class PaintChannel : uint8_t { red, green, blue, alpha };
