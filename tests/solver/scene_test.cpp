@@ -60,7 +60,12 @@ TEST(Scene, EveryKeyIsRead) {
   EXPECT_EQ(cloth.material.areal_density, 0.3F);
   EXPECT_EQ(cloth.material.verlet_damping, 0.99F);
   EXPECT_EQ(cloth.transform.scale, 2);
-  ASSERT_EQ(cloth.pins.size(), 7U);
+  ASSERT_EQ(cloth.fabrics.size(), 1U);
+  EXPECT_EQ(cloth.fabrics[0].width, 0.2F);
+  EXPECT_EQ(cloth.fabrics[0].material.bend_warp, 1e-3F);
+  EXPECT_EQ(cloth.fabrics[0].material.shear, 30);
+  ASSERT_EQ(cloth.pins.size(), 8U);
+  EXPECT_EQ(std::get<WhereMaterial>(cloth.pins[7].where).name, "denim");
   EXPECT_EQ(cloth.pins[2].follow, "ball");
   EXPECT_EQ(std::get<WhereBoundary>(cloth.pins[1].where).index, 1U);
   EXPECT_FALSE(std::get<WhereBoundary>(cloth.pins[2].where).index);
