@@ -19,9 +19,9 @@ constexpr float kInside = 0.05F;   // of a cloth's points, that may begin deeper
 constexpr float kThrough = 0.5F, kTorn = 1.5F;  // spacings deep, and of its length, where the grid is torn open
 
 /// Whether a collider may hold any of these points; false is certain.
-bool may_reach(const Collider& collider, std::span<const Vec3> points) {
+bool may_reach(const SignedDistance& distance, std::span<const Vec3> points) {
   const Bounds bounds = bounds_of(points);
-  return signed_distance(collider, bounds.center()) <= 0.5F * bounds.diagonal();
+  return distance(bounds.center()) <= 0.5F * bounds.diagonal();
 }
 
 float longest_side(const Triangle& t, std::span<const Vec3> x) {
@@ -29,7 +29,7 @@ float longest_side(const Triangle& t, std::span<const Vec3> x) {
 }
 
 /// [m] Deepest point of a triangle that has all corners outside of the collider.
-float depth_in(const Triangle& t, std::span<const Vec3> x, const Collider& collider) {
+float depth_in(const Triangle& t, std::span<const Vec3> x, const SignedDistance& distance) {
   constexpr int kParts = 4;  // of a side
   const Vec3 &a = x[t[0]], &b = x[t[1]], &c = x[t[2]];
   float deepest = 0;
@@ -37,7 +37,7 @@ float depth_in(const Triangle& t, std::span<const Vec3> x, const Collider& colli
     for (int j = 0; i + j <= kParts; ++j) {
       if ((i == 0) + (j == 0) + (i + j == kParts) == 2) continue;  // a corner
       const float u = static_cast<float>(i) / kParts, v = static_cast<float>(j) / kParts;
-      deepest = std::max(deepest, -signed_distance(collider, a + (b - a) * u + (c - a) * v));
+      deepest = std::max(deepest, -distance(a + (b - a) * u + (c - a) * v));
     }
   }
   return deepest;
@@ -53,15 +53,17 @@ Deepest look_between(std::span<const Triangle> triangles, std::span<const Vec3> 
                      const Collider& collider) {
   constexpr float kReach = 0.5774F;  // of its longest side, that a point of a triangle is from the nearest corner
   Deepest deepest;
-  if (std::holds_alternative<Plane>(collider.shape) || x.empty() || !may_reach(collider, x)) return deepest;
+  if (std::holds_alternative<Plane>(collider.shape) || x.empty()) return deepest;
+  const SignedDistance distance(collider);
+  if (!may_reach(distance, x)) return deepest;
   std::vector<float> gap;
   gap.reserve(x.size());
-  for (const Vec3& p : x) gap.push_back(signed_distance(collider, p));
+  for (const Vec3& p : x) gap.push_back(distance(p));
   for (const Triangle& t : triangles) {
     const float least = std::min({gap[t[0]], gap[t[1]], gap[t[2]]});
     const float side = longest_side(t, x);
     if (least < 0 || least > kReach * side) continue;
-    if (const float depth = depth_in(t, x, collider); depth > deepest.depth)
+    if (const float depth = depth_in(t, x, distance); depth > deepest.depth)
       deepest = {depth, side / longest_side(t, rest)};
   }
   return deepest;
@@ -87,12 +89,14 @@ ContactCheck::ContactCheck(Simulation& simulation) : between_(simulation.cloths(
       if (cloth.asset->valid(p) && !std::binary_search(held.begin(), held.end(), p)) x.push_back(read[p]);
     }
     for (size_t c = 0; c < colliders.size(); ++c) {
-      if (x.empty() || !meets(cloth.meets, colliders[c]) || !may_reach(colliders[c], x)) continue;
+      if (x.empty() || !meets(cloth.meets, colliders[c])) continue;
+      const SignedDistance distance(colliders[c]);
+      if (!may_reach(distance, x)) continue;
       constexpr float kRounding = 1.1F;
       Start start{i, c, 0, x.size(), 0, false};
       size_t deep = 0;
       for (const Vec3& p : x) {
-        const float depth = -signed_distance(colliders[c], p);
+        const float depth = -distance(p);
         start.points += static_cast<size_t>(depth > 0);
         deep += static_cast<size_t>(depth > kRounding * cloth.material.thickness);
         start.depth = std::max(start.depth, depth);

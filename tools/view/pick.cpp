@@ -79,9 +79,10 @@ Hit nearest_pixel(const ScreenMap& screen, const Vec2& place, std::span<const Po
 float enter(const Ray& ray, const Collider& collider, float farthest) {
   constexpr float kTouch = 1e-4F;  // [m]
   const float per_depth = length(ray.direction);
+  const SignedDistance distance_to(collider);
   float depth = 0;
   for (uint32_t step = 0; step < kMaxSteps && depth < farthest; ++step) {
-    const float distance = signed_distance(collider, ray.origin + depth * ray.direction);
+    const float distance = distance_to(ray.origin + depth * ray.direction);
     if (step == 0 && distance <= 0) return kNever;
     if (!(distance > kTouch)) return depth;
     depth += distance / per_depth;

@@ -62,5 +62,19 @@ struct Collider {
 /// its largest radius. Convex: outside of an edge or a corner the largest distance to one of the planes. Mesh: of the
 /// field, a lower bound outside of its grid.
 [[nodiscard]] float signed_distance(const Collider& collider, const Vec3& point);
+/// The same of many points: what a collider is made of is worked out once.
+class SignedDistance {
+ public:
+  explicit SignedDistance(const Collider& collider);
+  ~SignedDistance();
+  SignedDistance(SignedDistance&&) noexcept;
+  SignedDistance& operator=(SignedDistance&&) noexcept;
+  /// [m]
+  [[nodiscard]] float operator()(const Vec3& point) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<const Impl> impl_;
+};
 
 }  // namespace geocloth
