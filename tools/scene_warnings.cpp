@@ -138,7 +138,7 @@ bool jumps_in(const Scene& scene, const ScenePin& pin, double start, double end)
   return teleports(pin.motion, start, end) || carrier_teleports(scene, pin.follow, start, end);
 }
 
-/// Whether the pins' own motions take the cloth apart in a frame [s]: pins turn about their own middles.
+/// Whether the pins' own motions take the cloth apart in a frame [s]: pins turn about their own middles, or pivots.
 bool part_in(const std::vector<ScenePin>& pins, double start, double end) {
   const ScenePin* first = nullptr;
   Vec3 first_way;
@@ -146,7 +146,11 @@ bool part_in(const std::vector<ScenePin>& pins, double start, double end) {
     if (!pin.acts(start, end) || !teleports(pin.motion, start, end)) continue;
     const Transform from = pose_at(pin.motion, start), to = pose_at(pin.motion, end);
     const Vec3 way = to.translate - from.translate;
-    if (first != nullptr && (!(from.rotate == to.rotate) || length(way - first_way) > 1e-3F)) return true;
+    const bool turn_alike = first != nullptr && pin.pivot && pin.pivot == first->pivot &&
+                            from.rotate == pose_at(first->motion, start).rotate &&
+                            to.rotate == pose_at(first->motion, end).rotate;
+    if (first != nullptr && ((!(from.rotate == to.rotate) && !turn_alike) || length(way - first_way) > 1e-3F))
+      return true;
     if (first == nullptr) first_way = way;
     first = &pin;
   }
@@ -197,8 +201,9 @@ void warn_of_torn_jumps(const Scene& scene, size_t index, std::vector<std::strin
     }
     if (part_in(pins, start, end)) {
       warnings.push_back(fmt::format(
-          "{}: its pins jump at {:.6g} s, but apart, and pull the cloth open; give them the same way without "
-          "a turn, or make one pin of them (each turns about its own middle), and the cloth jumps with it",
+          "{}: its pins jump at {:.6g} s, but apart, and pull the cloth open; give them the same way without a turn, "
+          "or "
+          "the same \"pivot\" (each turns about its own middle), or make one pin of them, and the cloth jumps with it",
           name, jump.time));
       return;
     }

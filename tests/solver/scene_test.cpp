@@ -82,6 +82,23 @@ TEST(Scene, ColliderTurnsAboutItsOwnCentre) {
   EXPECT_NEAR(signed_distance(collider_at(scene.colliders[1], 1), {0.5F, 1, 0}), -0.2, 1e-6);
 }
 
+// An arm turns at its shoulder, not about its middle.
+TEST(Scene, WhatHasAPivotTurnsAboutIt) {
+  const Scene scene = parse_scene(
+      R"({"version":1,"cloths":[{"asset":"a.glb"}],"colliders":[
+      {"shape":"capsule","a":[1,2,0],"b":[3,2,0],"radius":0.5,"pivot":[1,2,0],
+       "motion":[{"time":0},{"time":1,"translate":[0,0,1],"rotate_deg":[0,0,90]}]}]})",
+      "s.json");
+  const auto distance = [&](double time, const Vec3& point) {
+    return signed_distance(collider_at(scene.colliders[0], time), point);
+  };
+  EXPECT_NEAR(distance(0, {3, 2, 0}), -0.5, 1e-5);
+  EXPECT_NEAR(distance(1, {1, 2, 1}), -0.5, 1e-5);
+  EXPECT_NEAR(distance(1, {1, 4, 1}), -0.5, 1e-5);
+  const float half = std::sqrt(2.F);
+  EXPECT_NEAR(distance(0.5, {1 + half, 2 + half, 0.5F}), -0.5, 1e-5);
+}
+
 constexpr const char* kTurning = R"({ "version": 1, "cloths": [ { "asset": "a.glb" } ], "colliders": [
     { "shape": "box", "center": [0, 1, 0], "half_extents": [0.5, 0.1, 0.1], "motion": [ KEYS ] } ] })";
 
@@ -343,7 +360,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{"ShapeFarFromAll", "\"shape\": \"capsule\"", "\"shape\": \"cylinder\"",
                  "no shape \"cylinder\"; all are plane, sphere, capsule, box"},
         BadScene{"KeyFarFromAll", "\"half_extents\"", "\"size\"",
-                 "unknown key \"size\"; known are name, shape, friction, motion, center, half_extents, rotate_deg"},
+                 "unknown key \"size\"; known are name, shape, friction, motion, pivot, center, half_extents, rotate_deg"},
         BadScene{"PresetFarFromAll", "\"areal_density\": 0.3", "\"preset\": \"silk\"", "preset \"silk\"; all are "},
         BadScene{"ScaleOfAMesh",
                  "\"shape\": \"box\", \"center\": [0, 1, 0], \"half_extents\": [1, 2, 3], \"rotate_deg\": [0, 0, 45]",
@@ -378,6 +395,8 @@ INSTANTIATE_TEST_SUITE_P(
                  "cloths[0].material.motion[1].time: must be later than the key before"},
         BadScene{"MaterialKeyMisspelt", "\"areal_density\": 0.3", R"("motion": [{ "time": 1, "densty": 1 }])",
                  "cloths[0].material.motion[0]: unknown key \"densty\"; known are preset, time"},
+        BadScene{"PivotOfNothing", R"("where": { "vertices": [1, 2] })", R"("where": { "top": 1 }, "pivot": [0, 0, 0])",
+                 "cloths[0].pins[5].pivot: is what a \"motion\" turns about; there is none"},
         BadScene{"FabricNowhere", R"("where": { "top": 0.1 }, "width")", "\"width\"",
                  "cloths[0].fabrics[0]: the key \"where\" is missing"},
         BadScene{"FabricOfNothing", R"(, "material": { "bend_warp": 1e-3, "motion": [ { "time": 1 } ] })", "",
@@ -443,6 +462,18 @@ TEST_F(Playing, EverySelectorTakesItsPointsWithAllCopies) {
   EXPECT_THROW(count(WhereBoundary{.index = 1U}), Error);
   EXPECT_THROW(count(WhereVertices{{81}}), Error);
   EXPECT_THROW(count(WhereVertexGroup{"collar"}), Error);
+}
+
+// Two corners that turn about one point stay as far apart as they were.
+TEST_F(Playing, PinsOfOnePivotTurnTogether) {
+  const std::string turning = R"(,"pivot":[0,0,0],"motion":[{"time":0},{"time":0.5,"rotate_deg":[0,0,90]}]})";
+  Simulation simulation =
+      play(R"(,"pins":[{"where":{"vertices":[0]})" + turning + R"(,{"where":{"vertices":[8]})" + turning + "]");
+  const Vec3 left = point(simulation, 0, 0), right = point(simulation, 8, 0);
+  for (int f = 0; f < 30; ++f) simulation.step();
+  const auto turned = [](const Vec3& p) { return Vec3{-p.y, p.x, p.z}; };
+  EXPECT_LT(length(point(simulation, 0, 0) - turned(left)), 1e-5F);
+  EXPECT_LT(length(point(simulation, 8, 0) - turned(right)), 1e-5F);
 }
 
 // A hem is a boundary and what lies within a hand of it, in metres of the scene.

@@ -124,6 +124,10 @@ TEST_F(SceneWarnings, TellThatOnlySomePinsJump) {
   EXPECT_THAT(warnings(pins(away, away)), IsEmpty());
   EXPECT_THAT(warnings(pins(away, R"({"time":0.2,"translate":[0,0,0]})")),
               ElementsAre(AllOf(HasSubstr("1 of its 2 pins jump at 0.2 s"), HasSubstr("jump alike"))));
+  const std::string turn = R"({"time":0.2,"rotate_deg":[0,90,0],"teleport":true})";
+  EXPECT_THAT(warnings(pins(turn, turn)), ElementsAre(HasSubstr("but apart")));
+  EXPECT_THAT(warnings(std::regex_replace(pins(turn, turn), std::regex(R"("motion")"), R"("pivot":[0,1,0],"motion")")),
+              IsEmpty());
   EXPECT_THAT(warnings(pins(away, R"({"time":0.2,"translate":[3,1,0],"teleport":true})")),
               ElementsAre(HasSubstr("its pins jump at 0.2 s, but apart")));
 }

@@ -69,6 +69,16 @@ Motion read_motion_of(const JsonReader& json) {
   return json.has("motion") ? read_motion(json.at("motion")) : Motion{};
 }
 
+/// What a motion turns about.
+std::optional<Vec3> read_pivot(const JsonReader& json) {
+  if (!json.has("pivot")) return std::nullopt;
+  const JsonReader pivot = json.at("pivot");
+  const Vec3 point = pivot.vector();
+  checked([&] { check_position(point, pivot.where()); });
+  if (!json.has("motion")) pivot.fail("is what a \"motion\" turns about; there is none");
+  return point;
+}
+
 struct MaterialField {
   std::string_view key;
   float Material::*field;
@@ -253,11 +263,12 @@ SceneBackstop read_backstop(const JsonReader& json) {
 }
 
 ScenePin read_pin(const JsonReader& json) {
-  json.expect_object({"where", "follow", "motion", "from", "until", "frequency", "max_distance", "backstop"});
+  json.expect_object({"where", "follow", "motion", "pivot", "from", "until", "frequency", "max_distance", "backstop"});
   ScenePin pin;
   pin.where = read_where(json.at("where"));
   json.read("follow", pin.follow);
   pin.motion = read_motion_of(json);
+  pin.pivot = read_pivot(json);
   if (json.has("from")) pin.from = in_range(json.at("from"), 0, kLongestTime);
   if (json.has("until")) pin.until = in_range(json.at("until"), 0, kLongestTime);
   if (pin.until <= pin.from) json.at("until").fail("must be later than \"from\"");
@@ -494,7 +505,7 @@ SceneCollider read_collider(const JsonReader& json, const std::filesystem::path&
   for (const ShapeReader& reader : shape_readers()) {
     names.push_back(reader.name);
     if (reader.name != shape) continue;
-    std::vector<std::string_view> keys{"name", "shape", "friction", "motion"};
+    std::vector<std::string_view> keys{"name", "shape", "friction", "motion", "pivot"};
     keys.insert(keys.end(), reader.keys.begin(), reader.keys.end());
     if (reader.read == read_mesh) expect_no_placing(json);
     json.expect_object(keys);
@@ -503,6 +514,7 @@ SceneCollider read_collider(const JsonReader& json, const std::filesystem::path&
     json.read("friction", collider.collider.friction);
     collider.collider.shape = reader.read(json);
     collider.motion = read_motion_of(json);
+    collider.center = read_pivot(json);
     if (std::holds_alternative<MeshSolid>(collider.collider.shape)) {
       collider.mesh = read_body(json, folder);
       if (json.has("spacing")) collider.field_spacing = static_cast<float>(in_range(json.at("spacing"), 1e-6, 1e4));

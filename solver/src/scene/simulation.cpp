@@ -242,7 +242,7 @@ void Simulation::read_bodies(const BodyReader& bodies) {
       if (mesh.animation) {
         moving_[i] = std::make_shared<MovingCollider>(read_moving(mesh), mesh.transform, collider.field_spacing);
         collider.collider.shape = MeshSolid{moving_[i]->field()};
-        collider.center = moving_[i]->middle();
+        if (!collider.center) collider.center = moving_[i]->middle();
         return;
       }
       TriangleSurface surface = bodies.surface(mesh);
@@ -390,13 +390,18 @@ std::vector<Pin> Simulation::pins_of(uint32_t cloth, double start, bool only_jum
   return pins;
 }
 
+/// What a pin's own motion turns about.
+Vec3 Simulation::center_of(const PinSet& set) {
+  return set.pin.pivot ? *set.pin.pivot : middle(set.rest);
+}
+
 /// @param at_start  of the frame, as far as a surface that deforms carries them
 void Simulation::add_pins(const PinSet& set, const PinPlace& place, bool at_start, std::vector<Pin>& pins) const {
   const Transform &carried = place.carried, &own = place.own;
   const Carrier carrier = moving_carrier(set);
   const MovingSurface* const surface = carrier.surface;
   const bool backed = set.pin.backstop.has_value(), moves = !set.pin.motion.empty();
-  const Vec3 center = moves ? middle(set.rest) : Vec3{};
+  const Vec3 center = moves ? center_of(set) : Vec3{};
   const Quat turn = carried.rotate * (own.rotate * carrier.pose.rotate);
   const auto distance_of = [&](size_t k) { return set.max_distance.empty() ? 0 : set.max_distance[k]; };
   const auto pin_of = [&](size_t k) {
@@ -443,7 +448,7 @@ std::optional<Transform> Simulation::way_of_jump(uint32_t cloth, double start) c
     if (set.cloth != cloth || !set.pin.acts(start, time())) continue;
     const PinTimes times = times_of_jump(set, start);
     if (times.carrier == start && times.own == start) return std::nullopt;
-    const auto from_rest = [&, center = middle(set.rest)](const PinPlace& place) {
+    const auto from_rest = [&, center = center_of(set)](const PinPlace& place) {
       const Transform& own = place.own;
       return compose(place.carried, {center - rotate(own.rotate, center) + own.translate, own.rotate, 1});
     };

@@ -76,7 +76,7 @@ struct ScenePin {
   Where where;
   /// "cloth" (the cloth's motion), "skin" (the cloth's, too), "world" (stays), or a collider's name.
   std::string follow = "cloth";
-  Motion motion;    ///< on top of what it follows; turns about the middle of the pin's points
+  Motion motion;    ///< on top of what it follows; turns about the middle of the pin's points, or the pivot
   double from = 0;  ///< [s] above 0: the points are taken hold of then, where they are
   double until = std::numeric_limits<double>::infinity();  ///< [s] they are let go
   float frequency = 0;                                     ///< [1/s] above 0: soft, see Pin
@@ -86,6 +86,7 @@ struct ScenePin {
   /// Only with a max_distance, and where the pin follows a skin or a collider that an animation deforms: outward is as
   /// its surface is there.
   std::optional<SceneBackstop> backstop = {};
+  std::optional<Vec3> pivot = {};  ///< [m] as the cloth begins: its motion turns about it
 
   [[nodiscard]] bool holds() const { return !(frequency > 0) && !max_distance; }
   /// In a frame [s].
@@ -199,8 +200,8 @@ using MakeSolver = std::function<Solver(std::span<const ClothDesc>, const Solver
 
 struct SceneCollider {
   Collider collider;              ///< of a mesh without its field; Simulation::colliders() have it
-  std::optional<Vec3> center;     ///< [m] about which it turns, in place of the shape's own: of a body that deforms
-  Motion motion;                  ///< turns about the shape's own centre (a plane's point, the middle of a capsule)
+  std::optional<Vec3> center;     ///< [m] in place of the shape's own: what is told, or of a body that deforms
+  Motion motion;                  ///< turns about the centre (a plane's point, the middle of a capsule)
   std::optional<SceneMesh> mesh;  ///< of shape "mesh"
   float field_spacing = 0;        ///< [m] of the mesh's field of distances; 0: as many nodes as are usual
 };
@@ -363,6 +364,7 @@ class Simulation {
   [[nodiscard]] PinTimes times_of_jump(const PinSet& set, double start) const;
   [[nodiscard]] PinPlace place_of(const PinSet& set, const PinTimes& times) const;
   [[nodiscard]] std::vector<Pin> pins_of(uint32_t cloth, double start, bool only_jumps) const;
+  [[nodiscard]] static Vec3 center_of(const PinSet& set);
   void add_pins(const PinSet& set, const PinPlace& place, bool at_start, std::vector<Pin>& pins) const;
   [[nodiscard]] std::optional<Transform> way_of_jump(uint32_t cloth, double start) const;
 
