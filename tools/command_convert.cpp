@@ -186,7 +186,8 @@ CLI::Validator is_selection() {
 
 CommandRun add_convert(CLI::App& app) {
   auto options = std::make_shared<ConvertArguments>();
-  add_text(app, "mesh", "MESH", options->mesh, "OBJ, glTF, GLB, PLY, STL, OFF, FBX or DAE file", "required")->required();
+  add_text(app, "mesh", "MESH", options->mesh, "OBJ, glTF, GLB, PLY, STL, OFF, FBX or DAE file", "required")
+      ->required();
   CLI::Option* output =
       add_text(app, "-o,--output", "ASSET.glb", options->asset, "the asset to write", "required, but with --parts list")
           ->check(ends_with({".glb"}));

@@ -359,8 +359,9 @@ INSTANTIATE_TEST_SUITE_P(
         // No name is better than one that has nothing to do with it.
         BadScene{"ShapeFarFromAll", "\"shape\": \"capsule\"", "\"shape\": \"cylinder\"",
                  "no shape \"cylinder\"; all are plane, sphere, capsule, box"},
-        BadScene{"KeyFarFromAll", "\"half_extents\"", "\"size\"",
-                 "unknown key \"size\"; known are name, shape, friction, motion, pivot, center, half_extents, rotate_deg"},
+        BadScene{
+            "KeyFarFromAll", "\"half_extents\"", "\"size\"",
+            "unknown key \"size\"; known are name, shape, friction, motion, pivot, center, half_extents, rotate_deg"},
         BadScene{"PresetFarFromAll", "\"areal_density\": 0.3", "\"preset\": \"silk\"", "preset \"silk\"; all are "},
         BadScene{"ScaleOfAMesh",
                  "\"shape\": \"box\", \"center\": [0, 1, 0], \"half_extents\": [1, 2, 3], \"rotate_deg\": [0, 0, 45]",
