@@ -10,7 +10,7 @@
 #include <array>
 #include <cmath>
 
-#include "check_input.h"
+#include "material_fields.h"
 
 namespace geocloth {
 namespace {
@@ -54,29 +54,6 @@ constexpr std::array<MaterialPreset, 9> kPresets{{
     {"dotted_woven", material_of({0.128F, 2027.49F, 2002.09F, 9.59F, 51.71e-6F, 31.28e-6F}), kDots},
 }};
 
-struct Field {
-  float Material::*value;
-  float least = 0;            ///< above 0: that it may have
-  bool none_at_zero = false;  ///< 0 says that there is no limit
-};
-/// All that a material has.
-constexpr std::array kFields{Field{&Material::areal_density},
-                             Field{&Material::stretch_warp},
-                             Field{&Material::stretch_weft},
-                             Field{&Material::shear, static_cast<float>(kSoftest)},
-                             Field{&Material::bend_warp, static_cast<float>(kLimpest)},
-                             Field{&Material::bend_weft, static_cast<float>(kLimpest)},
-                             Field{&Material::bend_bias, static_cast<float>(kLimpest)},
-                             Field{&Material::damping},
-                             Field{&Material::thickness},
-                             Field{&Material::friction},
-                             Field{&Material::max_speed, 0, true},
-                             Field{&Material::max_stretch, 0, true},
-                             Field{&Material::stiffness},
-                             Field{&Material::bend_stiffness},
-                             Field{&Material::verlet_damping}};
-static_assert(sizeof(Material) == kFields.size() * sizeof(float));
-
 }  // namespace
 
 std::span<const MaterialPreset> material_presets() {
@@ -92,7 +69,7 @@ Material mix(const Material& a, const Material& b, float t) {
   if (!(t > 0)) return a;
   if (t >= 1) return b;
   Material between = a;
-  for (const Field& field : kFields) {
+  for (const MaterialField& field : kMaterialFields) {
     const float from = a.*field.value, to = b.*field.value;
     const bool one_is_none = field.none_at_zero && (from == 0 || to == 0);
     if (from == to || from < 0 || to < 0 || one_is_none) continue;

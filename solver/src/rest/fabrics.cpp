@@ -4,12 +4,10 @@
 #include <algorithm>
 #include <array>
 
+#include "material_fields.h"
+
 namespace geocloth {
 namespace {
-
-constexpr std::array kMeans{&Material::areal_density, &Material::stretch_warp, &Material::stretch_weft,
-                            &Material::shear,         &Material::bend_warp,    &Material::bend_weft,
-                            &Material::bend_bias};
 
 /// In which fabrics each pixel is listed: a bit for each.
 std::vector<uint32_t> listed_in(const ClothAsset& asset, std::span<const Fabric> fabrics) {
@@ -115,10 +113,11 @@ Material FabricMap::mean_of(std::span<const uint32_t> cells, uint32_t otherwise)
   const auto most = static_cast<size_t>(std::ranges::max_element(triangles) - triangles.begin());
   Material mean = materials_[most];
   if (triangles[most] == all) return mean;
-  for (const auto field : kMeans) {
+  for (const MaterialField& field : kMaterialFields) {
+    if (field.use != MaterialUse::fabric) continue;
     double sum = 0;
-    for (size_t m = 0; m < materials_.size(); ++m) sum += triangles[m] * double{materials_[m].*field};
-    mean.*field = static_cast<float>(sum / all);
+    for (size_t m = 0; m < materials_.size(); ++m) sum += triangles[m] * double{materials_[m].*field.value};
+    mean.*field.value = static_cast<float>(sum / all);
   }
   return mean;
 }

@@ -18,6 +18,7 @@
 #include "geocloth/asset/grid_mesh.h"
 #include "lib/lines.h"
 #include "lib/yield.h"
+#include "material_fields.h"
 #include "rest/bends.h"
 #include "rest/fabrics.h"
 #include "rest/rest_shape.h"
@@ -167,9 +168,8 @@ std::vector<float> inverse_masses(const ClothData& cloth) {
 
 bool make_same_data(const Material& a, const Material& b) {
   Material alike = a;
-  for (const auto field : {&Material::damping, &Material::thickness, &Material::friction, &Material::max_speed,
-                           &Material::max_stretch, &Material::verlet_damping})
-    alike.*field = b.*field;
+  for (const MaterialField& field : kMaterialFields)
+    if (field.use == MaterialUse::frame) alike.*field.value = b.*field.value;
   return alike == b && has_attachments(a) == has_attachments(b);
 }
 

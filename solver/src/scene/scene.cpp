@@ -14,6 +14,7 @@
 
 #include "check_input.h"
 #include "colliders/surface_bounds.h"
+#include "material_fields.h"
 #include "scene/collision_groups.h"
 #include "scene/json_reader.h"
 
@@ -79,27 +80,6 @@ std::optional<Vec3> read_pivot(const JsonReader& json) {
   return point;
 }
 
-struct MaterialField {
-  std::string_view key;
-  float Material::*field;
-  bool is_fabric = false;  ///< see Fabric
-};
-constexpr MaterialField kMaterialFields[] = {{"areal_density", &Material::areal_density, true},
-                                             {"stretch_warp", &Material::stretch_warp, true},
-                                             {"stretch_weft", &Material::stretch_weft, true},
-                                             {"shear", &Material::shear, true},
-                                             {"bend_warp", &Material::bend_warp, true},
-                                             {"bend_weft", &Material::bend_weft, true},
-                                             {"bend_bias", &Material::bend_bias, true},
-                                             {"damping", &Material::damping},
-                                             {"thickness", &Material::thickness},
-                                             {"friction", &Material::friction},
-                                             {"max_speed", &Material::max_speed},
-                                             {"max_stretch", &Material::max_stretch},
-                                             {"stiffness", &Material::stiffness},
-                                             {"bend_stiffness", &Material::bend_stiffness},
-                                             {"verlet_damping", &Material::verlet_damping}};
-
 Material preset_named(const JsonReader& json) {
   const std::string name = json.text();
   if (const MaterialPreset* preset = find_material_preset(name)) return preset->material;
@@ -115,7 +95,7 @@ Material read_material_fields(const JsonReader& json, Material material, std::st
   for (const MaterialField& field : kMaterialFields) keys.push_back(field.key);
   json.expect_object(keys);
   if (json.has("preset")) material = preset_named(json.at("preset"));
-  for (const MaterialField& field : kMaterialFields) json.read(field.key, material.*field.field);
+  for (const MaterialField& field : kMaterialFields) json.read(field.key, material.*field.value);
   if (json.has("max_stretch")) in_range(json.at("max_stretch"), 0, 1e6);
   for (const auto* key : {"stiffness", "bend_stiffness", "verlet_damping"}) {
     if (json.has(key)) in_range(json.at(key), 0, 1);
@@ -360,7 +340,7 @@ SceneStart read_start(const JsonReader& json, const std::filesystem::path& folde
 void expect_fabric_only(const JsonReader& json) {
   if (!json.is_object()) return;
   for (const MaterialField& field : kMaterialFields) {
-    if (!field.is_fabric && json.has(field.key))
+    if (field.use != MaterialUse::fabric && json.has(field.key))
       json.at(field.key).fail("is of the whole cloth; say it in the cloth's \"material\"");
   }
   if (!json.has("motion")) return;
