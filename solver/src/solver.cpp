@@ -578,7 +578,7 @@ void Solver::Impl::set_material(uint32_t cloth, const Material& material) {
   check(material, cloth_name(cloth) + ": material");
   const Cloth& c = cloths_[cloth];
   check_fabrics(material, c.fabrics, cloth_name(cloth));
-  if (material != c.material) change_fabrics(cloth, material, c.fabrics);
+  if (material != c.material) change_fabrics(cloth, Material(material), c.fabrics);
 }
 
 void Solver::Impl::set_fabric(uint32_t cloth, uint32_t fabric, const Material& material) {
@@ -587,7 +587,7 @@ void Solver::Impl::set_fabric(uint32_t cloth, uint32_t fabric, const Material& m
   std::vector<Fabric> fabrics = c.fabrics;
   fabrics[fabric].material = material;
   check_fabrics(c.material, fabrics, cloth_name(cloth));
-  change_fabrics(cloth, c.material, std::move(fabrics));
+  change_fabrics(cloth, Material(c.material), std::move(fabrics));
 }
 
 const Material& Solver::Impl::fabric(uint32_t cloth, uint32_t fabric) const {
@@ -601,6 +601,7 @@ Material Solver::Impl::weakest_of(const Cloth& cloth) {
   return FabricMap({.material = cloth.material, .fabrics = cloth.fabrics}, *cloth.original).weakest();
 }
 
+/// @param material  not one of the cloth's own: those change
 void Solver::Impl::change_fabrics(uint32_t cloth, const Material& material, std::vector<Fabric> fabrics) {
   Cloth& c = cloths_[cloth];
   std::optional<ClothData> data;
@@ -611,7 +612,8 @@ void Solver::Impl::change_fabrics(uint32_t cloth, const Material& material, std:
   c.fabrics = std::move(fabrics);
   c.weakest = weakest_of(c);
   c.disturbed = true;
-  c.pins_changed = c.pins_changed || !c.fabrics.empty();  // see stretch_shares()
+  if (data || before.max_stretch != material.max_stretch)
+    c.pins_changed = c.pins_changed || !c.fabrics.empty();  // see stretch_shares()
   if (data) {
     take_version(cloth, c.asset, std::move(*data));
     c.masses_changed = true;

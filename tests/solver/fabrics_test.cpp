@@ -109,6 +109,8 @@ TEST_P(Fabrics, BecomesAnotherWhileItRuns) {
   EXPECT_TRUE(solver.fabric(0, 0) == canvas());
   play(solver, *cloth.asset, frames());
   EXPECT_EQ(test::positions_of(solver), made);
+  solver.set_material(0, solver.fabric(0, 0));  // which moves meanwhile
+  EXPECT_TRUE(solver.material(0) == canvas());
 }
 
 TEST_P(Fabrics, AreInAState) {

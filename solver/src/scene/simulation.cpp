@@ -48,6 +48,7 @@ Transform carrier(const Scene& scene, const SceneCloth& cloth, const std::string
               scene.path.string() + ": a pin follows \"" + follow + "\", but there is no collider of that name");
 }
 
+/// Where in the scene, for messages.
 std::string element(const Scene& scene, const char* list, size_t i) {
   return scene.path.string() + ": " + list + "[" + std::to_string(i) + "]";
 }
@@ -99,7 +100,6 @@ Vec3 middle(const std::vector<Vec3>& points) {
   return (1.F / static_cast<float>(points.size())) * sum;
 }
 
-/// Where in the scene, for messages.
 /// Of each of the pixels of a pin.
 /// @param where  in the scene, for messages
 std::vector<float> painted_numbers(const ClothAsset& asset, const PaintedNumber& painted,
