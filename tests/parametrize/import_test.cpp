@@ -568,13 +568,17 @@ const std::string kTextPly =
     "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
     "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n";
 
+/// A polygon of four corners.
+void expect_one_square(const TriangleMesh& mesh) {
+  ASSERT_EQ(mesh.position.size(), 4U);
+  EXPECT_EQ(mesh.position[2], (Point3{1, 1, 0}));
+  EXPECT_THAT(mesh.polygon, ElementsAre(0, 0));
+  expect_covers(mesh, 1);
+}
+
 TEST_F(Import, Ply) {
   for (const std::string& bytes : {kTextPly, binary_ply(false), binary_ply(true)}) {
-    const TriangleMesh mesh = read("a.ply", bytes);
-    EXPECT_EQ(mesh.position.size(), 4U);
-    EXPECT_EQ(mesh.position[2], (Point3{1, 1, 0}));
-    EXPECT_THAT(mesh.polygon, ElementsAre(0, 0));
-    expect_covers(mesh, 1);
+    expect_one_square(read("a.ply", bytes));
   }
 }
 
@@ -636,11 +640,7 @@ TEST_F(Import, OffOfManyPrograms) {
         std::string("OFF4 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n"),
         std::string("NOFF\n4 1 0\n0 0 0 0 0 1\n1 0 0 0 0 1\n1 1 0 0 0 1\n0 1 0 0 0 1\n4 0 1 2 3\n")}) {
     SCOPED_TRACE(bytes);
-    const TriangleMesh mesh = read("a.off", bytes);
-    EXPECT_EQ(mesh.position.size(), 4U);
-    EXPECT_EQ(mesh.position[2], (Point3{1, 1, 0}));
-    EXPECT_THAT(mesh.polygon, ElementsAre(0, 0));
-    expect_covers(mesh, 1);
+    expect_one_square(read("a.off", bytes));
   }
 }
 

@@ -14,13 +14,9 @@
 namespace geocloth {
 namespace {
 
-constexpr double kGravity = 9.81;
+using test::material_with;
 
-Material with(float Material::*field, float value) {
-  Material material;
-  material.*field = value;
-  return material;
-}
+constexpr double kGravity = 9.81;
 
 /// All copies of the points that are where `is_there` says, at rest.
 Fabric fabric_where(const ClothAsset& asset, const Material& material,
@@ -44,10 +40,7 @@ ClothDesc sheet(const Material& material, uint32_t charts = 2) {
 
 void play(Solver& solver, const ClothAsset& asset, int frames) {
   solver.set_pins(0, test::pins_at_rest(asset, "corners"));
-  for (int f = 0; f < frames; ++f) {
-    solver.set_colliders(std::vector{Collider{"ball", Sphere{{0, 0, 0.3F - 0.03F * static_cast<float>(f)}, 0.2F}}});
-    solver.step();
-  }
+  test::push_ball(solver, frames);
 }
 
 SolverSettings few_substeps() {
@@ -90,7 +83,7 @@ TEST_P(Fabrics, ThatIsEverywhereIsTheMaterial) {
   bias.bend_bias = 1e-3F;
   for (const Material& material : {canvas(), bias}) {
     const std::vector<Vec3> plain = played(sheet(material), frames());
-    Material other = with(&Material::areal_density, 0.1F);
+    Material other = material_with(&Material::areal_density, 0.1F);
     other.stretch_warp = 50;
     ClothDesc cloth = sheet(other);
     cloth.fabrics = {fabric_where(*cloth.asset, other, in_lower_half),
@@ -103,7 +96,7 @@ TEST_P(Fabrics, BecomesAnotherWhileItRuns) {
   ClothDesc cloth = sheet(Material{});
   cloth.fabrics = {fabric_where(*cloth.asset, canvas(), in_lower_half)};
   const std::vector<Vec3> made = played(cloth, frames());
-  cloth.fabrics[0].material = with(&Material::bend_warp, 0);
+  cloth.fabrics[0].material = material_with(&Material::bend_warp, 0);
   Solver solver = make(cloth, few_substeps());
   solver.set_fabric(0, 0, canvas());
   EXPECT_TRUE(solver.fabric(0, 0) == canvas());
@@ -182,7 +175,7 @@ Hanging hang(const test::MakeSolver& make, uint32_t rows, const Material& upper,
 // T(s) = g (what hangs below s); each half is longer by the mean of T / K over it.
 TEST_P(Fabrics, StretchEachByWhatHangsOnThem) {
   const uint32_t rows = machine().slow() ? 11 : 21;
-  Material upper = with(&Material::damping, 8), lower = upper;
+  Material upper = material_with(&Material::damping, 8), lower = upper;
   upper.max_stretch = 0;
   upper.areal_density = 0.2F;
   upper.stretch_warp = 60;
@@ -206,7 +199,7 @@ TEST_P(Fabrics, StretchEachByWhatHangsOnThem) {
 TEST_P(Fabrics, StiffClothIsHeldTightBelowAnElasticBand) {
   if (machine().slow()) GTEST_SKIP() << "hundreds of substeps";
   const test::SheetOptions options{.nx = 41, .ny = 61, .width = 0.6F, .height = 0.9F, .charts_x = 2};
-  Material band = with(&Material::stretch_warp, 30);
+  Material band = material_with(&Material::stretch_warp, 30);
   band.stretch_weft = 30;
   band.shear = 0;
   const auto longest = [&](bool has_band) {
@@ -238,7 +231,7 @@ TEST_P(Fabrics, BendEachByTheirOwnRigidity) {
   constexpr uint32_t kRows = 17, kHalf = 8;
   constexpr double kGamma = 5, kDroop = 0.5857, kLength = 0.2;  // [m] of a half
   const test::SheetOptions strip{.nx = 4, .ny = kRows, .width = 0.05F, .height = 0.4F, .horizontal = true};
-  Material limp = with(&Material::damping, 8);
+  Material limp = material_with(&Material::damping, 8);
   limp.stretch_warp = limp.stretch_weft = 5000;
   const double weight = double{limp.areal_density} * kGravity;
   limp.bend_warp = limp.bend_weft = static_cast<float>(weight * kLength * kLength * kLength / kGamma);
@@ -271,7 +264,7 @@ TEST_P(Fabrics, HangAlikeHoweverTheClothIsCut) {
   const uint32_t frame_count = machine().slow() ? 4 : 20;  // later it folds, as any rounding has it
   const auto points = [&](uint32_t charts) {
     const test::SheetOptions options{.nx = 13, .ny = 13, .charts_x = charts, .charts_y = charts, .horizontal = true};
-    ClothDesc cloth = test::describe(test::make_sheet(options), with(&Material::damping, 2));
+    ClothDesc cloth = test::describe(test::make_sheet(options), material_with(&Material::damping, 2));
     cloth.fabrics = {fabric_where(*cloth.asset, canvas(), [](const Vec3& x) { return x.x > -1e-4F && x.z > -1e-4F; })};
     SolverSettings settings;
     settings.substeps = 16;
@@ -294,8 +287,8 @@ TEST_P(Fabrics, WeighWhatTheirAreaWeighs) {
   if (machine().slow()) GTEST_SKIP() << "measured on the host";
   for (const uint32_t charts : {1U, 3U}) {
     const test::SheetOptions options{.nx = 13, .ny = 13, .charts_x = charts, .charts_y = charts};
-    ClothDesc cloth = test::describe(test::make_sheet(options), with(&Material::areal_density, 0.2F));
-    cloth.fabrics = {fabric_where(*cloth.asset, with(&Material::areal_density, 1), in_lower_half)};
+    ClothDesc cloth = test::describe(test::make_sheet(options), material_with(&Material::areal_density, 0.2F));
+    cloth.fabrics = {fabric_where(*cloth.asset, material_with(&Material::areal_density, 1), in_lower_half)};
     const std::vector<Vec3> at(cloth.asset->pixel_count(), Vec3{}), unit(cloth.asset->pixel_count(), Vec3{0, 0, 1});
     const double mass = 2 * measure_energy(cloth, {}, at, unit).kinetic;
     EXPECT_NEAR(mass, 0.5 * 0.2 + 0.5 * 1.0, 1e-5) << charts;

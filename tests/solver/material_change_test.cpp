@@ -12,40 +12,33 @@
 namespace geocloth {
 namespace {
 
+using test::material_with;
+
 /// A cloth in three places, with bends of several kinds over seams.
 ClothDesc sheet(const Material& material, uint32_t charts = 2) {
   return test::describe(test::make_sheet({.nx = 11, .ny = 9, .charts_x = charts, .charts_y = charts, .jitter = 0.2F}),
                         material);
 }
 
-Material with(float Material::*field, float value) {
-  Material material;
-  material.*field = value;
-  return material;
-}
-
 /// Each differs from all others in what the solver makes of it: bends of another kind or none, attachments or none,
 /// other masses, numbers of a frame alone.
 std::vector<Material> materials() {
-  Material limp = with(&Material::bend_warp, 0), grainless = with(&Material::bend_bias, 2e-4F);
+  Material limp = material_with(&Material::bend_warp, 0), grainless = material_with(&Material::bend_bias, 2e-4F);
   limp.bend_weft = 0;
   grainless.bend_warp = grainless.bend_weft = 2e-4F;
-  Material seeds = with(&Material::stiffness, 0.8F), loose = with(&Material::max_stretch, 0);
+  Material seeds = material_with(&Material::stiffness, 0.8F), loose = material_with(&Material::max_stretch, 0);
   seeds.bend_stiffness = 0.5F;
   loose.stretch_warp = 40;
-  Material heavy = with(&Material::areal_density, 0.9F), wet = heavy;
+  Material heavy = material_with(&Material::areal_density, 0.9F), wet = heavy;
   wet.damping = 4;
   wet.friction = 0.9F;
-  return {Material{}, limp, grainless, seeds, loose, heavy, wet, with(&Material::verlet_damping, 0.97F)};
+  return {Material{}, limp, grainless, seeds, loose, heavy, wet, material_with(&Material::verlet_damping, 0.97F)};
 }
 
 void play(Solver& solver, const ClothAsset& asset, int frames) {
   solver.set_pins(0, test::pins_at_rest(asset, "corners"));
   solver.set_wind({.velocity = {0, 0, 3}});
-  for (int f = 0; f < frames; ++f) {
-    solver.set_colliders(std::vector{Collider{"ball", Sphere{{0, 0, 0.3F - 0.03F * static_cast<float>(f)}, 0.2F}}});
-    solver.step();
-  }
+  test::push_ball(solver, frames);
 }
 
 /// A strip of 1 m that hangs by its upper edge.
@@ -118,7 +111,7 @@ TEST_P(MaterialChange, AStateHasItAndTakesItBack) {
   const auto as_before = seen(solver);
   solver.restore(before);
   solver.set_material(0, all[6]);
-  solver.set_material(1, with(&Material::friction, 0));
+  solver.set_material(1, material_with(&Material::friction, 0));
   const std::vector<std::byte> after = solver.save();
   const auto as_after = seen(solver);
   EXPECT_NE(as_before, as_after);
@@ -152,7 +145,7 @@ TEST_P(MaterialChange, KeepsPlacesAndSpeeds) {
 // is.
 TEST_P(MaterialChange, AHangingStripIsAsLongAsItsMaterialMakesIt) {
   if (machine().slow()) GTEST_SKIP() << "takes long there, and the springs are the same";
-  Material soft = with(&Material::stretch_warp, 60), firm = with(&Material::stretch_warp, 200);
+  Material soft = material_with(&Material::stretch_warp, 60), firm = material_with(&Material::stretch_warp, 200);
   for (Material* m : {&soft, &firm}) {
     m->max_stretch = 0;
     m->damping = 12;
@@ -178,7 +171,7 @@ TEST_P(MaterialChange, AHangingStripIsAsLongAsItsMaterialMakesIt) {
 
 // Cloth that is stretched far and gets a largest stretch is drawn together, not shot.
 TEST_P(MaterialChange, AttachmentsThatComeDoNotPullAtOnce) {
-  Material slack = with(&Material::stretch_warp, 4), held = slack;
+  Material slack = material_with(&Material::stretch_warp, 4), held = slack;
   slack.max_stretch = 0;
   held.max_stretch = 0.02F;
   const ClothDesc cloth = test::describe(test::make_sheet(kStrip), slack);
@@ -208,7 +201,7 @@ TEST_P(MaterialChange, AttachmentsThatComeDoNotPullAtOnce) {
 // From a soft knit to denim at once springs snap; a little in every frame they draw in.
 TEST_P(MaterialChange, MixedFrameByFrameItComesWithoutAJerk) {
   if (machine().slow()) GTEST_SKIP() << "takes long there, and only mix() is new";
-  const Material soft = with(&Material::stretch_warp, 10), firm = with(&Material::stretch_warp, 1000);
+  const Material soft = material_with(&Material::stretch_warp, 10), firm = material_with(&Material::stretch_warp, 1000);
   const ClothDesc cloth = sheet(soft, 1);
   const auto fastest_in = [&](int frames) {
     SolverSettings settings;
@@ -239,14 +232,14 @@ TEST_P(MaterialChange, WakesClothAndRefusesWhatIsNone) {
   solver.set_material(0, Material{});
   test::run(solver, 1);
   EXPECT_TRUE(solver.asleep(0)) << "it is of that material";
-  solver.set_material(0, with(&Material::thickness, 0.01F));
+  solver.set_material(0, material_with(&Material::thickness, 0.01F));
   test::run(solver, 1);
   EXPECT_FALSE(solver.asleep(0));
-  EXPECT_THROW(solver.set_material(0, with(&Material::areal_density, -1)), Error);
-  EXPECT_THROW(solver.set_material(0, with(&Material::shear, NAN)), Error);
+  EXPECT_THROW(solver.set_material(0, material_with(&Material::areal_density, -1)), Error);
+  EXPECT_THROW(solver.set_material(0, material_with(&Material::shear, NAN)), Error);
   EXPECT_THROW(solver.set_material(1, {}), Error);
   EXPECT_THROW(static_cast<void>(solver.material(1)), Error);
-  EXPECT_TRUE(solver.material(0) == with(&Material::thickness, 0.01F));
+  EXPECT_TRUE(solver.material(0) == material_with(&Material::thickness, 0.01F));
 }
 
 INSTANTIATE_TEST_SUITE_P(On, MaterialChange, test::first_machine(), test::kMachineName);

@@ -24,6 +24,12 @@ inline ClothDesc describe(ClothAsset asset, const Material& material = {}) {
 }
 
 /// Cloth that nothing but gravity and springs slows down or holds.
+inline Material material_with(float Material::*field, float value) {
+  Material material;
+  material.*field = value;
+  return material;
+}
+
 inline Material undamped() {
   Material material;
   material.damping = 0;
@@ -43,6 +49,14 @@ inline std::vector<Vec3> velocities_of(Solver& solver, uint32_t cloth = 0) {
 
 inline void run(Solver& solver, uint32_t frames) {
   for (uint32_t f = 0; f < frames; ++f) solver.step();
+}
+
+/// Into a sheet in the xy plane.
+inline void push_ball(Solver& solver, int frames) {
+  for (int f = 0; f < frames; ++f) {
+    solver.set_colliders(std::vector{Collider{"ball", Sphere{{0, 0, 0.3F - 0.03F * static_cast<float>(f)}, 0.2F}}});
+    solver.step();
+  }
 }
 
 /// [m] By how much the ways of points differ from one frame to the next, as a root mean square: cloth at rest has none.

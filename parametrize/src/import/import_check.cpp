@@ -12,6 +12,12 @@
 #include "import/import_detail.h"
 
 namespace geocloth::import_detail {
+std::string_view next_line(std::string_view text, std::size_t& at) {
+  const std::size_t begin = at, end = std::min(text.find_first_of("\n\r", begin), text.size());
+  at = end + (text.substr(end).starts_with("\r\n") ? 2 : 1);
+  return text.substr(begin, end - begin);
+}
+
 std::vector<std::string_view> words_of(std::string_view line) {
   std::vector<std::string_view> out;
   constexpr std::string_view kBlank = " \t\r\n\v\f";

@@ -28,6 +28,8 @@ inline constexpr double kMaxCoordinate = 1e18;  ///< beyond it, products of coor
   fail(file, ErrorCode::invalid_data, what);
 }
 
+/// The line that begins at `at`, without its end, which is \n, \r or both; moves behind it.
+[[nodiscard]] std::string_view next_line(std::string_view text, std::size_t& at);
 /// What blanks are between.
 [[nodiscard]] std::vector<std::string_view> words_of(std::string_view line);
 /// Nothing where a word is another thing, or too large.

@@ -34,10 +34,7 @@ void for_each_line(std::string_view text, Handle&& handle) {
   std::string joined;
   std::size_t number = 0, first = 0;
   for (std::size_t at = 0; at < text.size();) {
-    const std::size_t end = std::min(text.find_first_of("\n\r", at), text.size());
-    std::string_view line = text.substr(at, end - at);
-    // \r\n is one line end.
-    at = end + (text.substr(end).starts_with("\r\n") ? 2 : 1);
+    std::string_view line = next_line(text, at);
     ++number;
     if (joined.empty()) first = number;
     if (line.ends_with('\\')) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Geomview's OFF, in which CGAL, libigl and geogram keep their meshes. It says what OBJ says, an element on each line,
 // so it is written as OBJ, line by line, and read as that: messages about coordinates name the right line.
-#include <algorithm>
 #include <optional>
 
 #include "import/import_detail.h"
@@ -15,9 +14,7 @@ class OffReader {
 
   std::string read() {
     for (std::size_t at = 0; at < text_.size() && !is_complete();) {
-      const std::size_t end = std::min(text_.find_first_of("\n\r", at), text_.size());
-      const std::string_view line = text_.substr(at, end - at);
-      at = end + (text_.substr(end).starts_with("\r\n") ? 2 : 1);
+      const std::string_view line = next_line(text_, at);
       ++line_;
       read_line(words_of(line.substr(0, line.find('#'))));
       obj_.push_back('\n');
@@ -61,7 +58,7 @@ class OffReader {
   /// [ST][C][N][4][n]OFF: what each vertex has. Some files have the number of vertices behind it without a blank.
   void read_keyword(Words& words) {
     const std::size_t off = words[0].find("OFF");
-    const std::string_view before = words[0].substr(0, std::min(off, words[0].size()));
+    const std::string_view before = words[0].substr(0, off);
     if (off == std::string_view::npos || before.find_first_not_of("STCN4n") != std::string_view::npos)
       bad_file("this is no OFF file: it does not begin with OFF");
     if (before.find_first_of("4n") != std::string_view::npos)

@@ -95,7 +95,7 @@ class BendBuilder {
     const auto along = static_cast<uint8_t>(component == kRowBend ? kSpringRight : kSpringDown);
     if ((asset_.spring_mask[a] & asset_.spring_mask[middle] & along) == 0) return;
     if (!(structural_rest(a, component) > 0 && structural_rest(middle, component) > 0)) return;  // they give the chord
-    const double rigidity = rigidities_at(middle)[component == kRowBend ? kWeft : kWarp];
+    const double rigidity = rigidities_at(middle, fabrics_.bending_at(middle))[component == kRowBend ? kWeft : kWarp];
     const shader::SeamSpring bend =
         make_bend(a, middle, b, rest_.pixel_area(middle), rigidity, kink(a, component - kRowBend));
     if (!(bend.compliance > 0)) return;
@@ -112,8 +112,9 @@ class BendBuilder {
   void add_diagonal_bends() {
     if (!fabrics_.has_bias()) return;
     for (uint32_t p = 0; p < asset_.pixel_count(); ++p) {
-      const Rigidities rigidity = rigidities_at(p);
-      const auto stiffest = static_cast<double>(stiffest_bend(fabrics_.bending_at(p)));
+      const Material material = fabrics_.bending_at(p);
+      const Rigidities rigidity = rigidities_at(p, material);
+      const auto stiffest = static_cast<double>(stiffest_bend(material));
       for (const uint32_t direction : {kWarp + 1, kWarp + 2}) {
         if (!(rigidity[direction] > kLeastShare * stiffest)) continue;
         const uint32_t a = p - way(direction), b = p + way(direction);
@@ -127,8 +128,8 @@ class BendBuilder {
   using Rigidities = std::array<double, kBendDirections>;
   /// [N m] at a pixel that is the middle of a bend. Where one of the four is missing, at an outline, warp and weft have
   /// their own.
-  [[nodiscard]] Rigidities rigidities_at(uint32_t p) const {
-    const Material material = fabrics_.bending_at(p);
+  /// @param material  as it bends there
+  [[nodiscard]] Rigidities rigidities_at(uint32_t p, const Material& material) const {
     const Rigidities own{material.bend_weft, material.bend_warp, 0, 0};
     if (!fabrics_.has_bias()) return own;
     for (uint32_t direction = 0; direction < kBendDirections; ++direction)

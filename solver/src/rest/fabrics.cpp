@@ -175,16 +175,14 @@ Material FabricMap::weakest() const {
   for (size_t p = 0; p < cell_.size(); ++p)
     if (triangles_[p] > 0) has_cells[cell_[p]] = true;
   Material weakest = materials_.front();
-  const auto first = static_cast<size_t>(std::ranges::find(has_cells, true) - has_cells.begin());
-  for (size_t m = first; m < materials_.size(); ++m) {
+  bool is_first = true;
+  for (size_t m = 0; m < materials_.size(); ++m) {
     if (!has_cells[m]) continue;
     const Material& other = materials_[m];
-    const auto extreme = [&](float Material::*field, float either) {
-      weakest.*field = m == first ? other.*field : either;
-    };
-    extreme(&Material::areal_density, std::max(weakest.areal_density, other.areal_density));
-    extreme(&Material::stretch_warp, std::min(weakest.stretch_warp, other.stretch_warp));
-    extreme(&Material::stretch_weft, std::min(weakest.stretch_weft, other.stretch_weft));
+    weakest.areal_density = is_first ? other.areal_density : std::max(weakest.areal_density, other.areal_density);
+    weakest.stretch_warp = is_first ? other.stretch_warp : std::min(weakest.stretch_warp, other.stretch_warp);
+    weakest.stretch_weft = is_first ? other.stretch_weft : std::min(weakest.stretch_weft, other.stretch_weft);
+    is_first = false;
   }
   return weakest;
 }
