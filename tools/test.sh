@@ -52,7 +52,7 @@ check "build release" build release
 check "clang-format" format_holds
 count_tests build/release
 # Of the solver those tests that are quick even so.
-solver_tests=$(printf ' solver_%s_test' bending colliders cutting deforming fabrics lines motion random_scenes rough scene scene_bodies sleeping state)
+solver_tests=$(printf ' solver_%s_test' adding bending colliders cutting deforming fabrics lines motion random_scenes rough scene scene_bodies sleeping state)
 # shellcheck disable=SC2086  # one target a word
 check "build sanitize" build sanitize \
   --target tests/asset/all tests/fuzz/all tests/parametrize/all $solver_tests program_test

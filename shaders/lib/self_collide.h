@@ -277,9 +277,9 @@ inline float self_rest_distance(SelfPoint a, SelfPoint b) {
   return rest;
 }
 
-// Whether that is less than what two points keep else.
+// Whether that is less than what two points keep else. Where others were when a cloth came later is not known.
 inline bool self_is_thin(SelfSet set, SelfRoom room, SelfPoint a, SelfPoint b) {
-  return self_rest_distance(a, b) < self_pair_distance(set, room, a, b);
+  return a.inter_arrival == b.inter_arrival && self_rest_distance(a, b) < self_pair_distance(set, room, a, b);
 }
 
 // Adds the points of a layer in a cell that may touch this one to its list of `count`. Layers may share a bucket, too.

@@ -196,8 +196,8 @@ struct SelfPoint {
   uint inter_cloth;     // number of its cloth among those that collide
   uint inter_distance;  // bits of a float [m]: what its cloth keeps from others
   uint inter_friction;  // bits of a float
+  uint inter_arrival;   // the same number for cloths that came at the same time
   uint unused1;
-  uint unused2;
 };
 
 // A collider in its local frame, centred on the origin.

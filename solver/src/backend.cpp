@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which passes a cloth needs in a frame.
+// What both backends do alike: which passes a cloth needs in a frame, and which cloths are left.
 
 #include "backend.h"
 
@@ -10,6 +10,12 @@ namespace {
 constexpr float kStiffBends = 3;
 
 }  // namespace
+
+void renumber_parts(std::vector<InterPart>& parts, uint32_t removed) {
+  std::erase_if(parts, [&](const InterPart& part) { return part.cloth == removed; });
+  for (InterPart& part : parts)
+    if (part.cloth > removed) --part.cloth;
+}
 
 ScheduleOptions schedule_options(const SimulationData& data, uint32_t cloth, const FrameInput& frame) {
   const ClothData& c = data.cloths[cloth];

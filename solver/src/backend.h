@@ -46,6 +46,9 @@ struct InterData {
   std::vector<InterPart> parts;
 };
 
+/// A cloth is no more: those behind it move up.
+void renumber_parts(std::vector<InterPart>& parts, uint32_t removed);
+
 /// How structural springs differ in length. Where cloth hangs by pins, short ones stretch most: they join points of
 /// little mass, and a step takes away what it takes per mass.
 enum class Evenness : uint8_t {
@@ -72,7 +75,8 @@ struct ClothData {
   Bending bending = Bending::none;
   /// [s^2] Of the median curvature: its compliance by what its three points have for an inverse mass together.
   float bend_yield = std::numeric_limits<float>::max();
-  bool attachments = false;  ///< max_stretch > 0
+  bool attachments = false;      ///< max_stretch > 0
+  bool may_meet_others = false;  ///< it collides with other cloths, if there are some
   Evenness evenness = Evenness::even;
   bool short_seams = false;        ///< parts of it hang on few springs
   uint64_t springs_per_sweep = 0;  ///< springs and seam bends that one relaxation step projects
@@ -190,11 +194,17 @@ class SolverBackend {
   /// Subtracts whole metres from all positions and previous positions of all cloths; waits.
   virtual void shift(const Vec3& by) = 0;
 
+  /// Adds a cloth behind the others; waits.
+  virtual void add_cloth(ClothData data) = 0;
+  /// Those behind it move up; waits. replace_inter() has to follow if it is one of the cloths that collide with each
+  /// other.
+  virtual void remove_cloth(uint32_t cloth) = 0;
+
   /// Replaces springs, cells, bends over seams and the split-vertex table by those of the same cloth after a cut, or
   /// before one, or of another material; waits. Positions stay, and masses until pins change.
   virtual void replace_topology(uint32_t cloth, ClothData data) = 0;
-  /// Replaces the points of the cloths that collide with each other after a cut of one, or by those before one; waits.
-  /// They are the same cloths.
+  /// Replaces the points of the cloths that collide with each other after a cut of one, by those before one, or where
+  /// they are other cloths, if any; waits.
   virtual void replace_inter(InterData inter) = 0;
 
   /// [m] the longest way of a point of a cloth in the last substep of the frame before the last one, which had measured

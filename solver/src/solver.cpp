@@ -28,8 +28,8 @@ namespace {
 
 using shader::vec4;
 
-std::string cloth_name(size_t index) {
-  return "cloth " + std::to_string(index);
+std::string cloth_name(uint32_t number) {
+  return "cloth " + std::to_string(number);
 }
 
 /// Points of finer grids would have more neighbours than are listed.
@@ -43,23 +43,17 @@ void check_points(const ClothDesc& cloth, float distance, const std::string& whe
                   " m, three times the spacing: convert with a wider one, or leave it out");
 }
 
-void check_cloths(std::span<const ClothDesc> cloths) {
-  if (cloths.empty()) throw Error(ErrorCode::invalid_argument, "solver: no cloth given; pass at least one ClothDesc");
-  for (size_t i = 0; i < cloths.size(); ++i) {
-    if (!cloths[i].asset) throw Error(ErrorCode::invalid_argument, cloth_name(i) + ": asset is null");
-    validate(*cloths[i].asset);
-    check(cloths[i].material, cloth_name(i) + ": material");
-    check_fabrics(cloths[i], cloth_name(i));
-    check(cloths[i].transform, cloth_name(i) + ": transform");
-    if (cloths[i].self_collision)
-      check_points(cloths[i], cloths[i].self_collision->distance, cloth_name(i) + ": self_collision");
-    if (cloths[i].inter_collision)
-      check_points(cloths[i], cloths[i].inter_collision->distance, cloth_name(i) + ": inter_collision");
-    for (uint32_t p = 0; p < cloths[i].asset->pixel_count(); ++p) {
-      if (cloths[i].asset->valid(p)) {
-        check_position(apply(cloths[i].transform, cloths[i].asset->rest_position[p]),
-                       cloth_name(i) + ": pixel " + std::to_string(p));
-      }
+void check_desc(const ClothDesc& cloth, const std::string& where) {
+  if (!cloth.asset) throw Error(ErrorCode::invalid_argument, where + ": asset is null");
+  validate(*cloth.asset);
+  check(cloth.material, where + ": material");
+  check_fabrics(cloth, where);
+  check(cloth.transform, where + ": transform");
+  if (cloth.self_collision) check_points(cloth, cloth.self_collision->distance, where + ": self_collision");
+  if (cloth.inter_collision) check_points(cloth, cloth.inter_collision->distance, where + ": inter_collision");
+  for (uint32_t p = 0; p < cloth.asset->pixel_count(); ++p) {
+    if (cloth.asset->valid(p)) {
+      check_position(apply(cloth.transform, cloth.asset->rest_position[p]), where + ": pixel " + std::to_string(p));
     }
   }
 }
@@ -147,7 +141,7 @@ Solver::Impl::Impl(std::span<const ClothDesc> cloths, const SolverSettings& sett
       usual_substeps_(settings.substeps),
       substeps_(settings.substeps) {
   check(settings);
-  check_cloths(cloths);
+  for (uint32_t i = 0; i < cloths.size(); ++i) check_desc(cloths[i], cloth_name(i));
   origin_ = choose_origin(cloths);
 
   SimulationData data;
@@ -156,38 +150,95 @@ Solver::Impl::Impl(std::span<const ClothDesc> cloths, const SolverSettings& sett
   data.check = settings.check_copies;
   data.timings = settings.timings;
   data.path = settings.path;
-  for (const ClothDesc& desc : cloths) {
-    ClothData& uploaded = data.cloths.emplace_back(make_cloth_data(desc, origin_));
-    Cloth& cloth = cloths_.emplace_back();
-    cloth.asset = cloth.original = desc.asset;
-    cloth.material = desc.material;
-    cloth.fabrics = desc.fabrics;
-    cloth.weakest = weakest_of(cloth);
-    cloth.self_collision = desc.self_collision;
-    cloth.inter_collision = desc.inter_collision;
-    cloth.meets = desc.meets;
-    cloth.start = desc.transform;
-    cloth.scale = desc.transform.scale;
-    cloth.displaced_in = clock().dt;
-    cloth.row_of_pixel = rows_of_pixels(*desc.asset);
-    cloth.particles = count_valid_pixels(*desc.asset);
-    cloth.size = rest_size(*desc.asset, cloth.scale);
-    cloth.middle = cloth.start_middle = box_of(*desc.asset, uploaded.position).middle() + origin_;
-    cloth.springs_per_sweep = uploaded.springs_per_sweep;
-    cloth.self = uploaded.self.numbers;
-    cloth.free_inverse_mass = inverse_masses(uploaded);
-  }
+  for (const ClothDesc& desc : cloths)
+    cloths_.push_back(made_of(desc, data.cloths.emplace_back(make_cloth_data(desc, origin_))));
   data.inter = inter_data(versions(), origin_);
   inter_origin_ = origin_;
   inter_ = data.inter.points.numbers;
   backend_ = factory(std::move(data));
 }
 
+/// @param data  the backend's
+Solver::Impl::Cloth Solver::Impl::made_of(const ClothDesc& desc, const ClothData& data) {
+  Cloth cloth;
+  cloth.number = next_number_++;
+  cloth.arrived = time_;
+  cloth.asset = cloth.original = desc.asset;
+  cloth.material = desc.material;
+  cloth.fabrics = desc.fabrics;
+  cloth.weakest = weakest_of(cloth);
+  cloth.self_collision = desc.self_collision;
+  cloth.inter_collision = desc.inter_collision;
+  cloth.meets = desc.meets;
+  cloth.start = desc.transform;
+  cloth.scale = desc.transform.scale;
+  cloth.displaced_in = clock().dt;
+  cloth.row_of_pixel = rows_of_pixels(*desc.asset);
+  cloth.particles = count_valid_pixels(*desc.asset);
+  cloth.size = rest_size(*desc.asset, cloth.scale);
+  cloth.middle = cloth.start_middle = box_of(*desc.asset, data.position).middle() + origin_;
+  cloth.springs_per_sweep = data.springs_per_sweep;
+  cloth.self = data.self.numbers;
+  cloth.free_inverse_mass = inverse_masses(data);
+  return cloth;
+}
+
+uint32_t Solver::Impl::add_cloth(const ClothDesc& desc) {
+  check_desc(desc, cloth_name(next_number_));
+  const Vec3 place = choose_origin({&desc, 1});
+  if (cloths_.empty()) {
+    origin_ = place;
+  } else {
+    follow_cloths(place);
+  }
+  ClothData data = make_cloth_data(desc, origin_);
+  const uint32_t number = cloths_.emplace_back(made_of(desc, data)).number;
+  InterData inter;
+  try {
+    if (desc.inter_collision) inter = inter_data(versions(), origin_);
+    backend_->add_cloth(std::move(data));
+  } catch (...) {
+    cloths_.pop_back();
+    next_number_ = number;
+    throw;
+  }
+  if (!inter.parts.empty()) take_inter(std::move(inter), origin_);
+  return number;
+}
+
+void Solver::Impl::remove_cloth(uint32_t cloth) {
+  backend_->remove_cloth(cloth);
+  const bool met_others = meets_others(cloths_[cloth]);
+  cloths_.erase(cloths_.begin() + cloth);
+  if (cloth < frame_.cloths.size()) frame_.cloths.erase(frame_.cloths.begin() + cloth);
+  if (!met_others) return;
+  for (Cloth& other : cloths_) other.disturbed = other.disturbed || meets_others(other);  // it may have lain on it
+  take_inter_anew();
+}
+
+std::vector<uint32_t> Solver::Impl::cloths() const {
+  std::vector<uint32_t> numbers(cloths_.size());
+  std::ranges::transform(cloths_, numbers.begin(), &Cloth::number);
+  return numbers;
+}
+
+uint32_t Solver::Impl::index_of(uint32_t number) const {
+  const auto cloth = std::ranges::lower_bound(cloths_, number, {}, &Cloth::number);
+  if (cloth != cloths_.end() && cloth->number == number) return static_cast<uint32_t>(cloth - cloths_.begin());
+  throw Error(ErrorCode::invalid_argument,
+              "solver: there is no " + cloth_name(number) + (number < next_number_ ? " any more" : "") + "; it has " +
+                  std::to_string(cloths_.size()) + (cloths_.size() == 1 ? " cloth" : " cloths"));
+}
+
+std::string Solver::Impl::name_of(uint32_t cloth) const {
+  return cloth_name(cloths_[cloth].number);
+}
+
 /// Of all cloths, as they are.
 std::vector<Solver::Impl::Version> Solver::Impl::versions() const {
   std::vector<Version> versions;
   for (const Cloth& cloth : cloths_)
-    versions.push_back({cloth.asset.get(), cloth.free_inverse_mass, cloth.material.friction});
+    versions.push_back({cloth.arrived, cloth.asset.get(), cloth.free_inverse_mass, cloth.material.friction});
   return versions;
 }
 
@@ -199,6 +250,8 @@ InterData Solver::Impl::inter_data(std::span<const Version> cloths, const Vec3& 
     const Cloth& cloth = cloths_[c];
     if (!cloth.inter_collision) continue;
     meeting.push_back({.cloth = c,
+                       .number = cloth.number,
+                       .arrived = cloths[c].arrived,
                        .asset = cloths[c].asset,
                        .start = cloth.start,
                        .inverse_mass = cloths[c].inverse_mass,
@@ -206,12 +259,6 @@ InterData Solver::Impl::inter_data(std::span<const Version> cloths, const Vec3& 
                        .friction = cloths[c].friction});
   }
   return meeting.size() > 1 ? make_inter_data(meeting, origin) : InterData{};
-}
-
-const Solver::Impl::Cloth& Solver::Impl::cloth_at(uint32_t cloth) const {
-  if (cloth < cloths_.size()) return cloths_[cloth];
-  throw Error(ErrorCode::invalid_argument,
-              "solver: there is no " + cloth_name(cloth) + "; it has " + std::to_string(cloths_.size()) + " cloths");
 }
 
 /// Colliders go on from where those of the last call are that they are the same as; others are placed.
@@ -347,10 +394,10 @@ void Solver::Impl::keep_last_of_each(std::vector<PixelPin>& pins) {
 }
 
 void Solver::Impl::set_pins(uint32_t cloth, std::span<const Pin> pins) {
-  const Cloth& c = cloth_at(cloth);
+  const Cloth& c = cloths_[cloth];
   std::vector<PixelPin>& next = next_pins_;
   next.clear();
-  std::string where = cloth_name(cloth) + ": pin of pixel ";
+  std::string where = name_of(cloth) + ": pin of pixel ";
   const size_t before_pixel = where.size();
   for (const Pin& pin : pins) {
     where.resize(before_pixel);
@@ -398,29 +445,26 @@ void Solver::Impl::set_pins(uint32_t cloth, std::span<const Pin> pins) {
 
 std::vector<uint32_t> Solver::Impl::held_pixels(uint32_t cloth) const {
   std::vector<uint32_t> held;
-  for (const auto& [pixel, pin] : cloth_at(cloth).pins)
+  for (const auto& [pixel, pin] : cloths_[cloth].pins)
     if (pin.held()) held.push_back(pixel);
   return held;
 }
 
 void Solver::Impl::set_meets(uint32_t cloth, uint32_t groups) {
-  static_cast<void>(cloth_at(cloth));
   Cloth& c = cloths_[cloth];
   c.disturbed = c.disturbed || groups != c.meets;
   c.meets = groups;
 }
 
 void Solver::Impl::set_pressure(uint32_t cloth, float pressure) {
-  static_cast<void>(cloth_at(cloth));
-  check_pressure(pressure, cloth_name(cloth));
+  check_pressure(pressure, name_of(cloth));
   Cloth& c = cloths_[cloth];
   c.disturbed = c.disturbed || pressure != c.pressure;
   c.pressure = pressure;
 }
 
 void Solver::Impl::set_parent(uint32_t cloth, const Transform& pose, const Vec3& inertia_scale, bool teleport) {
-  static_cast<void>(cloth_at(cloth));
-  check_parent(pose, inertia_scale, cloth_name(cloth) + ": parent");
+  check_parent(pose, inertia_scale, name_of(cloth) + ": parent");
   Cloth& c = cloths_[cloth];
   if (!c.parent_from) c.parent_from = c.parent_first = pose;
   c.disturbed =
@@ -489,13 +533,16 @@ Vec3 Solver::Impl::middle_of_told(const Cloth& cloth) const {
 
 /// Keeps the origin near the cloths, whose positions have no more digits than single precision. Only where they go is
 /// looked at that is told; cloth that nothing holds is looked for where it or colliders may have gone far.
-void Solver::Impl::follow_cloths() {
+/// @param arriving  [m] place of a cloth that comes now
+void Solver::Impl::follow_cloths(const std::optional<Vec3>& arriving) {
+  if (cloths_.empty()) return;
   constexpr float kFar = 3, kLooked = 1;  // [m] until the origin comes after, and where cloth was just looked for
   bool looked = false, colliders_went = false;
   for (size_t i = 0; i < colliders_to_.size(); ++i)
     colliders_went = colliders_went || length(colliders_to_[i].pose.translate - places_seen_[i]) > kFar;
   if (colliders_went) places_seen_ = places_of(colliders_to_);
   ClothBox middles;
+  if (arriving) middles.add(*arriving);
   for (uint32_t c = 0; c < cloths_.size(); ++c) {
     Cloth& cloth = cloths_[c];
     if (cloth.is_free() && (colliders_went || cloth.strayed > kFar)) {
@@ -522,7 +569,7 @@ void Solver::Impl::follow_cloths() {
 }
 
 void Solver::Impl::read_positions(uint32_t cloth, std::vector<Vec3>& out) {
-  const ClothAsset& asset = *cloth_at(cloth).asset;
+  const ClothAsset& asset = *cloths_[cloth].asset;
   std::vector<vec4> raw;
   backend_->read_positions(cloth, raw);
   out.assign(raw.size(), {});
@@ -531,8 +578,7 @@ void Solver::Impl::read_positions(uint32_t cloth, std::vector<Vec3>& out) {
 }
 
 CutResult Solver::Impl::cut(uint32_t cloth, const std::array<Vec3, 3>& triangle) {
-  static_cast<void>(cloth_at(cloth));
-  check_cut(triangle, cloth_name(cloth) + ": cut");
+  check_cut(triangle, name_of(cloth) + ": cut");
   Cloth& c = cloths_[cloth];
   std::vector<Vec3> position, normal;
   read_positions(cloth, position);
@@ -543,8 +589,7 @@ CutResult Solver::Impl::cut(uint32_t cloth, const std::array<Vec3, 3>& triangle)
 }
 
 CutResult Solver::Impl::tear(uint32_t cloth, float stretch) {
-  static_cast<void>(cloth_at(cloth));
-  check_tear(stretch, cloth_name(cloth));
+  check_tear(stretch, name_of(cloth));
   const Cloth& c = cloths_[cloth];
   std::vector<Vec3> position, normal;
   read_positions(cloth, position);
@@ -574,10 +619,9 @@ void Solver::Impl::take_cut(uint32_t cloth, std::shared_ptr<const ClothAsset> as
 }
 
 void Solver::Impl::set_material(uint32_t cloth, const Material& material) {
-  static_cast<void>(cloth_at(cloth));
-  check(material, cloth_name(cloth) + ": material");
+  check(material, name_of(cloth) + ": material");
   const Cloth& c = cloths_[cloth];
-  check_fabrics(material, c.fabrics, cloth_name(cloth));
+  check_fabrics(material, c.fabrics, name_of(cloth));
   if (material != c.material) change_fabrics(cloth, Material(material), c.fabrics);
 }
 
@@ -586,14 +630,14 @@ void Solver::Impl::set_fabric(uint32_t cloth, uint32_t fabric, const Material& m
   const Cloth& c = cloths_[cloth];
   std::vector<Fabric> fabrics = c.fabrics;
   fabrics[fabric].material = material;
-  check_fabrics(c.material, fabrics, cloth_name(cloth));
+  check_fabrics(c.material, fabrics, name_of(cloth));
   change_fabrics(cloth, Material(c.material), std::move(fabrics));
 }
 
 const Material& Solver::Impl::fabric(uint32_t cloth, uint32_t fabric) const {
-  const Cloth& c = cloth_at(cloth);
+  const Cloth& c = cloths_[cloth];
   if (fabric < c.fabrics.size()) return c.fabrics[fabric].material;
-  throw Error(ErrorCode::invalid_argument, cloth_name(cloth) + " has no fabric " + std::to_string(fabric) + ", only " +
+  throw Error(ErrorCode::invalid_argument, name_of(cloth) + " has no fabric " + std::to_string(fabric) + ", only " +
                                                std::to_string(c.fabrics.size()));
 }
 
@@ -637,6 +681,7 @@ ClothData Solver::Impl::cloth_data(const Cloth& cloth, const std::shared_ptr<con
                           .material = material,
                           .transform = cloth.start,
                           .self_collision = cloth.self_collision,
+                          .inter_collision = cloth.inter_collision,
                           .fabrics = fabrics},
                          origin_, *cloth.original);
 }
@@ -663,7 +708,6 @@ void Solver::Impl::take_inter(InterData inter, const Vec3& origin) {
 }
 
 void Solver::Impl::read_normals(uint32_t cloth, std::vector<Vec3>& out) {
-  static_cast<void>(cloth_at(cloth));
   std::vector<vec4> raw;
   backend_->read_normals(cloth, raw);
   out.resize(raw.size());
@@ -671,29 +715,28 @@ void Solver::Impl::read_normals(uint32_t cloth, std::vector<Vec3>& out) {
 }
 
 void Solver::Impl::read_velocities(uint32_t cloth, std::vector<Vec3>& out) {
-  static_cast<void>(cloth_at(cloth));
   std::vector<vec4> now, before, carry;
   backend_->read_positions(cloth, now);
   backend_->read_previous(cloth, before);
   backend_->read_carry(cloth, carry);
-  const auto inverse_dt = static_cast<float>(1 / cloth_at(cloth).displaced_in);
+  const auto inverse_dt = static_cast<float>(1 / cloths_[cloth].displaced_in);
   out.resize(now.size());
   for (size_t p = 0; p < now.size(); ++p)
     out[p] = inverse_dt * (vec3_of(now[p]) - vec3_of(before[p]) + vec3_of(carry[p]));
 }
 
 void Solver::Impl::write_state(uint32_t cloth, std::span<const Vec3> positions, std::span<const Vec3> velocities) {
-  const Cloth& c = cloth_at(cloth);
+  const Cloth& c = cloths_[cloth];
   const ClothAsset& asset = *c.asset;
   if (positions.size() != asset.pixel_count() || velocities.size() != asset.pixel_count()) {
-    throw Error(ErrorCode::invalid_argument, cloth_name(cloth) +
+    throw Error(ErrorCode::invalid_argument, name_of(cloth) +
                                                  ": write_state needs one position and one velocity for each of its " +
                                                  std::to_string(asset.pixel_count()) + " pixels");
   }
   ClothBox box;
   for (uint32_t p = 0; p < asset.pixel_count(); ++p) {
     if (!asset.valid(p)) continue;
-    check_position(positions[p], cloth_name(cloth) + ": pixel " + std::to_string(p));
+    check_position(positions[p], name_of(cloth) + ": pixel " + std::to_string(p));
     box.add(positions[p]);
   }
   if (!box.empty()) cloths_[cloth].middle = box.middle();
@@ -702,7 +745,7 @@ void Solver::Impl::write_state(uint32_t cloth, std::span<const Vec3> positions, 
   std::vector<vec4> position(asset.pixel_count(), {0, 0, 0, 0}), previous(asset.pixel_count(), {0, 0, 0, 0});
   for (uint32_t p = 0; p < asset.pixel_count(); ++p) {
     if (!asset.valid(p)) continue;
-    const std::string where = cloth_name(cloth) + ": pixel " + std::to_string(p);
+    const std::string where = name_of(cloth) + ": pixel " + std::to_string(p);
     check_position(velocities[p], where + ", velocity");
     const uint32_t row = c.row_of_pixel[p];
     const uint32_t source = row == kNoPixel ? p : asset.splits.pixel[asset.splits.offset[row]];
@@ -761,6 +804,15 @@ Solver::Solver(Solver&&) noexcept = default;
 Solver& Solver::operator=(Solver&&) noexcept = default;
 Solver::~Solver() = default;
 
+uint32_t Solver::add_cloth(const ClothDesc& cloth) {
+  return impl_->add_cloth(cloth);
+}
+void Solver::remove_cloth(uint32_t cloth) {
+  impl_->remove_cloth(impl_->index_of(cloth));
+}
+std::vector<uint32_t> Solver::cloths() const {
+  return impl_->cloths();
+}
 void Solver::set_colliders(std::span<const Collider> colliders, bool teleport) {
   impl_->set_colliders(colliders, teleport);
 }
@@ -774,63 +826,63 @@ void Solver::set_time_step(double frame_time, uint32_t substeps) {
   impl_->set_time_step(frame_time, substeps);
 }
 void Solver::set_pins(uint32_t cloth, std::span<const Pin> pins) {
-  impl_->set_pins(cloth, pins);
+  impl_->set_pins(impl_->index_of(cloth), pins);
 }
 std::vector<uint32_t> Solver::held_pixels(uint32_t cloth) const {
-  return impl_->held_pixels(cloth);
+  return impl_->held_pixels(impl_->index_of(cloth));
 }
 void Solver::set_parent(uint32_t cloth, const Transform& pose, const Vec3& inertia_scale, bool teleport) {
-  impl_->set_parent(cloth, pose, inertia_scale, teleport);
+  impl_->set_parent(impl_->index_of(cloth), pose, inertia_scale, teleport);
 }
 void Solver::set_material(uint32_t cloth, const Material& material) {
-  impl_->set_material(cloth, material);
+  impl_->set_material(impl_->index_of(cloth), material);
 }
 
 void Solver::set_fabric(uint32_t cloth, uint32_t fabric, const Material& material) {
-  impl_->set_fabric(cloth, fabric, material);
+  impl_->set_fabric(impl_->index_of(cloth), fabric, material);
 }
 
 const Material& Solver::fabric(uint32_t cloth, uint32_t fabric) const {
-  return impl_->fabric(cloth, fabric);
+  return impl_->fabric(impl_->index_of(cloth), fabric);
 }
 
 const Material& Solver::material(uint32_t cloth) const {
-  return impl_->material(cloth);
+  return impl_->material(impl_->index_of(cloth));
 }
 
 void Solver::set_meets(uint32_t cloth, uint32_t groups) {
-  impl_->set_meets(cloth, groups);
+  impl_->set_meets(impl_->index_of(cloth), groups);
 }
 
 void Solver::set_pressure(uint32_t cloth, float pressure) {
-  impl_->set_pressure(cloth, pressure);
+  impl_->set_pressure(impl_->index_of(cloth), pressure);
 }
 CutResult Solver::cut(uint32_t cloth, const std::array<Vec3, 3>& triangle) {
-  return impl_->cut(cloth, triangle);
+  return impl_->cut(impl_->index_of(cloth), triangle);
 }
 CutResult Solver::tear(uint32_t cloth, float stretch) {
-  return impl_->tear(cloth, stretch);
+  return impl_->tear(impl_->index_of(cloth), stretch);
 }
 std::shared_ptr<const ClothAsset> Solver::asset(uint32_t cloth) const {
-  return impl_->asset(cloth);
+  return impl_->asset(impl_->index_of(cloth));
 }
 void Solver::step() {
   impl_->step();
 }
 void Solver::read_positions(uint32_t cloth, std::vector<Vec3>& out) {
-  impl_->read_positions(cloth, out);
+  impl_->read_positions(impl_->index_of(cloth), out);
 }
 void Solver::read_normals(uint32_t cloth, std::vector<Vec3>& out) {
-  impl_->read_normals(cloth, out);
+  impl_->read_normals(impl_->index_of(cloth), out);
 }
 void Solver::read_velocities(uint32_t cloth, std::vector<Vec3>& out) {
-  impl_->read_velocities(cloth, out);
+  impl_->read_velocities(impl_->index_of(cloth), out);
 }
 void Solver::write_state(uint32_t cloth, std::span<const Vec3> positions, std::span<const Vec3> velocities) {
-  impl_->write_state(cloth, positions, velocities);
+  impl_->write_state(impl_->index_of(cloth), positions, velocities);
 }
 bool Solver::asleep(uint32_t cloth) const {
-  return impl_->asleep(cloth);
+  return impl_->asleep(impl_->index_of(cloth));
 }
 uint32_t Solver::cloth_count() const {
   return impl_->cloth_count();

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -27,6 +28,12 @@ class Solver::Impl {
   using BackendFactory = std::function<std::unique_ptr<SolverBackend>(SimulationData)>;
   Impl(std::span<const ClothDesc> cloths, const SolverSettings& settings, const BackendFactory& make_backend);
 
+  uint32_t add_cloth(const ClothDesc& cloth);
+  [[nodiscard]] std::vector<uint32_t> cloths() const;
+  /// The functions below know a cloth by its place among those that there are, not by its number.
+  [[nodiscard]] uint32_t index_of(uint32_t number) const;
+  void remove_cloth(uint32_t cloth);
+
   void set_colliders(std::span<const Collider> colliders, bool teleport);
   void set_wind(const Wind& wind);
   void set_gravity(const Vec3& gravity);
@@ -35,14 +42,14 @@ class Solver::Impl {
   [[nodiscard]] std::vector<uint32_t> held_pixels(uint32_t cloth) const;
   void set_pressure(uint32_t cloth, float pressure);
   void set_material(uint32_t cloth, const Material& material);
-  [[nodiscard]] const Material& material(uint32_t cloth) const { return cloth_at(cloth).material; }
+  [[nodiscard]] const Material& material(uint32_t cloth) const { return cloths_[cloth].material; }
   void set_fabric(uint32_t cloth, uint32_t fabric, const Material& material);
   [[nodiscard]] const Material& fabric(uint32_t cloth, uint32_t fabric) const;
   void set_meets(uint32_t cloth, uint32_t groups);
   void set_parent(uint32_t cloth, const Transform& pose, const Vec3& inertia_scale, bool teleport);
   CutResult cut(uint32_t cloth, const std::array<Vec3, 3>& triangle);
   CutResult tear(uint32_t cloth, float stretch);
-  [[nodiscard]] const std::shared_ptr<const ClothAsset>& asset(uint32_t cloth) const { return cloth_at(cloth).asset; }
+  [[nodiscard]] const std::shared_ptr<const ClothAsset>& asset(uint32_t cloth) const { return cloths_[cloth].asset; }
   void step();
 
   void read_positions(uint32_t cloth, std::vector<Vec3>& out);
@@ -55,7 +62,7 @@ class Solver::Impl {
 
   [[nodiscard]] SolverBackend& backend() { return *backend_; }
   [[nodiscard]] Vec3 origin() const { return origin_; }
-  [[nodiscard]] bool asleep(uint32_t cloth) const { return cloth_at(cloth).asleep; }
+  [[nodiscard]] bool asleep(uint32_t cloth) const { return cloths_[cloth].asleep; }
   [[nodiscard]] uint32_t cloth_count() const { return static_cast<uint32_t>(cloths_.size()); }
 
  private:
@@ -91,6 +98,8 @@ class Solver::Impl {
     float speed = 0;  ///< [m/s] of its points
   };
   struct Cloth {
+    uint32_t number = 0;
+    double arrived = 0;                                 ///< [s] time_ when it was added
     std::shared_ptr<const ClothAsset> asset, original;  ///< as cuts have left it, and as it was given
     Material material;
     std::vector<Fabric> fabrics;
@@ -164,7 +173,8 @@ class Solver::Impl {
   [[nodiscard]] uint64_t mark_of_settings() const;
   [[nodiscard]] uint64_t mark_of_field(const std::shared_ptr<const DistanceField>& field);
 
-  [[nodiscard]] const Cloth& cloth_at(uint32_t cloth) const;
+  [[nodiscard]] Cloth made_of(const ClothDesc& desc, const ClothData& data);
+  [[nodiscard]] std::string name_of(uint32_t cloth) const;
   static void keep_last_of_each(std::vector<PixelPin>& pins);
   void fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const;
   void ease_from_present(uint32_t cloth);
@@ -181,9 +191,10 @@ class Solver::Impl {
   [[nodiscard]] bool anything_deforms() const;
   void carry_over();
   [[nodiscard]] Vec3 middle_of_told(const Cloth& cloth) const;
-  void follow_cloths();
+  void follow_cloths(const std::optional<Vec3>& arriving = std::nullopt);
   /// What may change of a cloth that others meet.
   struct Version {
+    double arrived;
     const ClothAsset* asset;
     std::span<const float> inverse_mass;  ///< [1/kg] without pins
     float friction;
@@ -233,7 +244,8 @@ class Solver::Impl {
   uint32_t fine_;                  ///< ClothParams::fine
   Vec3 origin_;                    ///< [m] whole metres, near the cloths
   std::vector<Vec3> places_seen_;  ///< [m] of the colliders when cloth was looked for
-  std::vector<Cloth> cloths_;
+  std::vector<Cloth> cloths_;      ///< ascending by number
+  uint32_t next_number_ = 0;
   std::vector<PixelPin> next_pins_;                             ///< memory of set_pins()
   SelfNumbers inter_;                                           ///< of the cloths that collide with each other
   Vec3 inter_origin_;                                           ///< [m] origin_ when it was made

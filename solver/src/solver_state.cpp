@@ -25,7 +25,7 @@ namespace {
 using shader::vec4;
 
 constexpr uint32_t kMagic = 0x53434C47;  // "GLCS"; read in another order of bytes it is another number
-constexpr uint32_t kVersion = 7;         ///< one more whenever what is written changes, or what a frame makes of it
+constexpr uint32_t kVersion = 8;         ///< one more whenever what is written changes, or what a frame makes of it
 
 /// Of one point.
 struct SavedPoint {
@@ -85,10 +85,6 @@ void check_frame(const Transform& frame, const std::string& where) {
   const double turn2 =
       double{q.x} * double{q.x} + double{q.y} * double{q.y} + double{q.z} * double{q.z} + double{q.w} * double{q.w};
   require(finite(frame.translate) && std::abs(turn2 - 1) < 0.01 && frame.scale == 1, where, " is no pose");
-}
-
-std::string cloth_name(uint32_t cloth) {
-  return "cloth " + std::to_string(cloth);
 }
 
 bool same_bend(const SeamBend& a, const SeamBend& b) {
@@ -277,6 +273,7 @@ struct Solver::Impl::SavedCloth {
   };
 
   uint64_t mark = 0;
+  double arrived = 0;
   Material material;
   std::vector<Material> fabrics;
   std::optional<SavedCut> cut;
@@ -310,6 +307,7 @@ struct Solver::Impl::SavedCloth {
   void exchange(Bytes& bytes) {
     const auto pose = [&](Transform& t) { bytes.value(t); };
     bytes.value(mark);
+    bytes.value(arrived);
     bytes.value(material);
     bytes.values(fabrics);
     bytes.optional(cut, [&](SavedCut& c) { geocloth::exchange(bytes, c); });
@@ -452,6 +450,7 @@ uint64_t Solver::Impl::mark_of_field(const std::shared_ptr<const DistanceField>&
 void Solver::Impl::keep_cloth(uint32_t index, SavedCloth& saved) {
   Cloth& cloth = cloths_[index];
   saved.mark = mark_of_cloth(cloth);
+  saved.arrived = cloth.arrived;
   saved.material = cloth.material;
   for (const Fabric& fabric : cloth.fabrics) saved.fabrics.push_back(fabric.material);
   if (cloth.asset != cloth.original) saved.cut = cut_of(*cloth.asset);
@@ -533,7 +532,8 @@ void Solver::Impl::save(std::vector<std::byte>& out) {
 void Solver::Impl::check_scene(const Saved& saved) const {
   if (saved.cloths.size() != cloths_.size()) {
     refuse_state("it has " + std::to_string(saved.cloths.size()) + " cloths, the solver has " +
-                 std::to_string(cloths_.size()));
+                 std::to_string(cloths_.size()) +
+                 "; remove those that were added since, and add those that were removed in the order that they had");
   }
   if (saved.settings_mark != mark_of_settings()) {
     refuse_state(
@@ -586,12 +586,13 @@ void Solver::Impl::check_versions(Saved& saved) const {
     const Cloth& cloth = cloths_[c];
     SavedCloth& s = saved.cloths[c];
     s.asset = cloth.original;
-    if (s.cut) s.asset = is_as(*cloth.asset, *s.cut) ? cloth.asset : with_cut(*cloth.original, *s.cut, cloth_name(c));
-    check(s.material, cloth_name(c) + ": material");
-    require(s.fabrics.size() == cloth.fabrics.size(), cloth_name(c), " has another number of fabrics");
+    if (s.cut) s.asset = is_as(*cloth.asset, *s.cut) ? cloth.asset : with_cut(*cloth.original, *s.cut, name_of(c));
+    check(s.material, name_of(c) + ": material");
+    require(s.fabrics.size() == cloth.fabrics.size(), name_of(c), " has another number of fabrics");
     s.new_fabrics = cloth.fabrics;
     for (size_t f = 0; f < s.fabrics.size(); ++f) s.new_fabrics[f].material = s.fabrics[f];
-    check_fabrics(s.material, s.new_fabrics, cloth_name(c));
+    check_fabrics(s.material, s.new_fabrics, name_of(c));
+    all[c].arrived = s.arrived;
     all[c].asset = s.asset.get();
     all[c].friction = s.material.friction;
     const bool same_data = s.asset == cloth.asset && make_same_data(s.material, cloth.material) &&
@@ -601,8 +602,8 @@ void Solver::Impl::check_versions(Saved& saved) const {
       s.inverse_mass = inverse_masses(*s.data);
       all[c].inverse_mass = s.inverse_mass;
     }
-    others_differ =
-        others_differ || (meets_others(cloth) && (!same_data || s.material.friction != cloth.material.friction));
+    others_differ = others_differ || (meets_others(cloth) && (!same_data || s.arrived != cloth.arrived ||
+                                                              s.material.friction != cloth.material.friction));
   }
   if (others_differ) saved.inter = inter_data(all, saved.inter_origin);
   const uint32_t points = saved.inter ? saved.inter->points.numbers.points : inter_.points;
@@ -611,7 +612,7 @@ void Solver::Impl::check_versions(Saved& saved) const {
 
 void Solver::Impl::check_cloth(SavedCloth& saved, uint32_t index) const {
   const Cloth& cloth = cloths_[index];
-  const std::string where = cloth_name(index);
+  const std::string where = name_of(index);
   std::optional<uint32_t> last;
   for (const auto& [pixel, pin] : saved.pins) {
     require(pixel < cloth.asset->pixel_count() && cloth.asset->valid(pixel) && (!last || *last < pixel), where,
@@ -628,7 +629,7 @@ void Solver::Impl::check_cloth(SavedCloth& saved, uint32_t index) const {
   require(!saved.teleport || saved.parent_to, where, " follows a parent that it does not have");
   check_parent(saved.parent_first, saved.inertia_scale, where + ": parent");
   require(finite(saved.middle) && finite(saved.strayed), where, ": its place is not finite");
-  for (const double time : {saved.placed_at, saved.pulled_at, saved.calm_for, saved.look_again})
+  for (const double time : {saved.arrived, saved.placed_at, saved.pulled_at, saved.calm_for, saved.look_again})
     require(finite(time), where, ": a time is not finite");
   for (const double time : {saved.compliance_step, saved.last_step, saved.measured_steps[0], saved.measured_steps[1]})
     require(finite(time) && time >= 0, where, ": a step is not finite, or below 0");
@@ -694,6 +695,7 @@ void Solver::Impl::take_scene(Saved& saved) {
 
 void Solver::Impl::take_cloth(SavedCloth& saved, uint32_t index) {
   Cloth& cloth = cloths_[index];
+  cloth.arrived = saved.arrived;
   cloth.material = saved.material;
   cloth.fabrics = std::move(saved.new_fabrics);
   cloth.weakest = weakest_of(cloth);
@@ -769,7 +771,7 @@ void Solver::Impl::restore(std::span<const std::byte> bytes) {
   reader.end();
   checked([&] { check_scene(saved); });
   for (uint32_t c = 0; c < cloths_.size(); ++c) {
-    require(saved.cloths[c].mark == mark_of_cloth(cloths_[c]), cloth_name(c),
+    require(saved.cloths[c].mark == mark_of_cloth(cloths_[c]), name_of(c),
             " was made with another asset, transform, self_collision or inter_collision");
   }
   checked([&] {

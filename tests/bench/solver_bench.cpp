@@ -107,6 +107,40 @@ void run(benchmark::State& state, const Setup& setup) {
                          benchmark::Counter::kIsIterationInvariantRate, benchmark::Counter::OneK::kIs1000);
 }
 
+struct Crowd {
+  Crowd() { settings.backend = Backend::cpu; }
+  ClothDesc sheet{.asset = std::make_shared<const ClothAsset>(test::make_sheet({.nx = 64, .ny = 64, .charts_x = 2}))};
+  std::vector<ClothDesc> cloths = std::vector(20, sheet);
+  SolverSettings settings;
+};
+
+/// A crowd and its first frame.
+void make_crowd(benchmark::State& state) {
+  const Crowd crowd;
+  for (auto _ : state) {
+    Solver solver(crowd.cloths, crowd.settings);
+    solver.step();
+  }
+}
+
+/// One of a crowd goes and another one comes in its place, up to the next frame.
+void exchange_one(benchmark::State& state) {
+  const Crowd crowd;
+  Solver solver(crowd.cloths, crowd.settings);
+  for (auto _ : state) {
+    solver.remove_cloth(solver.cloths().front());
+    benchmark::DoNotOptimize(solver.add_cloth(crowd.sheet));
+    solver.step();
+  }
+}
+
+/// A frame of the crowd.
+void step_crowd(benchmark::State& state) {
+  const Crowd crowd;
+  Solver solver(crowd.cloths, crowd.settings);
+  for (auto _ : state) solver.step();
+}
+
 const std::vector<std::pair<const char*, Setup>> kSetups{
     {"sheet/100", {}},
     {"sheet/100/plain", {.plain = true}},
@@ -146,6 +180,12 @@ int main(int argc, char** argv) {
         ->Unit(benchmark::kMillisecond)
         ->UseRealTime();
   }
+  const auto of_crowd = [](const char* name, void (*function)(benchmark::State&)) {
+    benchmark::RegisterBenchmark(name, function)->Unit(benchmark::kMillisecond)->UseRealTime();
+  };
+  of_crowd("crowd/20x64/make", make_crowd);
+  of_crowd("crowd/20x64/exchange_one", exchange_one);
+  of_crowd("crowd/20x64/step", step_crowd);
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
   benchmark::RunSpecifiedBenchmarks();

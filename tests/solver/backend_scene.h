@@ -35,6 +35,8 @@ class Recorder final : public SolverBackend {
   void write_found(const FoundPoints&) override {}
   void replace_topology(uint32_t, ClothData) override {}
   void shift(const Vec3&) override {}
+  void add_cloth(ClothData) override {}
+  void remove_cloth(uint32_t) override {}
   void replace_inter(InterData) override {}
   float longest_way(uint32_t, uint32_t) override { return 0; }
   uint32_t left_behind(uint32_t, uint32_t) override { return 0; }

@@ -41,6 +41,8 @@ class Counter final : public SolverBackend {
   void write_found(const FoundPoints& found) override { backend_->write_found(found); }
   void replace_topology(uint32_t c, ClothData data) override { backend_->replace_topology(c, std::move(data)); }
   void shift(const Vec3& by) override { backend_->shift(by); }
+  void add_cloth(ClothData data) override { backend_->add_cloth(std::move(data)); }
+  void remove_cloth(uint32_t cloth) override { backend_->remove_cloth(cloth); }
   void replace_inter(InterData inter) override { backend_->replace_inter(std::move(inter)); }
   float longest_way(uint32_t c, uint32_t word) override { return backend_->longest_way(c, word); }
   uint32_t left_behind(uint32_t c, uint32_t word) override { return backend_->left_behind(c, word); }

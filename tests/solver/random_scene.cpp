@@ -123,7 +123,7 @@ void add_fabric(Chance& chance, ClothDesc& cloth) {
     if (cloth.asset->valid(p)) fabric.pixels.push_back(p);
 }
 
-constexpr uint32_t kDeeds = 15;
+constexpr uint32_t kDeeds = 17;
 
 /// On the points of a cloth that are farthest along some direction: all held, soft, or free within a distance.
 std::vector<Pin> any_pins(Chance& chance, const ClothDesc& cloth, const Vec3& way) {
@@ -147,13 +147,31 @@ std::vector<Pin> any_pins(Chance& chance, const ClothDesc& cloth, const Vec3& wa
   return pins;
 }
 
-void act(const RandomScene& scene, const Deed& deed, Solver& solver) {
+/// A solver, and what each of the cloths is that it has.
+struct Stage {
+  std::unique_ptr<Solver> solver;
+  std::vector<ClothDesc> cloths;
+};
+
+void act(const RandomScene& scene, const Deed& deed, Stage& stage) {
+  constexpr size_t kMostCloths = 4;
   Chance chance(deed.seed);
-  const uint32_t c = deed.cloth;
+  Solver& solver = *stage.solver;
+  if (deed.kind == 15) {
+    if (stage.cloths.size() == kMostCloths) return;
+    ClothDesc& cloth = stage.cloths.emplace_back(scene.cloths[deed.cloth]);
+    cloth.transform.translate += chance.vector(0.5F);
+    static_cast<void>(solver.add_cloth(cloth));
+    return;
+  }
+  if (stage.cloths.empty()) return;
+  const auto place = static_cast<uint32_t>(deed.cloth % stage.cloths.size());
+  const uint32_t c = solver.cloths()[place];
+  const ClothDesc& cloth = stage.cloths[place];
   switch (deed.kind) {
     case 0: {
       const Vec3 way = deed.frame == 0 ? Vec3{} : chance.vector(0.2F);
-      return solver.set_pins(c, any_pins(chance, scene.cloths[c], way));
+      return solver.set_pins(c, any_pins(chance, cloth, way));
     }
     case 1:
       return solver.set_pins(c, {});
@@ -188,12 +206,15 @@ void act(const RandomScene& scene, const Deed& deed, Solver& solver) {
       return solver.write_state(c, positions_of(solver, c), velocities);
     }
     case 12: {
-      const Material other = scene.cloths[c].fabrics.empty() ? any_material(chance) : any_fabric(chance);
+      const Material other = cloth.fabrics.empty() ? any_material(chance) : any_fabric(chance);
       return solver.set_material(c, mix(solver.material(c), other, chance.within(0, 1)));
     }
     case 13:
-      if (!scene.cloths[c].fabrics.empty()) solver.set_fabric(c, 0, any_fabric(chance));
+      if (!cloth.fabrics.empty()) solver.set_fabric(c, 0, any_fabric(chance));
       return;
+    case 14:
+      stage.cloths.erase(stage.cloths.begin() + place);
+      return solver.remove_cloth(c);
     default:
       return solver.restore(solver.save());
   }
@@ -256,25 +277,28 @@ RandomScene make_random_scene(uint32_t seed, uint32_t frames) {
 
 std::vector<uint64_t> play_random_scene(const RandomScene& scene, uint32_t frames, const SolverMaker& make_solver,
                                         bool changes_solver) {
-  std::unique_ptr<Solver> solver = make_solver();
+  Stage stage{make_solver(), scene.cloths};
   std::vector<uint64_t> hashes;
   auto deed = scene.deeds.begin();
   for (uint32_t f = 0; f < frames; ++f) {
-    place_colliders(scene, f, *solver);
-    for (; deed != scene.deeds.end() && deed->frame == f; ++deed) act(scene, *deed, *solver);
+    place_colliders(scene, f, *stage.solver);
+    for (; deed != scene.deeds.end() && deed->frame == f; ++deed) act(scene, *deed, stage);
     if (changes_solver && f % 3 == 1) {
-      const std::vector<std::byte> state = solver->save();
+      const std::vector<std::byte> state = stage.solver->save();
       std::unique_ptr<Solver> other = make_solver();
+      for (uint32_t c = 0; c < scene.cloths.size(); ++c) other->remove_cloth(c);
+      for (const ClothDesc& cloth : stage.cloths) static_cast<void>(other->add_cloth(cloth));
       place_colliders(scene, 0, *other);  // the body of triangles
       other->restore(state);
-      solver = std::move(other);
+      stage.solver = std::move(other);
     }
-    solver->step();
-    for (uint32_t c = 0; c < scene.cloths.size(); ++c) {
-      const std::vector<Vec3> positions = positions_of(*solver, c);
+    stage.solver->step();
+    const std::vector<uint32_t> numbers = stage.solver->cloths();
+    for (size_t c = 0; c < numbers.size(); ++c) {
+      const std::vector<Vec3> positions = positions_of(*stage.solver, numbers[c]);
       EXPECT_TRUE(all_finite(positions)) << "frame " << f << ", cloth " << c;
-      hashes.push_back(hash_state(*scene.cloths[c].asset, positions));
-      hashes.push_back(hash_state(*scene.cloths[c].asset, velocities_of(*solver, c)));
+      hashes.push_back(hash_state(*stage.cloths[c].asset, positions));
+      hashes.push_back(hash_state(*stage.cloths[c].asset, velocities_of(*stage.solver, numbers[c])));
     }
   }
   return hashes;

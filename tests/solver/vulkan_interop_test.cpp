@@ -126,6 +126,20 @@ TEST_F(VulkanInteropTest, ASolverOnTheCpuHasNoVulkanObjects) {
   EXPECT_THROW((void)vulkan_images(solver, 0), Error);
 }
 
+TEST_F(VulkanInteropTest, ImagesKeepTheirHandlesWhileOtherClothsComeAndGo) {
+  Solver solver = make_solver(sheet_, {.device = ""});
+  const VkImage first = vulkan_images(solver, 0).position;
+  const uint32_t added = solver.add_cloth(sheet_[0]);
+  solver.step();
+  const VkImage second = vulkan_images(solver, added).position;
+  EXPECT_EQ(vulkan_images(solver, 0).position, first);
+  EXPECT_NE(second, first);
+  solver.remove_cloth(0);
+  solver.step();
+  EXPECT_EQ(vulkan_images(solver, added).position, second);
+  EXPECT_THROW((void)vulkan_images(solver, 0), Error);
+}
+
 TEST_F(VulkanInteropTest, AClothThatDoesNotExistIsRefused) {
   Solver solver = make_solver(sheet_, {.device = ""});
   EXPECT_THROW((void)vulkan_images(solver, 1), Error);

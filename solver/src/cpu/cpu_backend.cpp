@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -42,7 +43,7 @@ struct Schedules {
   }
 };
 
-/// One cloth with what goes with it.
+/// One cloth with what goes with it, which has references to it.
 struct Cloth {
   Cloth(const ClothData& data, bool accumulate, bool fine, cpu::PlanPool& plans)
       : rows(data.width), state(rows.widened(data), accumulate, fine), sweep(state, plans) {}
@@ -63,13 +64,7 @@ struct Cloth {
 class CpuBackend final : public SolverBackend {
  public:
   CpuBackend(SimulationData data, uint32_t threads) : data_(std::move(data)), threads_(threads) {
-    cloths_.reserve(data_.cloths.size());
-    for (ClothData& cloth : data_.cloths) {
-      take_self_points(cloths_.emplace_back(cloth, data_.relaxation_steps > 1, data_.fine, plans_));
-      cloth.position = {};
-      cloth.self = {};
-      cloth.springs = {};
-    }
+    for (ClothData& cloth : data_.cloths) make_cloth(cloth);
     replace_inter(std::move(data_.inter));
   }
 
@@ -85,43 +80,43 @@ class CpuBackend final : public SolverBackend {
   void wait() override {}
 
   void read_positions(uint32_t cloth, std::vector<vec4>& out) override {
-    const cpu::ClothState& state = cloths_[cloth].state;
+    const cpu::ClothState& state = cloths_[cloth]->state;
     gather(
         cloth, state.position, [&](size_t i) { return state.packed_mass(i); }, out);
   }
   void read_previous(uint32_t cloth, std::vector<vec4>& out) override {
-    const cpu::ClothState& state = cloths_[cloth].state;
+    const cpu::ClothState& state = cloths_[cloth]->state;
     gather(
         cloth, state.previous, [&](size_t i) { return state.inverse_mass[i]; }, out);
   }
   void read_carry(uint32_t cloth, std::vector<vec4>& out) override {
-    const cpu::ClothState& state = cloths_[cloth].state;
+    const cpu::ClothState& state = cloths_[cloth]->state;
     gather(
         cloth, state.carry, [&](size_t i) { return state.inverse_mass[i]; }, out);
   }
   /// Nobody else looks at the normals after a frame, so they are computed when they are asked for.
   void read_normals(uint32_t cloth, std::vector<vec4>& out) override {
-    if (cloths_[cloth].normals_stale) compute_normals(cloths_[cloth], threads_);
-    const cpu::ClothState& state = cloths_[cloth].state;
+    if (cloths_[cloth]->normals_stale) compute_normals(*cloths_[cloth], threads_);
+    const cpu::ClothState& state = cloths_[cloth]->state;
     gather(
         cloth, state.normal, [&](size_t i) { return state.normal_length[i]; }, out);
   }
 
   void write_state(uint32_t cloth, std::span<const vec4> position, std::span<const vec4> previous) override {
-    cpu::ClothState& state = cloths_[cloth].state;
+    cpu::ClothState& state = cloths_[cloth]->state;
     state.forget();
-    cloths_[cloth].sweep.forget();
+    cloths_[cloth]->sweep.forget();
     for (uint32_t k = 0; k < position.size(); ++k) {
-      const uint32_t i = cloths_[cloth].rows.pixel(k);
+      const uint32_t i = cloths_[cloth]->rows.pixel(k);
       state.position.set(i, {position[k].x, position[k].y, position[k].z});
       state.set_packed_mass(i, position[k].w);
       state.previous.set(i, {previous[k].x, previous[k].y, previous[k].z});
     }
-    cloths_[cloth].normals_stale = true;
+    cloths_[cloth]->normals_stale = true;
   }
 
   void read_memory(uint32_t cloth, ClothMemory& out) override {
-    const cpu::ClothState& state = cloths_[cloth].state;
+    const cpu::ClothState& state = cloths_[cloth]->state;
     read_positions(cloth, out.position);
     read_previous(cloth, out.previous);
     read_carry(cloth, out.carry);
@@ -130,32 +125,32 @@ class CpuBackend final : public SolverBackend {
       gather(
           cloth, state.offset, [&](size_t i) { return state.inverse_mass[i]; }, out.offset);
     read_words(state.data.self, state.pixel_count(), out.found);
-    out.longest_way = cloths_[cloth].measures.longest_way;
-    out.left_behind = cloths_[cloth].measures.left_behind;
+    out.longest_way = cloths_[cloth]->measures.longest_way;
+    out.left_behind = cloths_[cloth]->measures.left_behind;
   }
 
   void write_memory(uint32_t cloth, const ClothMemory& memory, const ClothFrame& pins) override {
-    cpu::ClothState& state = cloths_[cloth].state;
+    cpu::ClothState& state = cloths_[cloth]->state;
     write_state(cloth, memory.position, memory.previous);
     const auto scatter = [&](const std::vector<vec4>& from, cpu::Vec3Array& to) {
-      for (uint32_t k = 0; k < from.size(); ++k) to.set(cloths_[cloth].rows.pixel(k), shader::xyz(from[k]));
+      for (uint32_t k = 0; k < from.size(); ++k) to.set(cloths_[cloth]->rows.pixel(k), shader::xyz(from[k]));
     };
     scatter(memory.carry, state.carry);
     scatter(memory.offset, state.offset);
-    cloths_[cloth].rows.widen(pins, cloths_[cloth].frame);
-    if (state.data.attachments) state.attachments = cloths_[cloth].frame.attachments;
-    cloths_[cloth].sweep.forget_plan();
+    cloths_[cloth]->rows.widen(pins, cloths_[cloth]->frame);
+    if (state.data.attachments) state.attachments = cloths_[cloth]->frame.attachments;
+    cloths_[cloth]->sweep.forget_plan();
     write_words(memory.found, state.pixel_count(), state.data.self);
-    cloths_[cloth].measures.longest_way = memory.longest_way;
-    cloths_[cloth].measures.left_behind = memory.left_behind;
+    cloths_[cloth]->measures.longest_way = memory.longest_way;
+    cloths_[cloth]->measures.left_behind = memory.left_behind;
   }
 
   void read_found(FoundPoints& out) override { read_words(inter_.points, 0, out); }
   void write_found(const FoundPoints& found) override { write_words(found, 0, inter_.points); }
 
   void shift(const Vec3& by) override {
-    for (Cloth& cloth : cloths_) {
-      cpu::ClothState& state = cloth.state;
+    for (const std::unique_ptr<Cloth>& cloth : cloths_) {
+      cpu::ClothState& state = cloth->state;
       for (size_t i = 0; i < state.pixel_count(); ++i) {
         const shader::vec3 way{by.x, by.y, by.z};
         state.position.set(i, state.position.at(i) - way);
@@ -164,15 +159,28 @@ class CpuBackend final : public SolverBackend {
     }
   }
 
+  void add_cloth(ClothData data) override {
+    make_cloth(data);
+    data_.cloths.push_back(std::move(data));
+    meets_others_.push_back(false);
+  }
+
+  void remove_cloth(uint32_t cloth) override {
+    keep_maxima(cloths_[cloth]->measures, past_measures_);
+    add_seconds(cloths_[cloth]->seconds, past_seconds_);
+    data_.cloths.erase(data_.cloths.begin() + cloth);
+    cloths_.erase(cloths_.begin() + cloth);
+    meets_others_.erase(meets_others_.begin() + cloth);
+    renumber_parts(inter_.parts, cloth);
+  }
+
   void replace_topology(uint32_t cloth, ClothData data) override {
     data_.cloths[cloth] = data;
-    data_.cloths[cloth].position = {};
-    data_.cloths[cloth].springs = {};
-    data_.cloths[cloth].self = {};
-    cloths_[cloth].state.set_topology(cloths_[cloth].rows.widened(data));
-    take_self_points(cloths_[cloth]);
-    cloths_[cloth].sweep.forget_plan();
-    cloths_[cloth].normals_stale = true;
+    drop_moved(data_.cloths[cloth]);
+    cloths_[cloth]->state.set_topology(cloths_[cloth]->rows.widened(data));
+    take_self_points(*cloths_[cloth]);
+    cloths_[cloth]->sweep.forget_plan();
+    cloths_[cloth]->normals_stale = true;
   }
 
   void replace_inter(InterData inter) override {
@@ -182,7 +190,7 @@ class CpuBackend final : public SolverBackend {
     set_self_numbers(inter_.points.numbers, inter_params_);
     for (const InterPart& part : inter_.parts) {
       meets_others_[part.cloth] = true;
-      const cpu::WideRows& rows = cloths_[part.cloth].rows;
+      const cpu::WideRows& rows = cloths_[part.cloth]->rows;
       const shader::SelfRoom room = shader::self_room(inter_params_);
       for (uint32_t k = 0; k < part.points; ++k) {
         shader::SelfPoint& point = inter_.points.points[part.first_point + k];
@@ -196,8 +204,8 @@ class CpuBackend final : public SolverBackend {
     inter_self_.emplace(inter_.points, 0, by_sweeps());
   }
 
-  float longest_way(uint32_t cloth, uint32_t word) override { return cloths_[cloth].measures.longest_way[word]; }
-  uint32_t left_behind(uint32_t cloth, uint32_t word) override { return cloths_[cloth].measures.left_behind[word]; }
+  float longest_way(uint32_t cloth, uint32_t word) override { return cloths_[cloth]->measures.longest_way[word]; }
+  uint32_t left_behind(uint32_t cloth, uint32_t word) override { return cloths_[cloth]->measures.left_behind[word]; }
 
   void fill_statistics(SolverStatistics& statistics) override {
     statistics.backend = "cpu";
@@ -205,13 +213,17 @@ class CpuBackend final : public SolverBackend {
     statistics.path = by_sweeps() ? std::string("sweep ") + cpu::vector_target() : "plain";
     statistics.threads = threads_.count();
     PassSeconds seconds = inter_seconds_;
+    add_seconds(past_seconds_, seconds);
+    cpu::Measures largest = past_measures_;
     statistics.memory_bytes += plans_.memory_bytes() + inter_.points.memory_bytes() + inter_self_->memory_bytes();
-    for (const Cloth& cloth : cloths_) {
+    for (const std::unique_ptr<Cloth>& c : cloths_) {
+      const Cloth& cloth = *c;
       statistics.memory_bytes += cloth.state.memory_bytes() + cloth.sweep.memory_bytes() + cloth.self->memory_bytes();
-      statistics.copy_gap = std::max(statistics.copy_gap, static_cast<double>(cloth.measures.copy_gap));
-      statistics.penetration = std::max(statistics.penetration, static_cast<double>(cloth.measures.penetration));
-      for (size_t k = 0; k < seconds.size(); ++k) seconds[k] += cloth.seconds[k];
+      keep_maxima(cloth.measures, largest);
+      add_seconds(cloth.seconds, seconds);
     }
+    statistics.copy_gap = double{largest.copy_gap};
+    statistics.penetration = double{largest.penetration};
     for (const PassInfo& pass : kPasses) {
       const double time = seconds[static_cast<size_t>(pass.pass)];
       if (time > 0) statistics.passes.push_back({std::string(pass.name), time});
@@ -219,6 +231,26 @@ class CpuBackend final : public SolverBackend {
   }
 
  private:
+  void make_cloth(ClothData& data) {
+    cloths_.push_back(std::make_unique<Cloth>(data, data_.relaxation_steps > 1, data_.fine, plans_));
+    take_self_points(*cloths_.back());
+    drop_moved(data);
+  }
+
+  static void keep_maxima(const cpu::Measures& from, cpu::Measures& to) {
+    to.copy_gap = std::max(to.copy_gap, from.copy_gap);
+    to.penetration = std::max(to.penetration, from.penetration);
+  }
+  static void add_seconds(const PassSeconds& from, PassSeconds& to) {
+    for (size_t k = 0; k < to.size(); ++k) to[k] += from[k];
+  }
+
+  static void drop_moved(ClothData& data) {
+    data.position = {};
+    data.self = {};
+    data.springs = {};
+  }
+
   static void read_words(const SelfData& self, size_t pixels, FoundPoints& out) {
     out = {};
     if (self.numbers.points == 0) return;
@@ -248,8 +280,8 @@ class CpuBackend final : public SolverBackend {
 
   void run_cloth(uint32_t c, const FrameInput& frame, const cpu::Threads& threads) {
     if (!begin_cloth(c, frame, threads)) return;
-    run_substeps(cloths_[c], frame, 0, cloths_[c].options.substeps, threads);
-    end_cloth(cloths_[c], frame, threads);
+    run_substeps(*cloths_[c], frame, 0, cloths_[c]->options.substeps, threads);
+    end_cloth(*cloths_[c], frame, threads);
   }
 
   /// The cloths that collide with each other, substep by substep; all of them sleep, or none.
@@ -257,7 +289,7 @@ class CpuBackend final : public SolverBackend {
     const auto count = static_cast<uint32_t>(inter_.parts.size());
     const auto for_parts = [&](const auto& body) {
       for_each(count, [&](uint32_t k, const cpu::Threads& threads) {
-        body(inter_.parts[k], cloths_[inter_.parts[k].cloth], threads);
+        body(inter_.parts[k], *cloths_[inter_.parts[k].cloth], threads);
       });
     };
     if (frame.cloths[inter_.parts.front().cloth].asleep) return;
@@ -298,7 +330,7 @@ class CpuBackend final : public SolverBackend {
 
   /// @return whether it is awake
   bool begin_cloth(uint32_t c, const FrameInput& frame, const cpu::Threads& threads) {
-    Cloth& cloth = cloths_[c];
+    Cloth& cloth = *cloths_[c];
     cpu::ClothState& state = cloth.state;
     cloth.rows.widen(frame.cloths[c], cloth.frame);
     const ClothFrame& input = cloth.frame;
@@ -388,7 +420,7 @@ class CpuBackend final : public SolverBackend {
   void gather(uint32_t cloth, const cpu::Vec3Array& xyz, const W& w, std::vector<vec4>& out) const {
     out.resize(data_.cloths[cloth].pixel_count());
     for (uint32_t k = 0; k < out.size(); ++k) {
-      const uint32_t i = cloths_[cloth].rows.pixel(k);
+      const uint32_t i = cloths_[cloth]->rows.pixel(k);
       out[k] = {xyz.at(i), w(i)};
     }
   }
@@ -397,12 +429,14 @@ class CpuBackend final : public SolverBackend {
   cpu::Threads threads_;
   cpu::Threads alone_{1};
   cpu::PlanPool plans_;
-  std::vector<Cloth> cloths_;
+  std::vector<std::unique_ptr<Cloth>> cloths_;
   InterData inter_;
   std::optional<cpu::SelfRunner> inter_self_;
   shader::ClothParams inter_params_{};  ///< for the passes between cloths
   std::vector<bool> meets_others_;      ///< by cloth
   PassSeconds inter_seconds_{};
+  cpu::Measures past_measures_;  ///< of cloths that have been removed
+  PassSeconds past_seconds_{};
 };
 
 }  // namespace

@@ -32,7 +32,7 @@ void SweepRunner::prepare(const ClothState& state, const ClothFrame& cloth, cons
     planned_ = false;
     return;
   }
-  const Recipe recipe{options_of_substeps(options), p.inverse_dt2, p.stretch_limit,
+  const Recipe recipe{options_of_substeps(options), threads,       p.inverse_dt2,  p.stretch_limit,
                       p.share_structural,           p.share_shear, p.share_bending};
   if (planned_ && !cloth.pins_changed && recipe == recipe_) return;
   recipe_ = recipe;

@@ -48,9 +48,10 @@ class SweepRunner {
   void forget();
 
  private:
-  /// What the constants in the plan follow from, besides the cloth itself.
+  /// What the constants in the plan and its scratch follow from, besides the cloth itself.
   struct Recipe {
     ScheduleOptions options;
+    uint32_t threads = 1;
     float inverse_dt2 = 0, stretch_limit = 0, share_structural = 0, share_shear = 0, share_bending = 0;
     bool operator==(const Recipe&) const = default;
   };

@@ -30,8 +30,8 @@ SelfNumbers numbers_of(std::span<const InterCloth> cloths) {
   uint32_t fine = 0, coarse = 0;
   for (const InterCloth& cloth : cloths) {
     const float spacing = cloth.asset->spacing * cloth.start.scale;
-    if (spacing < finest) fine = cloth.cloth;
-    if (spacing > coarsest) coarse = cloth.cloth;
+    if (spacing < finest) fine = cloth.number;
+    if (spacing > coarsest) coarse = cloth.number;
     finest = std::min(finest, spacing);
     coarsest = std::max(coarsest, spacing);
     numbers.distance = std::max(numbers.distance, distance_of(cloth));
@@ -47,6 +47,20 @@ SelfNumbers numbers_of(std::span<const InterCloth> cloths) {
   numbers.most_in_bucket =
       std::max(shader::kSelfMostInBucket, static_cast<uint32_t>(std::ceil(kMostLayers * points * points)));
   return numbers;
+}
+
+/// Of each cloth: how many times before its own there are at which others came.
+std::vector<uint32_t> arrivals_of(std::span<const InterCloth> cloths) {
+  std::vector<double> times(cloths.size());
+  std::ranges::transform(cloths, times.begin(), &InterCloth::arrived);
+  std::ranges::sort(times);
+  const auto repeated = std::ranges::unique(times);
+  times.erase(repeated.begin(), repeated.end());
+  std::vector<uint32_t> arrivals;
+  arrivals.reserve(cloths.size());
+  for (const InterCloth& cloth : cloths)
+    arrivals.push_back(static_cast<uint32_t>(std::ranges::lower_bound(times, cloth.arrived) - times.begin()));
+  return arrivals;
 }
 
 void set_points(SelfNumbers& numbers, size_t points) {
@@ -66,6 +80,7 @@ InterData make_inter_data(std::span<const InterCloth> cloths, const Vec3& origin
   InterData inter;
   SelfData& all = inter.points;
   all.numbers = numbers_of(cloths);
+  const std::vector<uint32_t> arrivals = arrivals_of(cloths);
   std::vector<uint32_t> pixels;  // with their points
   for (const InterCloth& cloth : cloths) {
     const ClothAsset& asset = *cloth.asset;
@@ -86,6 +101,7 @@ InterData make_inter_data(std::span<const InterCloth> cloths, const Vec3& origin
         point.inter_cloth = static_cast<uint32_t>(inter.parts.size());
         point.inter_distance = shader::floatBitsToUint(distance_of(cloth));
         point.inter_friction = shader::floatBitsToUint(cloth.friction);
+        point.inter_arrival = arrivals[inter.parts.size()];
       }
       point_of[p] = point_of[first[p]];
       pixels.insert(pixels.end(), {p, point_of[p]});

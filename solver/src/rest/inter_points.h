@@ -9,7 +9,9 @@ namespace geocloth {
 
 /// A cloth that collides with others.
 struct InterCloth {
-  uint32_t cloth = 0;
+  uint32_t cloth = 0;   ///< see InterPart
+  uint32_t number = 0;  ///< what its user calls it
+  double arrived = 0;   ///< [s] those that came together keep as near as they started
   const ClothAsset* asset = nullptr;
   Transform start = {};                      ///< where its rest shape started
   std::span<const float> inverse_mass = {};  ///< [1/kg] one per pixel, without pins

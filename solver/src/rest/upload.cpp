@@ -148,6 +148,7 @@ ClothData make_cloth_data(const ClothDesc& cloth, const Vec3& origin, const Clot
   data.split_pixel = asset.splits.pixel;
   for (const uint32_t p : data.split_pixel) data.cell[p] |= shader::kCellCopyBit;
   data.attachments = has_attachments(cloth.material);
+  data.may_meet_others = cloth.inter_collision.has_value();
   data.evenness = evenness_of(asset);
   if (data.attachments) {
     const std::vector<bool> short_seams = pixels_of_short_seams(uncut);

@@ -26,9 +26,10 @@ void InterResources::upload(const std::shared_ptr<const Context>& context, const
   params.as<shader::ClothParams>().front() = values;
 }
 
-const InterPart* InterResources::part_of(uint32_t cloth) const {
-  const auto part = std::ranges::find(parts, cloth, &InterPart::cloth);
-  return part == parts.end() ? nullptr : &*part;
+bool InterResources::has_room_for(const InterData& data) const {
+  return std::ranges::equal(parts, data.parts, {}, &InterPart::cloth, &InterPart::cloth) &&
+         sizeof(shader::SelfPoint) * data.points.most_points <= points.size() &&
+         sizeof(uint32_t) * data.points.most_words <= words.size();
 }
 
 }  // namespace geocloth::vulkan

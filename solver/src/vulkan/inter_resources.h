@@ -13,10 +13,11 @@ struct InterResources {
   /// Uploads and waits.
   InterResources(const std::shared_ptr<const Context>& context, const InterData& data);
 
+  /// Whether these are the same cloths, in no more pieces than there is room for.
+  [[nodiscard]] bool has_room_for(const InterData& data) const;
   /// Replaces all of it after a cut; waits. The device must be done with the cloths.
   void upload(const std::shared_ptr<const Context>& context, const InterData& data);
 
-  [[nodiscard]] const InterPart* part_of(uint32_t cloth) const;
   [[nodiscard]] size_t memory_bytes() const { return points.size() + words.size() + params.size(); }
 
   SelfNumbers numbers;

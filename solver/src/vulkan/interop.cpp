@@ -28,10 +28,7 @@ VulkanDevice vulkan_device(Solver& solver) {
 
 VulkanClothImages vulkan_images(Solver& solver, uint32_t cloth) {
   vulkan::VulkanBackend& backend = vulkan_backend(solver);
-  if (cloth >= solver.cloth_count())
-    throw Error(ErrorCode::invalid_argument, "cloth " + std::to_string(cloth) + " does not exist; the solver has " +
-                                                 std::to_string(solver.cloth_count()));
-  const vulkan::ClothResources& resources = backend.cloth(cloth);
+  const vulkan::ClothResources& resources = backend.cloth(solver.impl().index_of(cloth));
   return {.position = resources.position.handle(),
           .position_view = resources.position.view(),
           .normal = resources.normal.handle(),

@@ -113,26 +113,25 @@ VulkanBackend::Slot::Slot(const std::shared_ptr<const Context>& context, const P
 VulkanBackend::VulkanBackend(std::shared_ptr<const Context> context, SimulationData data)
     : context_(std::move(context)),
       data_(std::move(data)),
+      limits_(tile_limits(*context_)),
       kernels_(context_, data_.fine),
       tile_kernels_(context_, kernels_.set_layout()) {
-  const TileLimits limits = tile_limits(*context_);
-  is_software_ = limits.software;
   cloths_.reserve(data_.cloths.size());
   if (!data_.inter.parts.empty()) inter_ = std::make_unique<InterResources>(context_, data_.inter);
   data_.inter = {};
-  for (ClothData& cloth : data_.cloths) {
-    const auto number = static_cast<uint32_t>(cloths_.size());
-    const bool meets_others = inter_ && inter_->part_of(number) != nullptr;
-    const SolverPath path = choose_path(limits, {data_.path, cloth.width, cloth.height, data_.relaxation_steps,
-                                                 data_.fine, cloth.self.numbers.points > 0 || meets_others});
-    cloths_.emplace_back(context_, cloth, data_.relaxation_steps > 1, data_.fine, path);
-    drop_uploaded(cloth);
-  }
+  for (ClothData& cloth : data_.cloths) make_cloth(cloth);
   take_parts();
   make_slots();
   std::vector<uint32_t> all(cloths_.size());
   std::iota(all.begin(), all.end(), 0U);
   compute_normals(all);
+}
+
+void VulkanBackend::make_cloth(ClothData& data) {
+  const SolverPath path = choose_path(limits_, {data_.path, data.width, data.height, data_.relaxation_steps, data_.fine,
+                                                data.self.numbers.points > 0 || data.may_meet_others});
+  cloths_.emplace_back(context_, data, data_.relaxation_steps > 1, data_.fine, path);
+  drop_uploaded(data);
 }
 
 /// Anew where buffers of cloths are other ones.
@@ -179,7 +178,7 @@ void VulkanBackend::record(Slot& slot) {
   std::vector<FramePlan> plans;
   for (size_t c = 0; c < cloths_.size(); ++c) {
     plans.push_back(plan_frame(cloths_[c].path, slot.recipe.schedules[c], slot.recipe.schedules[c].substeps,
-                               {cloths_[c].split_rows, cloths_[c].seam_color_offset}, is_software_));
+                               {cloths_[c].split_rows, cloths_[c].seam_color_offset}, limits_.software));
     if (slot.tiles[c]) slot.tiles[c]->write_steps(plans[c].steps, cloths_[c]);
   }
   std::vector<Batch> batches = side_by_side(plans);
@@ -380,6 +379,30 @@ void VulkanBackend::shift(const Vec3& by) {
   });
 }
 
+void VulkanBackend::add_cloth(ClothData data) {
+  guarded("add a cloth", [&] {
+    wait();
+    make_cloth(data);
+    data_.cloths.push_back(std::move(data));
+    make_slots();
+    compute_normals({static_cast<uint32_t>(cloths_.size() - 1)});
+  });
+}
+
+void VulkanBackend::remove_cloth(uint32_t cloth) {
+  guarded("remove a cloth", [&] {
+    wait();
+    const std::span<const uint32_t> measures = cloths_[cloth].measures.as<uint32_t>();
+    for (size_t k = 0; k < measures.size(); ++k) past_measures_[k] = std::max(past_measures_[k], measures[k]);
+    slots_.clear();  // their commands use what goes
+    cloths_.erase(cloths_.begin() + cloth);
+    data_.cloths.erase(data_.cloths.begin() + cloth);
+    if (inter_) renumber_parts(inter_->parts, cloth);
+    take_parts();
+    make_slots();
+  });
+}
+
 void VulkanBackend::replace_topology(uint32_t cloth, ClothData data) {
   guarded("change a cloth", [&] {
     wait();
@@ -395,14 +418,25 @@ void VulkanBackend::replace_topology(uint32_t cloth, ClothData data) {
 void VulkanBackend::replace_inter(InterData inter) {
   guarded("change a cloth", [&] {
     wait();
-    inter_->upload(context_, inter);
+    if (inter_ && inter_->has_room_for(inter)) {
+      inter_->upload(context_, inter);
+      take_parts();
+      for (const std::unique_ptr<Slot>& slot : slots_) slot->recipe = {};
+      return;
+    }
+    slots_.clear();
+    inter_ = inter.parts.empty() ? nullptr : std::make_unique<InterResources>(context_, inter);
     take_parts();
-    for (const std::unique_ptr<Slot>& slot : slots_) slot->recipe = {};
+    make_slots();
   });
 }
 
 /// Tells each cloth where it is among those that collide with each other.
 void VulkanBackend::take_parts() {
+  for (ClothResources& cloth : cloths_) {
+    cloth.inter = {};
+    cloth.inter_numbers = {};
+  }
   if (!inter_) return;
   for (const InterPart& part : inter_->parts) {
     cloths_[part.cloth].inter = part;
@@ -425,6 +459,11 @@ uint32_t VulkanBackend::left_behind(uint32_t cloth, uint32_t word) {
 }
 
 void VulkanBackend::fill_statistics(SolverStatistics& statistics) {
+  const auto keep_maxima = [&](std::span<const uint32_t> measures) {
+    const auto measure = [&](uint32_t i) { return double{std::bit_cast<float>(measures[i])}; };
+    statistics.copy_gap = std::max(statistics.copy_gap, measure(shader::kMeasureCopyGap));
+    statistics.penetration = std::max(statistics.penetration, measure(shader::kMeasurePenetration));
+  };
   wait();
   statistics.backend = to_string(Backend::vulkan);
   statistics.device = context_->info().name;
@@ -436,11 +475,9 @@ void VulkanBackend::fill_statistics(SolverStatistics& statistics) {
     const std::string path = to_string(cloth.path);
     if (statistics.path.find(path) == std::string::npos)
       statistics.path += (statistics.path.empty() ? "" : ", ") + path;
-    const std::span<const uint32_t> measures = cloth.measures.as<uint32_t>();
-    const auto measure = [&](uint32_t i) { return double{std::bit_cast<float>(measures[i])}; };
-    statistics.copy_gap = std::max(statistics.copy_gap, measure(shader::kMeasureCopyGap));
-    statistics.penetration = std::max(statistics.penetration, measure(shader::kMeasurePenetration));
+    keep_maxima(cloth.measures.as<uint32_t>());
   }
+  keep_maxima(past_measures_);
 }
 
 std::unique_ptr<SolverBackend> make_backend(std::shared_ptr<const Context> context, SimulationData data) {

@@ -37,6 +37,8 @@ class VulkanBackend final : public SolverBackend {
   void read_found(FoundPoints& out) override;
   void write_found(const FoundPoints& found) override;
   void shift(const Vec3& by) override;
+  void add_cloth(ClothData data) override;
+  void remove_cloth(uint32_t cloth) override;
   void replace_topology(uint32_t cloth, ClothData data) override;
   void replace_inter(InterData inter) override;
   float longest_way(uint32_t cloth, uint32_t word) override;
@@ -64,6 +66,7 @@ class VulkanBackend final : public SolverBackend {
   };
 
   [[nodiscard]] Recipe recipe_of(const FrameInput& frame) const;
+  void make_cloth(ClothData& data);
   void make_slots();
   void record(Slot& slot);
   void record_dispatch(const Slot& slot, const vk::raii::CommandBuffer& commands, size_t cloth,
@@ -79,7 +82,7 @@ class VulkanBackend final : public SolverBackend {
 
   std::shared_ptr<const Context> context_;
   SimulationData data_;  ///< without the arrays that are on the device
-  bool is_software_ = false;
+  TileLimits limits_;
   PassKernels kernels_;
   TileKernels tile_kernels_;
   std::vector<ClothResources> cloths_;
@@ -87,6 +90,7 @@ class VulkanBackend final : public SolverBackend {
   std::vector<std::unique_ptr<Slot>> slots_;
   size_t next_slot_ = 0;
   PassSeconds seconds_{};
+  std::array<uint32_t, shader::kMeasureCount> past_measures_{};  ///< the largest of cloths that have been removed
 };
 
 /// On a given device, e.g. an application's.

@@ -149,11 +149,25 @@ struct CutResult {
 /// Simulates any number of garments. Not copyable; movable; use from one thread at a time.
 class Solver {
  public:
+  /// @param cloths  cloths 0, 1, 2 ... of the solver; others may come later, also to none
   /// @throws Error(invalid_argument) for a value out of range, Error(device) when no device fits
   Solver(std::span<const ClothDesc> cloths, const SolverSettings& settings);
   Solver(Solver&&) noexcept;
   Solver& operator=(Solver&&) noexcept;
   ~Solver();
+
+  /// Adds a cloth, which takes part in the next step. The others go on as if it were not there, but for those that it
+  /// collides with: where it begins nearer to one of them than they keep, they part at once, unless that one has come
+  /// since the last step as well. Costs what making a solver of it costs, less the device; waits for the device, which
+  /// is told anew what all cloths have to do.
+  /// @return its number: one more than that of the cloth that was added last, never again that of another
+  /// @throws Error as the constructor does, and leaves the solver as it is
+  uint32_t add_cloth(const ClothDesc& cloth);
+  /// Takes a cloth away with all that it has; waits for the device. Those that collided with it wake. Its number is not
+  /// in use any more, the others keep theirs. @throws Error(invalid_argument) where there is no such cloth
+  void remove_cloth(uint32_t cloth);
+  /// The numbers of the cloths that there are, ascending.
+  [[nodiscard]] std::vector<uint32_t> cloths() const;
 
   /// Takes effect in the next step. Each collider moves evenly over the frame from where the last call put it. Which
   /// one it is follows from its name: of those with one name (none is a name too) the first one is the first one of the
@@ -248,11 +262,12 @@ class Solver {
   void save(std::vector<std::byte>& state);
   /// Puts everything back as it was: cloths, materials, pins, parents, colliders, wind, gravity, time step, sleep; and
   /// cuts: those made since are undone, those undone are made again. For the solver that was saved and for any other
-  /// one that was made with equal ClothDescs and settings; materials, backend, threads, path, timings and check_copies
-  /// may differ (bits then agree as far as those of backends do). Bodies of triangles have to be among the present
-  /// colliders, under any name and at any place: call set_colliders() with them first. Waits for the device. Bytes are
-  /// good for the version of the library that wrote them, on machines with the same order of bytes, and are checked in
-  /// full: those that are damaged or come from elsewhere are refused or give a state that is safe, if wrong.
+  /// one that was made with equal settings and has cloths of equal ClothDescs in the same order, under any numbers:
+  /// what was added or removed since has to be removed or added before. Materials, backend, threads, path, timings and
+  /// check_copies may differ (bits then agree as far as those of backends do). Bodies of triangles have to be among the
+  /// present colliders, under any name and at any place: call set_colliders() with them first. Waits for the device.
+  /// Bytes are good for the version of the library that wrote them, on machines with the same order of bytes, and are
+  /// checked in full: those that are damaged or come from elsewhere are refused or give a state that is safe, if wrong.
   /// @throws Error(invalid_data) for bytes that do not fit, and leaves the solver as it is
   void restore(std::span<const std::byte> state);
 

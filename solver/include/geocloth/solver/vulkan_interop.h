@@ -28,7 +28,7 @@ struct VulkanDevice {
 
 /// Where a cloth lives on the device. Both images are R32G32B32A32_SFLOAT, one texel per pixel of the asset, usable as
 /// storage and sampled images and as copy source. They stay in VK_IMAGE_LAYOUT_GENERAL and keep their handles as long
-/// as the solver lives.
+/// as the solver has the cloth, also while others come and go; whoever uses them has to be done before it is removed.
 struct VulkanClothImages {
   VkImage position = VK_NULL_HANDLE;  ///< xyz [m] relative to origin; w is the solver's own
   VkImageView position_view = VK_NULL_HANDLE;
