@@ -547,22 +547,47 @@ float Solver::Impl::longest_way(const Cloth& cloth) const {
   return way;
 }
 
-/// Where the colliders that a cloth meets are in the frame; lists of those that not all cloths meet come after all.
-Solver::Impl::Meets Solver::Impl::met_by(const Cloth& cloth) {
-  const auto known = std::ranges::find(meets_, cloth.meets, &Meets::groups);
-  if (known != meets_.end()) return *known;
+/// Where some of the colliders are in the frame: lists of those that not all cloths meet come after all.
+Solver::Impl::Meets Solver::Impl::list_colliders(uint32_t groups, std::span<const uint32_t> colliders) {
   const size_t all = colliders_to_.size();
-  Meets met{cloth.meets, 0, 0, 0};
-  for (size_t i = 0; i < all; ++i) met.count += meets(cloth, i) ? 1U : 0U;
-  if (met.count < all) {
-    met.first_shape = static_cast<uint32_t>(frame_.shapes.size());
-    met.first_pose = static_cast<uint32_t>(frame_.poses.size());
-    for (size_t i = 0; i < all; ++i)
-      if (meets(cloth, i)) frame_.shapes.push_back(frame_.shapes[i]);
-    for (size_t k = 0; k < all * (substeps_ + 1); ++k)
-      if (meets(cloth, k % all)) frame_.poses.push_back(frame_.poses[k]);
+  const auto count = static_cast<uint32_t>(colliders.size());
+  if (count == all) return {groups, 0, 0, count};
+  const Meets met{groups, static_cast<uint32_t>(frame_.shapes.size()), static_cast<uint32_t>(frame_.poses.size()),
+                  count};
+  for (const uint32_t i : colliders) frame_.shapes.push_back(frame_.shapes[i]);
+  for (uint32_t s = 0; s <= substeps_; ++s)
+    for (const uint32_t i : colliders) frame_.poses.push_back(frame_.poses[s * all + i]);
+  return met;
+}
+
+/// What the cloths of these groups meet.
+Solver::Impl::Meets Solver::Impl::met_in_groups(uint32_t groups) {
+  const auto known = std::ranges::find(meets_, groups, &Meets::groups);
+  if (known != meets_.end()) return *known;
+  met_.clear();
+  for (uint32_t i = 0; i < colliders_to_.size(); ++i)
+    if (geocloth::meets(groups, colliders_to_[i])) met_.push_back(i);
+  return meets_.emplace_back(list_colliders(groups, met_));
+}
+
+/// Of those the ones that a cloth may come to which pins hold: in a crowd each cape has its wearer's. One is left where
+/// none is near, so that the passes stay the same.
+/// @param pins  about all of them in this frame; none: they do not tell where it is
+Solver::Impl::Meets Solver::Impl::met_by(const Cloth& cloth, float stretch_limit, const std::optional<ClothBox>& pins) {
+  constexpr float kSlack = 1.1F, kSpacings = 2;
+  const Meets shared = met_in_groups(cloth.meets);
+  if (!pins || shared.count < 2) return shared;
+  const float margin =
+      kSlack * cloth.reach * stretch_limit + cloth.material.thickness + kSpacings * cloth.asset->spacing * cloth.scale;
+  met_.clear();
+  std::optional<uint32_t> first;
+  for (uint32_t i = 0; i < colliders_to_.size(); ++i) {
+    if (!meets(cloth, i)) continue;
+    if (!first) first = i;
+    if (are_near(swept_[i], *pins, margin)) met_.push_back(i);
   }
-  return meets_.emplace_back(met);
+  if (met_.empty()) met_.push_back(*first);
+  return 2 * met_.size() > shared.count ? shared : list_colliders(cloth.meets, met_);
 }
 
 /// Runs the frame for the cloths with so many times the usual substeps. Those of other groups are left as they are.
@@ -575,6 +600,8 @@ void Solver::Impl::run_group(uint32_t factor) {
     collider_poses(frames_from_, colliders_to_, deform_, substeps_, origin_, frame_.poses);
     measure_ways(frame_.shapes, frame_.poses, substeps_, thickest(cloths_));
   }
+  swept_.clear();
+  for (uint32_t i = 0; i < colliders_to_.size(); ++i) swept_.push_back(swept_box(frame_.shapes, frame_.poses, i));
   substep_inputs(clock(), wind_, origin_, frame_.substeps);
   for (size_t c = 0; c < cloths_.size(); ++c) {
     Cloth& cloth = cloths_[c];
@@ -592,8 +619,9 @@ void Solver::Impl::run_group(uint32_t factor) {
     const float seen = std::min(in_step(cloth.ride.way), in_step(cloth.met_way));
     frame.cell_rounds = cloth.collide_cells ? cell_rounds(seen, spacing, seams, hasty) : 0;
     choose_compliance_step(cloth);
+    const std::optional<ClothBox> pins = colliders_to_.size() > 1 ? box_of_pins(cloth) : std::nullopt;
     fill_cloth_frame(cloth, frame);
-    const Meets met = met_by(cloth);
+    const Meets met = met_by(cloth, frame.params.stretch_limit, pins);
     frame.params.collider_count = met.count;
     frame.params.first_shape = met.first_shape;
     frame.params.first_pose = met.first_pose;

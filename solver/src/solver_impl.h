@@ -226,7 +226,9 @@ class Solver::Impl {
   [[nodiscard]] bool meets(const Cloth& cloth, size_t collider) const {
     return geocloth::meets(cloth.meets, colliders_to_[collider]);
   }
-  [[nodiscard]] Meets met_by(const Cloth& cloth);
+  [[nodiscard]] Meets met_in_groups(uint32_t groups);
+  [[nodiscard]] Meets met_by(const Cloth& cloth, float stretch_limit, const std::optional<ClothBox>& pins);
+  [[nodiscard]] Meets list_colliders(uint32_t groups, std::span<const uint32_t> colliders);
   [[nodiscard]] float longest_way(const Cloth& cloth) const;
   void run_group(uint32_t factor);
   [[nodiscard]] const Ride* ride_of(uint32_t cloth);
@@ -258,6 +260,8 @@ class Solver::Impl {
   std::optional<Wind> wind_;
   std::vector<uint32_t> movers_;  ///< colliders that go on evenly in the next frame
   std::vector<Meets> meets_;      ///< of the cloths that were told about the next frame
+  std::vector<ClothBox> swept_;   ///< about each collider in that frame
+  std::vector<uint32_t> met_;     ///< memory of met_by()
   bool scene_changed_ = true;     ///< since the last step, other than by what moves evenly
   double time_ = 0;               ///< [s] at the start of the next frame
   double step_length_ = 0;        ///< [s] of a substep, that the last frame's were to have without haste; 0: no frame

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <memory>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -141,6 +142,48 @@ void step_crowd(benchmark::State& state) {
   for (auto _ : state) solver.step();
 }
 
+/// Capes beside each other, each with eight capsules of its own that go to and fro.
+/// @param in_groups  each cape is told to meet its own only
+void step_wearers(benchmark::State& state, bool in_groups) {
+  constexpr uint32_t kWearers = 64, kInARow = 8, kGroups = 32;
+  const auto asset = std::make_shared<const ClothAsset>(
+      test::make_sheet({.nx = 32, .ny = 32, .width = 0.8F, .height = 1.2F, .charts_x = 2}));
+  SolverSettings settings;
+  settings.backend = Backend::cpu;
+  settings.substeps = 8;
+  std::vector<ClothDesc> capes;
+  for (uint32_t i = 0; i < kWearers; ++i) {
+    ClothDesc& cape = capes.emplace_back(ClothDesc{.asset = asset});
+    cape.material = find_material_preset("cotton")->material;
+    cape.transform.translate = {2 * static_cast<float>(i % kInARow), 0, 2 * static_cast<float>(i / kInARow)};
+    if (in_groups) cape.meets = 1U << i % kGroups;
+  }
+  Solver solver(capes, settings);
+  std::vector<Collider> colliders;
+  for (uint32_t i = 0; i < kWearers; ++i) {
+    std::vector<Pin> pins;
+    for (const uint32_t v : asset->vertex_groups.front().source_vertex) {
+      const uint32_t pixel = asset->binding[v].pixel[0];
+      pins.push_back({pixel, apply(capes[i].transform, asset->rest_position[pixel])});
+    }
+    solver.set_pins(i, pins);
+    for (int k = 0; k < 8; ++k) {
+      const auto n = static_cast<float>(k);
+      const Vec3 at = capes[i].transform.translate + Vec3{0.1F * (n - 4), -0.1F * n, -0.12F};
+      Collider& capsule = colliders.emplace_back();
+      capsule = {std::to_string(i) + " " + std::to_string(k), Capsule{at, at + Vec3{0, 0.1F, 0}, 0.08F, 0.08F}};
+      if (in_groups) capsule.groups = capes[i].meets;
+    }
+  }
+  float frame = 0;
+  for (auto _ : state) {
+    frame += 1;
+    for (Collider& c : colliders) c.pose.translate = {0, 0, 0.03F * std::sin(0.1F * frame)};
+    solver.set_colliders(colliders);
+    solver.step();
+  }
+}
+
 const std::vector<std::pair<const char*, Setup>> kSetups{
     {"sheet/100", {}},
     {"sheet/100/plain", {.plain = true}},
@@ -186,6 +229,8 @@ int main(int argc, char** argv) {
   of_crowd("crowd/20x64/make", make_crowd);
   of_crowd("crowd/20x64/exchange_one", exchange_one);
   of_crowd("crowd/20x64/step", step_crowd);
+  of_crowd("crowd/64x32/capsules", [](benchmark::State& state) { step_wearers(state, false); });
+  of_crowd("crowd/64x32/capsules_in_groups", [](benchmark::State& state) { step_wearers(state, true); });
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
   benchmark::RunSpecifiedBenchmarks();

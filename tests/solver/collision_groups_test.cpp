@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Cloth moves as if the colliders that it does not meet did not exist. A cape that its wearer's arms catch on, or ten
 // characters that push each other's skirts, are what people get otherwise.
+#include <array>
+#include <cmath>
+#include <random>
 #include <span>
 #include <vector>
 
@@ -71,6 +74,51 @@ TEST_P(CollisionGroupsOnEveryPath, WhatAClothDoesNotMeetDoesNotExistForIt) {
     }
     EXPECT_NE(test::positions_of(together, 0), test::positions_of(together, 1));
   }
+}
+
+/// One that comes from somewhere, goes on evenly and turns.
+Collider thrown(std::mt19937& random, int frame) {
+  std::uniform_real_distribution<float> any(-1, 1);
+  const auto vector = [&](float most) {
+    const float x = any(random), y = any(random), z = any(random);
+    return most * Vec3{x, y, z};
+  };
+  const Vec3 from = vector(1.5F), way = (1.F / 6) * (vector(0.4F) - from), size = vector(0.1F), turn = vector(20);
+  const Vec3 half{0.03F + std::abs(size.x), 0.03F + std::abs(size.y), 0.03F + std::abs(size.z)};
+  const std::array<ColliderShape, 4> shapes{
+      Sphere{{}, half.x}, Capsule{-4.F * half, 4.F * half, 0.03F, 0.1F}, Box{{0.2F, 0, 0}, half, {}},
+      convex_hull(std::vector<Vec3>{{half.x, 0, 0}, {0, 3 * half.y, 0}, {0, 0, half.z}, {-half.x, -half.y, -half.z}})};
+  const auto t = static_cast<float>(frame);
+  return {"thrown", shapes[random() % shapes.size()], 0.3F, {from + t * way, quat_from_euler_deg(t * turn), 1}};
+}
+
+// A cape that hangs is not told of what is far from its pins, as the bodies of all others in a crowd: it must not miss
+// anything by that. What is alone it is always told of.
+TEST_P(CollisionGroups, WhatIsFarAwayChangesNothing) {
+  constexpr int kFrames = 10;
+  SolverSettings settings;
+  settings.substeps = 4;
+  ClothDesc cloth = sheet(2, ~0U);
+  cloth.material = find_material_preset("cotton")->material;
+  int touched = 0;
+  for (uint32_t seed = 0; seed < (machine().slow() ? 1U : 40U); ++seed) {
+    SCOPED_TRACE(seed);
+    Solver alone = make(cloth, settings), among = make(cloth, settings), free = make(cloth, settings);
+    for (Solver* solver : {&alone, &among, &free}) solver->set_pins(0, test::pins_at_rest(*cloth.asset, "top"));
+    for (int f = 0; f < kFrames; ++f) {
+      std::mt19937 random(seed);
+      std::vector<Collider> colliders{thrown(random, f)};
+      alone.set_colliders(colliders, f == 0);
+      const std::array<Vec3, 6> places{{{5, 0, 0}, {-5, 1, 0}, {0, 0, 6}, {0, 1, -5}, {0, 6, 0}, {0, -7, 1}}};
+      for (const Vec3& place : places) colliders.insert(colliders.begin(), {"far", Sphere{place, 1}});
+      among.set_colliders(colliders, f == 0);
+      for (Solver* solver : {&alone, &among, &free}) solver->step();
+    }
+    EXPECT_EQ(test::positions_of(among), test::positions_of(alone));
+    EXPECT_EQ(test::velocities_of(among), test::velocities_of(alone));
+    if (test::positions_of(alone) != test::positions_of(free)) ++touched;
+  }
+  EXPECT_GE(touched, machine().slow() ? 0 : 10);
 }
 
 TEST_P(CollisionGroups, ChangeWhileItRuns) {

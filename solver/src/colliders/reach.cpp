@@ -69,6 +69,11 @@ bool box_reaches(const LocalBox& local, const shader::ColliderPose& pose, const 
   });
 }
 
+/// [m] A body that deforms is as far from its grid, which holds it at the frame's end, as it still has to go.
+float way_to_next(const shader::ColliderShape& shape, const shader::ColliderPose& pose) {
+  return shape.way + pose.deform.x * pose.deform.y;
+}
+
 }  // namespace
 
 LocalBox box_of_grid(const shader::ColliderShape& shape) {
@@ -85,13 +90,36 @@ ClothBox box_of(const ClothAsset& asset, std::span<const vec4> position) {
   return box;
 }
 
+ClothBox swept_box(std::span<const shader::ColliderShape> shapes, std::span<const shader::ColliderPose> poses,
+                   uint32_t collider) {
+  const shader::ColliderShape& shape = shapes[collider];
+  const LocalBox local = box_of_shape(shape);
+  if (local.half.x == kInfinity) return {{-kInfinity, -kInfinity, -kInfinity}, {kInfinity, kInfinity, kInfinity}};
+  ClothBox swept;
+  for (size_t k = collider; k < poses.size(); k += shapes.size()) {
+    const shader::ColliderPose& pose = poses[k];
+    const Vec3 middle{on_axis(pose.row0, local.center) + pose.row0.w, on_axis(pose.row1, local.center) + pose.row1.w,
+                      on_axis(pose.row2, local.center) + pose.row2.w};
+    const float wide = way_to_next(shape, pose);
+    const Vec3 half{half_width(pose.row0, local.half) + wide, half_width(pose.row1, local.half) + wide,
+                    half_width(pose.row2, local.half) + wide};
+    swept.add(middle - half);
+    swept.add(middle + half);
+  }
+  return swept;
+}
+
+bool are_near(const ClothBox& a, const ClothBox& b, float margin) {
+  return a.low.x - margin <= b.high.x && b.low.x - margin <= a.high.x && a.low.y - margin <= b.high.y &&
+         b.low.y - margin <= a.high.y && a.low.z - margin <= b.high.z && b.low.z - margin <= a.high.z;
+}
+
 bool may_reach(std::span<const shader::ColliderShape> shapes, std::span<const shader::ColliderPose> poses,
                uint32_t collider, const ClothBox& box, float margin) {
   const shader::ColliderShape& shape = shapes[collider];
   const LocalBox local = box_of_shape(shape);
   for (size_t k = collider; k < poses.size(); k += shapes.size()) {
-    // A body that deforms is as far from its grid, which holds it at the frame's end, as it still has to go.
-    const float wide = margin + shape.way + poses[k].deform.x * poses[k].deform.y;
+    const float wide = margin + way_to_next(shape, poses[k]);
     // The passes meet planes where they are at the end of a substep, and sweep all else.
     const bool reached = shape.kind == shader::kShapePlane ? plane_reaches(poses[k], box, margin)
                                                            : box_reaches(local, poses[k], box, wide);

@@ -37,6 +37,13 @@ struct LocalBox {
 /// About the grid of a mesh's field.
 [[nodiscard]] LocalBox box_of_grid(const shader::ColliderShape& shape);
 
+/// About all places where a collider may be in a frame; without bounds for planes and hulls that are open.
+/// @param shapes, poses  as for may_reach()
+[[nodiscard]] ClothBox swept_box(std::span<const shader::ColliderShape> shapes,
+                                 std::span<const shader::ColliderPose> poses, uint32_t collider);
+/// Whether two boxes come within `margin` [m] of each other along each axis.
+[[nodiscard]] bool are_near(const ClothBox& a, const ClothBox& b, float margin);
+
 /// Whether a collider may come within `margin` [m] of the box in a frame; never a wrong no.
 /// @param shapes  with their ways in a substep
 /// @param poses   of all colliders before the first substep and after each
