@@ -54,8 +54,7 @@ std::vector<uint32_t> arrivals_of(std::span<const InterCloth> cloths) {
   std::vector<double> times(cloths.size());
   std::ranges::transform(cloths, times.begin(), &InterCloth::arrived);
   std::ranges::sort(times);
-  const auto repeated = std::ranges::unique(times);
-  times.erase(repeated.begin(), repeated.end());
+  times.erase(std::unique(times.begin(), times.end()), times.end());
   std::vector<uint32_t> arrivals;
   arrivals.reserve(cloths.size());
   for (const InterCloth& cloth : cloths)
