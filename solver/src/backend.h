@@ -3,10 +3,12 @@
 
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "colliders/reach.h"
 #include "geocloth/solver/solver.h"
 #include "lib/self_words.h"
 #include "pass.h"
@@ -158,6 +160,12 @@ struct MetColliders {
   std::span<const shader::ColliderPose> poses;  ///< (substeps + 1) * shapes
 };
 
+/// About all points of a cloth.
+struct Whereabouts {
+  ClothBox box;   ///< [m]
+  float way = 0;  ///< [m] that one of them went in the last substep, at most
+};
+
 /// What differs between the ways to run the passes. Positions are relative to the solver's origin everywhere.
 class SolverBackend {
  public:
@@ -181,6 +189,9 @@ class SolverBackend {
   /// Replaces positions (w included), previous positions; clears carry and offsets; recomputes the normals.
   virtual void write_state(uint32_t cloth, std::span<const shader::vec4> position,
                            std::span<const shader::vec4> previous) = 0;
+
+  /// Where a cloth is between two frames; nothing where that is not known without waiting for the device.
+  [[nodiscard]] virtual std::optional<Whereabouts> whereabouts(uint32_t cloth) const = 0;
 
   /// These wait. What was read brings back the same bits in the frames to come, also on another backend.
   virtual void read_memory(uint32_t cloth, ClothMemory& out) = 0;

@@ -760,6 +760,7 @@ void Solver::Impl::write_state(uint32_t cloth, std::span<const Vec3> positions, 
   }
   Cloth& written = cloths_[cloth];
   written.disturbed = true;
+  written.unruly_until = time_ + kUnruly;
   written.rides = {};
   written.seen.reset();
   if (written.teleport) {  // the state is where the parent has jumped to, and so are the pins

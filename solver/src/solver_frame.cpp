@@ -337,13 +337,57 @@ float Solver::Impl::fastest_about(const Cloth& cloth) const {
   return std::min(std::max(way / frame_time, wind), kAnySpeed);
 }
 
-/// [m] That a cloth goes from where it was seen in this frame, at most; springs that were drawn throw points faster
+/// [m] That a cloth goes in this frame from where it was seen, at most; springs that were drawn throw points faster
 /// than what drew them.
-float Solver::Impl::way_of_seen(const Cloth& cloth) const {
+/// @param speed  [m/s] that it had there
+float Solver::Impl::way_from(const Cloth& cloth, float speed) const {
   constexpr float kThrown = 2, kStart = 1;  // [1], [m/s]
   const auto frame_time = static_cast<float>(settings_.frame_time);
-  const float speed = kThrown * std::max(cloth.seen->speed, fastest_about(cloth)) + kStart;
-  return (speed + length(settings_.gravity) * frame_time) * frame_time;
+  const float most = kThrown * std::max(speed, fastest_about(cloth)) + kStart;
+  return (most + length(settings_.gravity) * frame_time) * frame_time;
+}
+
+/// Where a cloth can be in this frame: as fast as it is where that is known, else as far from its pins as they let it.
+/// Nothing is sure of cloth that is thrown about, or that was put where its pins are not.
+void Solver::Impl::find_place(uint32_t index) {
+  constexpr size_t kMany = 16;   // colliders: with fewer looking where it is does not pay
+  constexpr float kThrown = 20;  // [m/s]
+  Cloth& cloth = cloths_[index];
+  cloth.place.reset();
+  cloth.held_in_place = false;
+  if (frame_.shapes.size() <= 1 || time_ < cloth.unruly_until) return;
+  const bool alone = frame_.shapes.size() > kMany && !meets_others(cloth);  // others may be faster
+  if (const std::optional<Whereabouts> known = alone ? backend_->whereabouts(index) : std::nullopt) {
+    const float speed = known->way / static_cast<float>(cloth.displaced_in);
+    if (speed < kThrown && !known->box.empty()) cloth.place = box_about(cloth, *known, speed);
+  } else {
+    cloth.place = box_of_pins(cloth);
+    cloth.held_in_place = cloth.place.has_value();
+  }
+}
+
+/// @param known  where it is, @param speed  [m/s] of its points
+ClothBox Solver::Impl::box_about(const Cloth& cloth, const Whereabouts& known, float speed) const {
+  const auto frame_time = static_cast<float>(settings_.frame_time);
+  ClothBox box = known.box;
+  float way = way_from(cloth, speed);
+  way += std::abs(cloth.pressure) / cloth.weakest.areal_density * frame_time * frame_time;
+  if (cloth.parent_to && !same_place(*cloth.parent_from, *cloth.parent_to)) {  // it may be taken along
+    const Quat turn = cloth.parent_to->rotate * conjugate(cloth.parent_from->rotate);
+    float turned = 0;
+    for (uint32_t k = 0; k < 8; ++k) {
+      const Vec3 corner{(k & 1U) != 0 ? known.box.high.x : known.box.low.x,
+                        (k & 2U) != 0 ? known.box.high.y : known.box.low.y,
+                        (k & 4U) != 0 ? known.box.high.z : known.box.low.z};
+      const Vec3 moved =
+          rotate(turn, corner + (origin_ - cloth.parent_from->translate)) + (cloth.parent_to->translate - origin_);
+      box.add(moved);
+      turned = std::max(turned, length(moved - corner));
+    }
+    way += turned;
+  }
+  box.grow(way);
+  return box;
 }
 
 void Solver::Impl::look_at(uint32_t index) {
@@ -363,7 +407,8 @@ void Solver::Impl::look_at(uint32_t index) {
 }
 
 bool Solver::Impl::is_seen_near(const Cloth& cloth, uint32_t collider) const {
-  const float margin = way_of_seen(cloth) + cloth.material.thickness + cloth.asset->spacing * cloth.scale;
+  const float margin =
+      way_from(cloth, cloth.seen->speed) + cloth.material.thickness + cloth.asset->spacing * cloth.scale;
   return may_reach(frame_.shapes, frame_.poses, collider, cloth.seen->box, margin);
 }
 
@@ -371,7 +416,7 @@ bool Solver::Impl::is_seen_near(const Cloth& cloth, uint32_t collider) const {
 void Solver::Impl::let_seen_go(Cloth& cloth) const {
   if (!cloth.looked_for) cloth.seen.reset();
   if (!cloth.seen) return;
-  cloth.seen->box.grow(way_of_seen(cloth));
+  cloth.seen->box.grow(way_from(cloth, cloth.seen->speed));
   cloth.seen->speed = std::max(cloth.seen->speed, fastest_about(cloth)) +
                       length(settings_.gravity) * static_cast<float>(settings_.frame_time);
 }
@@ -441,6 +486,7 @@ void Solver::Impl::choose_factors() {
       cloth.meets_fast = true;
       while (factor < haste.most && way > haste.way * static_cast<float>(factor)) ++factor;
     }
+    find_place(c);
     cloth.rides_on = ride != nullptr && cloth.ride.carrier;
     if (cloth.rides_on) cloth.ride.way = longest;
     if (misses) cloth.met_way = met;
@@ -570,24 +616,37 @@ Solver::Impl::Meets Solver::Impl::met_in_groups(uint32_t groups) {
   return meets_.emplace_back(list_colliders(groups, met_));
 }
 
-/// Of those the ones that a cloth may come to which pins hold: in a crowd each cape has its wearer's. One is left where
-/// none is near, so that the passes stay the same.
-/// @param pins  about all of them in this frame; none: they do not tell where it is
-Solver::Impl::Meets Solver::Impl::met_by(const Cloth& cloth, float stretch_limit, const std::optional<ClothBox>& pins) {
+/// Of those the ones that a cloth may come to, where it is known where it can be: in a crowd each cape has its
+/// wearer's. What is deep in a collider comes out of it anywhere, and may come to others there. Two others are left, so
+/// that the passes do the same: where there are several colliders they look at a point again.
+Solver::Impl::Meets Solver::Impl::met_by(const Cloth& cloth, float stretch_limit) {
   constexpr float kSlack = 1.1F, kSpacings = 2;
+  constexpr uint32_t kLeast = 2;
   const Meets shared = met_in_groups(cloth.meets);
-  if (!pins || shared.count < 2) return shared;
-  const float margin =
-      kSlack * cloth.reach * stretch_limit + cloth.material.thickness + kSpacings * cloth.asset->spacing * cloth.scale;
+  if (!cloth.place || shared.count <= kLeast) return shared;
+  const float margin = cloth.material.thickness + kSpacings * cloth.asset->spacing * cloth.scale;
   met_.clear();
-  std::optional<uint32_t> first;
-  for (uint32_t i = 0; i < colliders_to_.size(); ++i) {
-    if (!meets(cloth, i)) continue;
-    if (!first) first = i;
-    if (are_near(swept_[i], *pins, margin)) met_.push_back(i);
+  for (uint32_t i = 0; i < colliders_to_.size(); ++i)
+    if (meets(cloth, i)) met_.push_back(i);
+  ClothBox box = *cloth.place;
+  if (cloth.held_in_place) box.grow(kSlack * cloth.reach * stretch_limit);
+  auto far = met_.begin();
+  for (bool more = true; more;) {
+    const auto before = far;
+    far = std::partition(far, met_.end(), [&](uint32_t i) { return are_near(swept_[i], box, margin); });
+    more = far != before;
+    if (2 * (far - met_.begin()) > static_cast<std::ptrdiff_t>(shared.count)) return shared;
+    for (auto near = before; near != far; ++near) {
+      if (frame_.shapes[*near].kind == shader::kShapePlane) continue;
+      box.add(swept_[*near].low);
+      box.add(swept_[*near].high);
+    }
   }
-  if (met_.empty()) met_.push_back(*first);
-  return 2 * met_.size() > shared.count ? shared : list_colliders(cloth.meets, met_);
+  const std::ptrdiff_t left = met_.end() - far;
+  std::sort(far, met_.end());
+  met_.erase(far + std::min<std::ptrdiff_t>(kLeast, left), met_.end());
+  std::ranges::sort(met_);
+  return list_colliders(cloth.meets, met_);
 }
 
 /// Runs the frame for the cloths with so many times the usual substeps. Those of other groups are left as they are.
@@ -619,16 +678,18 @@ void Solver::Impl::run_group(uint32_t factor) {
     const float seen = std::min(in_step(cloth.ride.way), in_step(cloth.met_way));
     frame.cell_rounds = cloth.collide_cells ? cell_rounds(seen, spacing, seams, hasty) : 0;
     choose_compliance_step(cloth);
-    const std::optional<ClothBox> pins = colliders_to_.size() > 1 ? box_of_pins(cloth) : std::nullopt;
     fill_cloth_frame(cloth, frame);
-    const Meets met = met_by(cloth, frame.params.stretch_limit, pins);
+    const Meets met = met_by(cloth, frame.params.stretch_limit);
     frame.params.collider_count = met.count;
     frame.params.first_shape = met.first_shape;
     frame.params.first_pose = met.first_pose;
     frame.params.spacing = spacing;
     const bool leaves = cloth.collide_cells && !hasty;
     frame.params.leave_near = leaves ? shader::kLeaveNear * spacing : 0;
-    frame.held_open = hasty && may_open_cells(MetColliders(frame_, frame.params).shapes, spacing);
+    const Meets shared = met_in_groups(cloth.meets);
+    const std::span<const shader::ColliderShape> shapes =
+        std::span(frame_.shapes).subspan(shared.first_shape, shared.count);
+    frame.held_open = hasty && may_open_cells(shapes, spacing);
     frame.params.grip = grip_of(frame, spacing);
     measure_ride(cloth, frame);
     if (!cloth.asleep) cloth.displaced_in = clock().dt;

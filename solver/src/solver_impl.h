@@ -19,6 +19,9 @@
 
 namespace geocloth {
 
+/// [s] Cloth that was put somewhere may be drawn from there so hard that nobody knows where it goes.
+inline constexpr double kUnruly = 0.5;
+
 /// [s] In a shorter step what a position moves by is lost in its rounding.
 inline constexpr double kShortStep = 1.0 / 5000;
 
@@ -138,7 +141,11 @@ class Solver::Impl {
     uint32_t factor = 1;           ///< times as many substeps as usual in the next frame
     Ride ride;                     ///< in the next frame
     std::optional<Seen> seen;      ///< once it had to be looked for; grown since then by the way that it may have gone
-    double look_again = 0;         ///< [s] time_ from which on it may be looked for
+    /// [m] Box about it in the next frame, or about the pins that hold all of it; none where that is not known.
+    std::optional<ClothBox> place;
+    bool held_in_place = false;  ///< of the pins
+    double unruly_until = 0;     ///< [s] time_ from which on it can be where it should, after it was put elsewhere
+    double look_again = 0;       ///< [s] time_ from which on it may be looked for
     bool looked_for = false, looked_at = false;  ///< in the next frame
     bool rides_on = false;                       ///< it rode in the last frame
     std::array<Ride, 2> rides;                   ///< in the last two, by the word that was measured into
@@ -219,7 +226,7 @@ class Solver::Impl {
   [[nodiscard]] bool may_meet(uint32_t cloth, uint32_t collider, bool rides);
   [[nodiscard]] bool is_seen_near(const Cloth& cloth, uint32_t collider) const;
   [[nodiscard]] float fastest_about(const Cloth& cloth) const;
-  [[nodiscard]] float way_of_seen(const Cloth& cloth) const;
+  [[nodiscard]] float way_from(const Cloth& cloth, float speed) const;
   void look_at(uint32_t cloth);
   void let_seen_go(Cloth& cloth) const;
   void choose_compliance_step(Cloth& cloth) const;
@@ -227,7 +234,9 @@ class Solver::Impl {
     return geocloth::meets(cloth.meets, colliders_to_[collider]);
   }
   [[nodiscard]] Meets met_in_groups(uint32_t groups);
-  [[nodiscard]] Meets met_by(const Cloth& cloth, float stretch_limit, const std::optional<ClothBox>& pins);
+  void find_place(uint32_t cloth);
+  [[nodiscard]] ClothBox box_about(const Cloth& cloth, const Whereabouts& known, float speed) const;
+  [[nodiscard]] Meets met_by(const Cloth& cloth, float stretch_limit);
   [[nodiscard]] Meets list_colliders(uint32_t groups, std::span<const uint32_t> colliders);
   [[nodiscard]] float longest_way(const Cloth& cloth) const;
   void run_group(uint32_t factor);

@@ -734,6 +734,7 @@ void Solver::Impl::take_cloth(SavedCloth& saved, uint32_t index) {
   cloth.meets = saved.meets;
   cloth.calm_frames = saved.calm_frames;
   cloth.resting.reset();
+  cloth.unruly_until = time_ + kUnruly;  // for all that is known it was just put there
 
   ClothMemory memory;
   memory.longest_way = saved.longest_way;

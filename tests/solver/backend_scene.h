@@ -29,6 +29,7 @@ class Recorder final : public SolverBackend {
   void read_carry(uint32_t, std::vector<shader::vec4>&) override {}
   void read_normals(uint32_t, std::vector<shader::vec4>&) override {}
   void write_state(uint32_t, std::span<const shader::vec4>, std::span<const shader::vec4>) override {}
+  [[nodiscard]] std::optional<Whereabouts> whereabouts(uint32_t) const override { return std::nullopt; }
   void read_memory(uint32_t, ClothMemory&) override {}
   void write_memory(uint32_t, const ClothMemory&, const ClothFrame&) override {}
   void read_found(FoundPoints&) override {}

@@ -33,6 +33,7 @@ class Counter final : public SolverBackend {
   void write_state(uint32_t c, std::span<const shader::vec4> x, std::span<const shader::vec4> before) override {
     backend_->write_state(c, x, before);
   }
+  [[nodiscard]] std::optional<Whereabouts> whereabouts(uint32_t c) const override { return backend_->whereabouts(c); }
   void read_memory(uint32_t c, ClothMemory& out) override { backend_->read_memory(c, out); }
   void write_memory(uint32_t c, const ClothMemory& memory, const ClothFrame& pins) override {
     backend_->write_memory(c, memory, pins);

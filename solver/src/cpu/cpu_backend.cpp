@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -143,6 +144,21 @@ class CpuBackend final : public SolverBackend {
     write_words(memory.found, state.pixel_count(), state.data.self);
     cloths_[cloth]->measures.longest_way = memory.longest_way;
     cloths_[cloth]->measures.left_behind = memory.left_behind;
+  }
+
+  [[nodiscard]] std::optional<Whereabouts> whereabouts(uint32_t cloth) const override {
+    const cpu::ClothState& state = cloths_[cloth]->state;
+    Whereabouts where;
+    float longest2 = 0;
+    for (const cpu::Run& run : cloths_[cloth]->sweep.valid()) {
+      for (uint32_t i = run.first; i < run.last; ++i) {
+        const shader::vec3 x = state.position.at(i), way = shader::way_of(state.point(i));
+        where.box.add({x.x, x.y, x.z});
+        longest2 = std::max(longest2, way.x * way.x + way.y * way.y + way.z * way.z);
+      }
+    }
+    where.way = std::sqrt(longest2);
+    return where;
   }
 
   void read_found(FoundPoints& out) override { read_words(inter_.points, 0, out); }

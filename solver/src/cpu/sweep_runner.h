@@ -38,6 +38,9 @@ class SweepRunner {
   /// What the springs are has changed.
   void forget_plan() { planned_ = false; }
 
+  /// Of the cloth's pixels.
+  [[nodiscard]] const std::vector<Run>& valid() const { return runs_; }
+
   /// Unit normals of all pixels from their own cells.
   void normals(const Threads& threads, ClothState& state) const;
 

@@ -32,6 +32,7 @@ class VulkanBackend final : public SolverBackend {
   void read_normals(uint32_t cloth, std::vector<shader::vec4>& out) override;
   void write_state(uint32_t cloth, std::span<const shader::vec4> position,
                    std::span<const shader::vec4> previous) override;
+  [[nodiscard]] std::optional<Whereabouts> whereabouts(uint32_t /*cloth*/) const override { return std::nullopt; }
   void read_memory(uint32_t cloth, ClothMemory& out) override;
   void write_memory(uint32_t cloth, const ClothMemory& memory, const ClothFrame& pins) override;
   void read_found(FoundPoints& out) override;
