@@ -436,6 +436,7 @@ void Solver::Impl::set_pins(uint32_t cloth, std::span<const Pin> pins) {
       std::equal(next.begin(), next.end(), c.pins.begin(), c.pins.end(),
                  [](const auto& a, const auto& b) { return a.first == b.first && a.second.held() == b.second.held(); });
   target.pins_changed = target.pins_changed || !same;
+  if (!same) target.unruly_until = time_ + kUnruly;  // they may be far from their points
   target.disturbed = target.disturbed || !std::equal(next.begin(), next.end(), target.pins.begin(), target.pins.end(),
                                                      [](const auto& a, const auto& b) {
                                                        return a.first == b.first && a.second.is_as(b.second);

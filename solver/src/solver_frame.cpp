@@ -355,7 +355,7 @@ void Solver::Impl::find_place(uint32_t index) {
   Cloth& cloth = cloths_[index];
   cloth.place.reset();
   cloth.held_in_place = false;
-  if (frame_.shapes.size() <= 1 || time_ < cloth.unruly_until) return;
+  if (frame_.shapes.size() <= 1 || cloth.asleep || time_ < cloth.unruly_until) return;
   const bool alone = frame_.shapes.size() > kMany && !meets_others(cloth);  // others may be faster
   if (const std::optional<Whereabouts> known = alone ? backend_->whereabouts(index) : std::nullopt) {
     const float speed = known->way / static_cast<float>(cloth.displaced_in);
