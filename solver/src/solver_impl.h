@@ -236,7 +236,7 @@ class Solver::Impl {
   [[nodiscard]] Meets met_in_groups(uint32_t groups);
   void find_place(uint32_t cloth);
   [[nodiscard]] ClothBox box_about(const Cloth& cloth, const Whereabouts& known, float speed) const;
-  [[nodiscard]] Meets met_by(const Cloth& cloth, float stretch_limit);
+  [[nodiscard]] Meets met_by(const Cloth& cloth, float stretch_limit, const Meets& shared);
   [[nodiscard]] Meets list_colliders(uint32_t groups, std::span<const uint32_t> colliders);
   [[nodiscard]] float longest_way(const Cloth& cloth) const;
   void run_group(uint32_t factor);

@@ -6,7 +6,6 @@
 #include "colliders/reach.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -54,19 +53,18 @@ bool plane_reaches(const shader::ColliderPose& pose, const ClothBox& box, float 
   return dot(normal, nearest - Vec3{pose.row0.w, pose.row1.w, pose.row2.w}) <= margin;
 }
 
-bool box_reaches(const LocalBox& local, const shader::ColliderPose& pose, const ClothBox& box, float margin) {
-  if (local.half.x == kInfinity) return true;
-  struct Axis {
-    const vec4& row;
-    float low, high;
-  };
-  const std::array<Axis, 3> axes{
-      {{pose.row0, box.low.x, box.high.x}, {pose.row1, box.low.y, box.high.y}, {pose.row2, box.low.z, box.high.z}}};
-  return std::all_of(axes.begin(), axes.end(), [&](const Axis& axis) {
-    const float middle = on_axis(axis.row, local.center) + axis.row.w;
-    const float wide = half_width(axis.row, local.half) + margin;
-    return middle - wide <= axis.high && middle + wide >= axis.low;
-  });
+/// A box without bounds.
+bool is_endless(const LocalBox& box) {
+  return box.half.x == kInfinity;
+}
+
+/// About a turned box, widened.
+ClothBox box_at(const LocalBox& local, const shader::ColliderPose& pose, float wide) {
+  const Vec3 middle{on_axis(pose.row0, local.center) + pose.row0.w, on_axis(pose.row1, local.center) + pose.row1.w,
+                    on_axis(pose.row2, local.center) + pose.row2.w};
+  const Vec3 half{half_width(pose.row0, local.half) + wide, half_width(pose.row1, local.half) + wide,
+                  half_width(pose.row2, local.half) + wide};
+  return {middle - half, middle + half};
 }
 
 /// [m] A body that deforms is as far from its grid, which holds it at the frame's end, as it still has to go.
@@ -94,17 +92,12 @@ ClothBox swept_box(std::span<const shader::ColliderShape> shapes, std::span<cons
                    uint32_t collider) {
   const shader::ColliderShape& shape = shapes[collider];
   const LocalBox local = box_of_shape(shape);
-  if (local.half.x == kInfinity) return {{-kInfinity, -kInfinity, -kInfinity}, {kInfinity, kInfinity, kInfinity}};
+  if (is_endless(local)) return {{-kInfinity, -kInfinity, -kInfinity}, {kInfinity, kInfinity, kInfinity}};
   ClothBox swept;
   for (size_t k = collider; k < poses.size(); k += shapes.size()) {
-    const shader::ColliderPose& pose = poses[k];
-    const Vec3 middle{on_axis(pose.row0, local.center) + pose.row0.w, on_axis(pose.row1, local.center) + pose.row1.w,
-                      on_axis(pose.row2, local.center) + pose.row2.w};
-    const float wide = way_to_next(shape, pose);
-    const Vec3 half{half_width(pose.row0, local.half) + wide, half_width(pose.row1, local.half) + wide,
-                    half_width(pose.row2, local.half) + wide};
-    swept.add(middle - half);
-    swept.add(middle + half);
+    const ClothBox box = box_at(local, poses[k], way_to_next(shape, poses[k]));
+    swept.add(box.low);
+    swept.add(box.high);
   }
   return swept;
 }
@@ -122,7 +115,8 @@ bool may_reach(std::span<const shader::ColliderShape> shapes, std::span<const sh
     const float wide = margin + way_to_next(shape, poses[k]);
     // The passes meet planes where they are at the end of a substep, and sweep all else.
     const bool reached = shape.kind == shader::kShapePlane ? plane_reaches(poses[k], box, margin)
-                                                           : box_reaches(local, poses[k], box, wide);
+                         : is_endless(local)               ? true
+                                                           : are_near(box_at(local, poses[k], wide), box, 0);
     if (reached) return true;
   }
   return false;
