@@ -182,6 +182,50 @@ TEST_F(AnimatedFbx, OpensAsItWasBoundAndGoesFromThereToTheAnimation) {
   expect_at(at(open(turned, {.clip = "Turned", .start = 2}), 1, 0, 2), -kHalf, 1 + kHalf, 0);
 }
 
+// A point cache is laid on the mesh that a modelling program has: on its points, in its order, those of one object one
+// after the other, whatever faces and materials use them first, and with those that no face uses.
+TEST_F(AnimatedFbx, VerticesAreThePointsOfTheFileInItsOrder) {
+  Fbx f;
+  f.object("Geometry: 1000, \"Geometry::shape\", \"Mesh\"",
+           array("Vertices", {5, 5, 5, 0, 2, 0, 1, 2, 0, 0, 1, 0, 1, 1, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0}) +
+               array("PolygonVertexIndex", {5, 6, 4, -4, 7, 4, 2, -2}) +
+               "LayerElementMaterial: 0 {\nVersion: 101\nName: \"\"\nMappingInformationType: \"ByPolygon\"\n"
+               "ReferenceInformationType: \"IndexToDirect\"\n" +
+               array("Materials", {1, 0}) +
+               "}\nLayer: 0 {\nVersion: 100\nLayerElement: {\nType: \"LayerElementMaterial\"\nTypedIndex: 0\n}\n}\n");
+  f.model(2000, "coat", "Mesh", Fbx::vector("Lcl Translation", 10, 0, 0));
+  f.model(2001, "coat2", "Mesh");
+  for (const int id : {3000, 3001}) {
+    f.object("Material: " + std::to_string(id) + ", \"Material::m" + std::to_string(id) + "\", \"\"", "Version: 102\n");
+  }
+  for (const int model : {2000, 2001}) {
+    f.connect(model, 0);
+    f.connect(1000, model);
+    f.connect(3000, model);
+    f.connect(3001, model);
+  }
+  f.clip(5000, "Slide", 1);
+  f.curve(6000, 2000, "Lcl Translation", "d|X", {0, 1}, {10, 11});
+  const std::vector<Point3> point{{5, 5, 5}, {0, 2, 0}, {1, 2, 0}, {0, 1, 0},
+                                  {1, 1, 0}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+
+  const TriangleMesh mesh = import_mesh(write("coat.fbx", f.text()));
+  EXPECT_EQ(mesh.part.size(), 4U);
+  ASSERT_EQ(mesh.position.size(), 2 * point.size());
+  const AnimatedMesh moving(folder_ / "coat.fbx");
+  const std::vector<Vec3> later = moving.positions_at(1);
+  ASSERT_EQ(later.size(), mesh.position.size());
+  for (std::size_t i = 0; i < mesh.position.size(); ++i) {
+    const auto& [x, y, z] = point[i % point.size()];
+    const double right = i < point.size() ? 10 : 0;
+    EXPECT_EQ(mesh.position[i], (Point3{x + right, y, z})) << i;
+    expect_at(later[i], x + right * 1.1, y, z);
+  }
+  // The object is a vertex group: all its points, for a cache of the object alone.
+  ASSERT_EQ(mesh.vertex_groups.size(), 1U);
+  EXPECT_EQ(mesh.vertex_groups[0].source_vertex.size(), 2 * point.size());
+}
+
 TEST_F(AnimatedFbx, PivotsAndTurnsBeforeTheTurn) {
   Fbx pivot = triangle_file(Fbx::vector("RotationPivot", 1, 0, 0));
   pivot.clip(5000, "Turn");

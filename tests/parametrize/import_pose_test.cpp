@@ -165,13 +165,13 @@ TEST_F(ImportPose, ASkinnedDaeStandsWhereItsJointsAre) {
   const TriangleMesh bound = read("a.dae", kSkinnedDae);
   ASSERT_EQ(bound.position.size(), 6U);
   expect_at(bound.position[1], 1, 0, 0);
-  expect_at(bound.position[4], 1, 2, 0);  // in order of first use
+  expect_at(bound.position[4], 0, 2, 0);
 
   const TriangleMesh bent = read("bent.dae", replaced(kSkinnedDae, "1 0 0 0</rotate>", "1 0 0 90</rotate>"));
   ASSERT_EQ(bent.position.size(), 6U);
   expect_at(bent.position[1], 1, 0, 0);
-  expect_at(bent.position[2], 1, 1, 0);  // held by both joints
-  expect_at(bent.position[4], 1, 1, 1);
+  expect_at(bent.position[3], 1, 1, 0);  // held by both joints
+  expect_at(bent.position[5], 1, 1, 1);
   EXPECT_EQ(bent.polygon, bound.polygon);
 }
 

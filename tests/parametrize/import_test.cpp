@@ -858,7 +858,7 @@ std::string binary_fbx() {
   const auto geometry = [&](std::size_t at) {
     return fbx_record(at, "Geometry", 3, fbx_id(1000) + fbx_text("square" + zero_one + "Geometry") + fbx_text("Mesh"),
                       {leaf("Vertices", 1, fbx_array<double>('d', {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0})),
-                       leaf("PolygonVertexIndex", 1, fbx_array<int32_t>('i', {0, 1, 2, -4}))});
+                       leaf("PolygonVertexIndex", 1, fbx_array<int32_t>('i', {2, 3, 0, -2}))});
   };
   const auto model = [&](std::size_t at) {
     return fbx_record(at, "Model", 3, fbx_id(2000) + fbx_text("square" + zero_one + "Model") + fbx_text("Mesh"),
@@ -874,7 +874,8 @@ std::string binary_fbx() {
 TEST_F(Import, BinaryFbx) {
   const std::string bytes = binary_fbx();
   const TriangleMesh mesh = read("a.fbx", bytes);
-  EXPECT_EQ(mesh.position.size(), 4U);
+  EXPECT_EQ(mesh.position,
+            (std::vector<Point3>{{0, 0, 0}, {.01, 0, 0}, {.01, .01, 0}, {0, .01, 0}}));  // as the file has them
   EXPECT_EQ(mesh.triangle.size(), 2U);
   expect_truncations_refused("a.fbx", bytes, 64);
   survive_damage("a.fbx", bytes, 150);

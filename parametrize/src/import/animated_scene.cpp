@@ -118,7 +118,7 @@ void AnimatedScene::place(const PlacedVertices& placed, const Matrices& matrices
   for (std::size_t i = 0; i < vertices.count(); ++i) {
     const Eigen::Vector3d p{double{(*from)[3 * i]}, double{(*from)[3 * i + 1]}, double{(*from)[3 * i + 2]}};
     const Eigen::Vector3d q = import_detail::placed(matrix_of(placed, matrices, i), p);
-    out[placed.first + i] = {static_cast<float>(q[0]), static_cast<float>(q[1]), static_cast<float>(q[2])};
+    out[placed.at(i)] = {static_cast<float>(q[0]), static_cast<float>(q[1]), static_cast<float>(q[2])};
   }
 }
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <utility>
@@ -32,7 +33,10 @@ struct PlacedVertices {
   std::size_t vertices;  ///< number of them in the scene
   std::size_t node;
   std::optional<std::size_t> skin;
-  std::size_t first;  ///< vertex of the mesh
+  std::size_t first;             ///< vertex of the mesh, where they stand in order
+  std::vector<uint32_t> number;  ///< of each, where they do not
+
+  [[nodiscard]] std::size_t at(std::size_t vertex) const { return number.empty() ? first + vertex : number[vertex]; }
 };
 
 struct Joints {

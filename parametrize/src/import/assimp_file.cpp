@@ -147,10 +147,11 @@ std::vector<MemoryFile> prepare(const std::filesystem::path& file, std::span<con
     case Format::stl:
       return {{"mesh.stl", checked_stl(file, std::move(text))}};
     case Format::fbx:
-      return {{"mesh.fbx", checked_fbx(file, std::move(text), animated)}};
+      return {{"mesh.fbx", checked_fbx(file, std::move(text), animated, out.points)}};
     case Format::dae: {
       DaeText dae = read_dae(file, text, animated);
       out.applied_unit = dae.metres_per_unit;
+      out.points = std::move(dae.points);
       return {{"mesh.dae", std::move(dae.text)}};
     }
   }

@@ -20,12 +20,13 @@ struct AssimpFile {
   /// @throws Error as import_mesh()
   AssimpFile(const std::filesystem::path& file, bool animated);
 
-  Format format;                      ///< obj where an OFF file was read as one
-  Assimp::Importer importer;          ///< which owns the scene
-  const aiScene* scene = nullptr;     ///< has a root node
-  ObjText obj = {};                   ///< of an OBJ file
-  double applied_unit = 1;            ///< metres per unit of the file that assimp applied
-  std::vector<std::string> left_out;  ///< what of the file is not in the scene
+  Format format;                        ///< obj where an OFF file was read as one
+  Assimp::Importer importer;            ///< which owns the scene
+  const aiScene* scene = nullptr;       ///< has a root node
+  ObjText obj = {};                     ///< of an OBJ file
+  std::vector<FilePoints> points = {};  ///< of the meshes of FBX and DAE files
+  double applied_unit = 1;              ///< metres per unit of the file that assimp applied
+  std::vector<std::string> left_out;    ///< what of the file is not in the scene
 };
 
 /// Metres per unit of the scene's coordinates, as the file says.

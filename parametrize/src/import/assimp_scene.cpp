@@ -132,11 +132,14 @@ class AssimpSceneReader {
 
   void add_mesh(const ShownMesh& shown, MovingParts& out) {
     const std::size_t node = number_.at(shown.node);
-    PlacedVertices placed{out.vertices.size(), node, std::nullopt, shown.first};
+    PlacedVertices placed{out.vertices.size(), node, std::nullopt, 0, {}};
     work_.add(shown.vertex.size() * (1 + targets_[node]));
     for (unsigned b = 0; b < shown.mesh->mNumBones; ++b) work_.add(shown.mesh->mBones[b]->mNumWeights);
     AnimatedVertices vertices;
-    for (const unsigned v : shown.vertex) put(shown.mesh->mVertices[v], vertices.position);
+    for (const ShownVertex& v : shown.vertex) {
+      placed.number.push_back(v.number);
+      put(v.position, vertices.position);
+    }
     add_targets(shown, targets_[node], vertices);
     if (std::optional<Joints> joints = joints_of(shown)) {
       placed.skin = out.skin.size();
@@ -145,7 +148,7 @@ class AssimpSceneReader {
     }
     out.vertices.push_back(std::move(vertices));
     out.vertex_count += shown.vertex.size();
-    out.placed.push_back(placed);
+    out.placed.push_back(std::move(placed));
   }
 
   static void put(const aiVector3D& p, std::vector<float>& to) { to.insert(to.end(), {p.x, p.y, p.z}); }
@@ -157,7 +160,9 @@ class AssimpSceneReader {
     for (unsigned t = 0; t < mesh.mNumAnimMeshes; ++t) {
       const aiAnimMesh& target = *mesh.mAnimMeshes[t];
       if (!target.HasPositions() || target.mNumVertices != mesh.mNumVertices) continue;
-      for (const unsigned v : shown.vertex) put(target.mVertices[v] - mesh.mVertices[v], out.target[t]);
+      for (const ShownVertex& v : shown.vertex) {
+        put(v.vertex ? target.mVertices[*v.vertex] - v.position : aiVector3D(), out.target[t]);
+      }
     }
   }
 
@@ -192,9 +197,10 @@ class AssimpSceneReader {
       }
     }
     SkinWeights out;
-    for (const unsigned v : shown.vertex) {
-      if (holds[v].empty()) holds[v].push_back({static_cast<uint32_t>(loose), 1});
-      out.add(holds[v]);
+    const std::vector<SkinWeights::Hold> by_node{{static_cast<uint32_t>(loose), 1}};
+    for (const ShownVertex& v : shown.vertex) {
+      const bool is_held = v.vertex && !holds[*v.vertex].empty();
+      out.add(is_held ? holds[*v.vertex] : by_node);
     }
     return out;
   }

@@ -35,7 +35,19 @@ std::vector<T> unpacked(const std::filesystem::path& file, std::string_view valu
   }
   const int result = uncompress(reinterpret_cast<Bytef*>(out.data()), &size, reinterpret_cast<const Bytef*>(from),
                                 static_cast<uLong>(stored));
-  if (result != Z_OK || size != count * sizeof(T)) bad(file, "an array of an animation cannot be unpacked");
+  if (result != Z_OK || size != count * sizeof(T)) bad(file, "an array cannot be unpacked");
+  return out;
+}
+
+/// @param number  three for each place
+template <typename Number>
+std::vector<FilePoint> places_of(const std::vector<Number>& number) {
+  std::vector<FilePoint> out;
+  out.reserve(number.size() / 3);
+  for (std::size_t i = 0; i + 2 < number.size(); i += 3) {
+    out.push_back(
+        {static_cast<float>(number[i]), static_cast<float>(number[i + 1]), static_cast<float>(number[i + 2])});
+  }
   return out;
 }
 
@@ -62,7 +74,7 @@ class TextReader {
     for (std::string_view word = next(); !word.empty(); word = next()) {
       FbxObject& object = open.back();
       if (word == "Vertices:") {
-        object.points = count_numbers() / 3;
+        object.points = places();
       } else if (word == "Indexes:") {
         object.indices_end = end_of(numbers<int32_t>());
       } else if (animated_ && word == "KeyTime:") {
@@ -79,14 +91,14 @@ class TextReader {
         }
         open.push_back(std::move(inner));
       } else if (word == "}") {
-        objects.add(object);
+        objects.add(std::move(object));
         open.pop_back();
         if (open.empty()) bad(file_, "its braces do not match");
       } else if (word.size() > 2 && word[0] == '"' && ++texts == 2 && head == "P:") {
         const std::string_view type = word.substr(1, word.size() - 2);
         if (is_bad_type(type, object)) objects.blanks.push_back(offset_of(type));
       }
-      if (numbered && word.size() > 1 && word[0] == '"') name = fbx_node_name(word.substr(1, word.size() - 2));
+      if (numbered && word.size() > 1 && word[0] == '"') name = fbx_name(word.substr(1, word.size() - 2));
       numbered = named && std::from_chars(word.data(), word.data() + word.size(), id).ec == std::errc();
       named = word.ends_with(':');
       if (!named && word != "{") continue;
@@ -95,7 +107,7 @@ class TextReader {
       id = 0;
       name.clear();
     }
-    objects.add(open.back());
+    objects.add(std::move(open.back()));
   }
 
  private:
@@ -140,10 +152,10 @@ class TextReader {
       if (word != "{" && word != "a:" && !word.starts_with('*')) take(word);
     }
   }
-  std::size_t count_numbers() {
-    std::size_t count = 0;
-    for_numbers([&](std::string_view) { ++count; });
-    return count;
+  std::vector<FilePoint> places() {
+    std::vector<float> number;
+    for_numbers([&](std::string_view word) { number.push_back(assimp_number(word)); });
+    return places_of(number);
   }
   template <typename T>
   std::vector<T> numbers() {
@@ -171,23 +183,25 @@ bool is_bad_type(std::string_view type, const FbxObject& of) {
   return (type == "KTime" && !of.is_clip) || type == "ColorAndAlpha";
 }
 
-std::string fbx_node_name(std::string_view name) {
-  constexpr std::string_view kModel = "Model::";
+std::string fbx_name(std::string_view name) {
   name = name.substr(0, name.find('\0'));  // "hip\0\1Model" in the binary form
-  return std::string(name.starts_with(kModel) ? name.substr(kModel.size()) : name);
+  for (const std::string_view kind : {"Model::", "Geometry::"}) {
+    if (name.starts_with(kind)) return std::string(name.substr(kind.size()));
+  }
+  return std::string(name);
 }
 
-void FbxObjects::add(const FbxObject& object) {
+void FbxObjects::add(FbxObject object) {
   check_keys(object);
   if (object.id != 0) name_[object.id] = object.name;
-  if (object.points > 0) {
-    const auto [it, is_new] = points_.try_emplace(object.id, object.points);
-    it->second = std::min(it->second, object.points);
-  }
   if (object.indices_end > 0) {
     uint32_t& end = indices_end_[object.id];
     end = std::max(end, object.indices_end);
   }
+  if (object.points.empty()) return;
+  const auto [it, is_new] = point_count_.try_emplace(object.id, object.points.size());
+  it->second = std::min(it->second, object.points.size());
+  points.emplace_back(std::move(object.name), std::move(object.points));
 }
 
 void FbxObjects::check_keys(const FbxObject& object) {
@@ -226,10 +240,10 @@ void FbxObjects::check_bones(std::span<const std::array<uint64_t, 2>> connection
   for (const auto& [cluster, end] : indices_end_) {
     for_parents(cluster, [&, most = end](int64_t skin) {
       for_parents(skin, [&](int64_t geometry) {
-        const auto points = points_.find(geometry);
-        if (points == points_.end() || most <= points->second) return;
-        bad(file_, "a bone holds point " + std::to_string(most - 1) + " of a mesh of " +
-                       std::to_string(points->second) + "; export it again");
+        const auto count = point_count_.find(geometry);
+        if (count == point_count_.end() || most <= count->second) return;
+        bad(file_, "a bone holds point " + std::to_string(most - 1) + " of a mesh of " + std::to_string(count->second) +
+                       "; export it again");
       });
     });
   }
@@ -240,7 +254,8 @@ void read_fbx_record(const std::filesystem::path& file, std::string_view name, s
   if (values.empty()) return;
   const char type = values[0];
   const std::string_view array = values.substr(1);
-  if (name == "Vertices" && (type == 'd' || type == 'f')) object.points = read_le<uint32_t>(array, 0) / 3;
+  if (name == "Vertices" && type == 'd') object.points = places_of(unpacked<double>(file, array));
+  if (name == "Vertices" && type == 'f') object.points = places_of(unpacked<float>(file, array));
   if (name == "Indexes" && type == 'i') object.indices_end = end_of(unpacked<int32_t>(file, array));
   if (!animated) return;
   if (name == "KeyTime" && type == 'l') object.time = unpacked<int64_t>(file, array);

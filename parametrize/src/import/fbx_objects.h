@@ -14,17 +14,19 @@
 #include <string_view>
 #include <vector>
 
+#include "import/file_points.h"
+
 namespace geocloth::import_detail {
 
 /// A record of the file with what it holds by itself.
 struct FbxObject {
-  int64_t id = 0;             ///< 0: it has none
-  std::string name = {};      ///< as its node will be called
-  std::size_t points = 0;     ///< of a geometry
-  uint32_t indices_end = 0;   ///< above all points that a cluster holds
-  bool is_clip = false;       ///< it, or what it is in
-  std::vector<int64_t> time;  ///< of the keys of a curve [ticks], 46,186,158,000 a second
-  std::vector<float> value;   ///< of the same keys
+  int64_t id = 0;                      ///< 0: it has none
+  std::string name = {};               ///< as its node will be called
+  std::vector<FilePoint> points = {};  ///< of a geometry
+  uint32_t indices_end = 0;            ///< above all points that a cluster holds
+  bool is_clip = false;                ///< it, or what it is in
+  std::vector<int64_t> time;           ///< of the keys of a curve [ticks], 46,186,158,000 a second
+  std::vector<float> value;            ///< of the same keys
 };
 
 class FbxObjects {
@@ -33,10 +35,12 @@ class FbxObjects {
 
   /// Bytes of the file that are to be blanked, so that assimp passes over what it cannot read.
   std::vector<std::size_t> blanks;
+  /// Those of each geometry, in the order of the file.
+  std::vector<FilePoints> points;
 
   /// Refuses keys that assimp would not come to an end with, one curve after the other.
   /// @throws Error(invalid_data) or Error(limit)
-  void add(const FbxObject& object);
+  void add(FbxObject object);
   /// Refuses bones that hold points which their meshes have not, and two bones of one name in a skin: assimp ends the
   /// program over either.
   /// @param connections  pairs of parent and child, by their ids
@@ -47,10 +51,10 @@ class FbxObjects {
   void check_keys(const FbxObject& object);
 
   const std::filesystem::path& file_;
-  std::map<int64_t, std::size_t> points_;    ///< of geometries
-  std::map<int64_t, uint32_t> indices_end_;  ///< of clusters
-  std::map<int64_t, std::string> name_;      ///< of all
-  double added_ = 0;                         ///< keys that assimp will put between the others, so far
+  std::map<int64_t, std::size_t> point_count_;  ///< of geometries
+  std::map<int64_t, uint32_t> indices_end_;     ///< of clusters
+  std::map<int64_t, std::string> name_;         ///< of all
+  double added_ = 0;                            ///< keys that assimp will put between the others, so far
 };
 
 /// Takes what a record of the binary form says of the one that it is in.
@@ -67,8 +71,8 @@ inline constexpr std::string_view kFbxClip = "AnimationStack";
 /// nowhere.
 [[nodiscard]] bool is_bad_type(std::string_view type, const FbxObject& of);
 
-/// What assimp calls the node of an object, by its name in the file.
-[[nodiscard]] std::string fbx_node_name(std::string_view name);
+/// What assimp calls an object, by its name in the file.
+[[nodiscard]] std::string fbx_name(std::string_view name);
 
 /// The objects of the textual form, whose braces match.
 void read_fbx_text(const std::filesystem::path& file, std::string_view text, bool animated, FbxObjects& objects);

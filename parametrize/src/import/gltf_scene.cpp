@@ -183,7 +183,7 @@ class GltfSceneReader {
     const bool skinned = json.contains("skin") && attributes.contains("JOINTS_0");
     const std::size_t count = data_.accessor(attributes["POSITION"].get<std::size_t>()).count;
     work_.add(count * (attributes.size() + (primitive.contains("targets") ? primitive["targets"].size() : 0)));
-    PlacedVertices placed{vertices_of({mesh, k, skinned}), node, std::nullopt, out_.vertex_count};
+    PlacedVertices placed{vertices_of({mesh, k, skinned}), node, std::nullopt, out_.vertex_count, {}};
     if (skinned) {
       placed.skin = json["skin"].get<std::size_t>();
       read_skin(*placed.skin);

@@ -20,23 +20,34 @@ namespace {
 constexpr std::string_view kXmlBlank = " \t\r\n";
 constexpr double kMaxKeyPairs = 2e10;  ///< of all channels of an animation: half a minute of assimp's
 
+template <typename Take>
+void for_words(std::string_view text, const Take& take) {
+  for (std::size_t at = text.find_first_not_of(kXmlBlank); at != std::string_view::npos;) {
+    const std::size_t end = std::min(text.find_first_of(kXmlBlank, at), text.size());
+    take(text.substr(at, end - at));
+    at = text.find_first_not_of(kXmlBlank, end);
+  }
+}
+
 std::size_t count_words(std::string_view text) {
   std::size_t count = 0;
-  for (std::size_t at = text.find_first_not_of(kXmlBlank); at != std::string_view::npos; ++count) {
-    at = text.find_first_not_of(kXmlBlank, std::min(text.find_first_of(kXmlBlank, at), text.size()));
-  }
+  for_words(text, [&](std::string_view) { ++count; });
   return count;
+}
+
+/// @returns whether the whole word is a number
+template <typename Number>
+bool read_number(std::string_view word, Number& value) {
+  const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  return error == std::errc() && stop == word.data() + word.size();
 }
 
 std::vector<int64_t> integers(std::string_view text) {
   std::vector<int64_t> out;
-  for (std::size_t at = text.find_first_not_of(kXmlBlank); at != std::string_view::npos;) {
-    const std::size_t end = std::min(text.find_first_of(kXmlBlank, at), text.size());
+  for_words(text, [&](std::string_view word) {
     int64_t value = 0;
-    const auto [stop, error] = std::from_chars(text.data() + at, text.data() + end, value);
-    out.push_back(error == std::errc() && stop == text.data() + end ? value : INT64_MIN);
-    at = text.find_first_not_of(kXmlBlank, end);
-  }
+    out.push_back(read_number(word, value) ? value : INT64_MIN);
+  });
   return out;
 }
 
@@ -60,6 +71,7 @@ class DaeReader {
     for (const pugi::xml_node channel : channels_) check_channel(channel);
     check_hierarchy(file_, instances());
     DaeText out;
+    for (const pugi::xml_node geometry : geometries_) out.points.push_back(points_of_geometry(geometry));
     mend_unit();
     out.metres_per_unit = root_.child("asset").child("unit").attribute("meter").as_double(1);
     if (!std::isfinite(out.metres_per_unit) || out.metres_per_unit <= 0) bad("asset.unit.meter is no positive number");
@@ -77,6 +89,7 @@ class DaeReader {
   struct Accessor {
     std::size_t count = 0, stride = 1;
     std::size_t size = 0;  ///< numbers of an element, as assimp counts them
+    std::size_t offset = 0;
     pugi::xml_node array;
   };
 
@@ -152,7 +165,10 @@ class DaeReader {
       if (name.ends_with("_array")) add_array(child);
       if (name == "accessor") accessors_.push_back(child);
       if (name == "skin") skins_.push_back(child);
-      if (name == "geometry") geometry_[reference_to(child)] = child;
+      if (name == "geometry") {
+        geometry_[reference_to(child)] = child;
+        geometries_.push_back(child);
+      }
       if (name == "sampler") samplers_.push_back(child);
       mend_count(child);
       if (name == "channel") channels_.push_back(child);
@@ -202,8 +218,8 @@ class DaeReader {
   void check_accessor(pugi::xml_node node) {
     const auto array = array_.find(node.attribute("source").value());
     if (array == array_.end()) return;  // assimp refuses what it cannot resolve
-    Accessor a{number(node, "count", 0), number(node, "stride", 1), 0, array->second.node};
     const std::size_t offset = number(node, "offset", 0);
+    Accessor a{number(node, "count", 0), number(node, "stride", 1), 0, offset, array->second.node};
     std::size_t params = 0;
     for (const pugi::xml_node param : node.children("param")) {
       a.size += std::strcmp(param.attribute("type").value(), "float4x4") == 0 ? std::size_t{16} : std::size_t{1};
@@ -225,6 +241,19 @@ class DaeReader {
       if (it != accessor_.end()) return it->second;
     }
     return {};
+  }
+
+  FilePoints points_of_geometry(pugi::xml_node geometry) const {
+    const Accessor accessor = input(geometry.child("mesh").child("vertices"), "POSITION");
+    std::vector<float> number;
+    if (accessor.stride >= 3)
+      for_words(accessor.array.text().get(), [&](std::string_view word) { number.push_back(assimp_number(word)); });
+    std::vector<FilePoint> position;
+    for (std::size_t i = 0; i < accessor.count; ++i) {
+      const std::size_t at = accessor.offset + i * accessor.stride;
+      if (at + 2 < number.size()) position.push_back({number[at], number[at + 1], number[at + 2]});
+    }
+    return {geometry.attribute("id").value(), std::move(position)};
   }
 
   /// How many points the mesh of a skin has; 0 where that is not known.
@@ -283,15 +312,11 @@ class DaeReader {
   }
 
   void check_times(std::string_view text) const {
-    for (std::size_t at = text.find_first_not_of(kXmlBlank); at != std::string_view::npos;) {
-      const std::size_t end = std::min(text.find_first_of(kXmlBlank, at), text.size());
+    for_words(text, [&](std::string_view word) {
       double time = 0;
-      const auto [stop, error] = std::from_chars(text.data() + at, text.data() + end, time);
-      if (error != std::errc() || stop != text.data() + end || !(std::abs(time) < 1e9)) {
-        bad("an animation has a time '" + std::string(text.substr(at, std::min<std::size_t>(end - at, 30))) + "'");
-      }
-      at = text.find_first_not_of(kXmlBlank, end);
-    }
+      if (read_number(word, time) && std::abs(time) < 1e9) return;
+      bad("an animation has a time '" + std::string(word.substr(0, 30)) + "'");
+    });
   }
 
   /// One number of a transform, "node/turn.ANGLE" or "node/matrix(1)(2)", takes one number of a key.
@@ -344,7 +369,7 @@ class DaeReader {
   std::map<std::string, Array> array_;
   std::map<std::string, Accessor> accessor_;  ///< by the "#id" of their <source>
   std::map<std::string, pugi::xml_node> geometry_;
-  std::vector<pugi::xml_node> accessors_, skins_, samplers_, channels_;
+  std::vector<pugi::xml_node> geometries_, accessors_, skins_, samplers_, channels_;
   std::map<std::string, std::size_t> values_;  ///< of a key, by the "#id" of samplers
   double key_pairs_ = 0;
 };

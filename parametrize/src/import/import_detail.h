@@ -14,6 +14,7 @@
 
 #include "geocloth/asset/error.h"
 #include "geocloth/parametrize/mesh.h"
+#include "import/file_points.h"
 
 namespace geocloth::import_detail {
 
@@ -99,12 +100,15 @@ void check_ply(const std::filesystem::path& file, std::string_view bytes);
 [[nodiscard]] std::string off_as_obj(const std::filesystem::path& file, std::string_view text);
 /// Walks the records of a binary FBX file, or looks for the opening of a textual one, and at its connections.
 /// @param animated  whether animations are wanted; else those of the file do not matter
+/// @param points  filled with those of its meshes
 /// @returns it as assimp reads it
-[[nodiscard]] std::string checked_fbx(const std::filesystem::path& file, std::string bytes, bool animated);
+[[nodiscard]] std::string checked_fbx(const std::filesystem::path& file, std::string bytes, bool animated,
+                                      std::vector<FilePoints>& points);
 
 struct DaeText {
   std::string text;            ///< for assimp: without lights and cameras, and animations but where they are asked for
   double metres_per_unit = 1;  ///< as the file says; assimp applies it
+  std::vector<FilePoints> points;
 };
 /// Checks the XML of a DAE file and every count, offset and index of it that assimp relies on.
 /// @param animated  whether animations are of interest

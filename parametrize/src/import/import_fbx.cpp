@@ -21,7 +21,7 @@ class FbxChecker {
   std::vector<std::array<uint64_t, 2>> connections;
 
   /// After check().
-  [[nodiscard]] const std::vector<std::size_t>& blanks() const { return objects_.blanks; }
+  [[nodiscard]] FbxObjects& objects() { return objects_; }
 
   void check() {
     if (bytes_.size() < 27) bad(file_, "the file is cut off in its header");
@@ -66,14 +66,14 @@ class FbxChecker {
     own.is_clip = around.is_clip || called == kFbxClip;
     if (depth == 1 && values.size() >= 9 && values[0] == 'L') {
       own.id = read_le<int64_t>(values, 1);
-      if (values.size() >= 14 && values[9] == 'S') own.name = fbx_node_name(text_at(values, 9));
+      if (values.size() >= 14 && values[9] == 'S') own.name = fbx_name(text_at(values, 9));
     }
     while (inside < end) {
       const std::size_t next = walk(inside, end, depth + 1, own);
       if (next == 0) break;
       inside = next;
     }
-    objects_.add(own);
+    objects_.add(std::move(own));
     return end;
   }
 
@@ -189,7 +189,8 @@ void check_text(const std::filesystem::path& file, std::string_view bytes) {
 
 }  // namespace
 
-std::string checked_fbx(const std::filesystem::path& file, std::string bytes, bool animated) {
+std::string checked_fbx(const std::filesystem::path& file, std::string bytes, bool animated,
+                        std::vector<FilePoints>& points) {
   if (!bytes.starts_with("Kaydara FBX Binary")) {
     check_text(file, bytes);
     FbxObjects objects(file);
@@ -198,12 +199,14 @@ std::string checked_fbx(const std::filesystem::path& file, std::string bytes, bo
     objects.check_bones(connections);
     check_hierarchy(file, std::move(connections));
     for (const std::size_t at : objects.blanks) bytes[at] = kBlank;
+    points = std::move(objects.points);
     return bytes;
   }
   FbxChecker checker(file, bytes, animated);
   checker.check();
   check_hierarchy(file, std::move(checker.connections));
-  for (const std::size_t at : checker.blanks()) bytes[at] = kBlank;
+  for (const std::size_t at : checker.objects().blanks) bytes[at] = kBlank;
+  points = std::move(checker.objects().points);
   return bytes;
 }
 

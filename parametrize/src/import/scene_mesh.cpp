@@ -7,6 +7,9 @@
 #include <cmath>
 #include <cstring>
 #include <map>
+#include <numeric>
+#include <optional>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -73,6 +76,13 @@ struct Pose {
   bool all_mirrored;
 };
 
+/// The points of a mesh of the file where a node places them.
+struct PlacedPoints {
+  uint32_t first = 0;     ///< vertex of the TriangleMesh
+  std::size_t shown = 0;  ///< number of the first mesh that was made of them
+  std::vector<bool> is_shown;
+};
+
 class MeshBuilder {
  public:
   MeshBuilder(const std::filesystem::path& path, AssimpFile& file, double scale)
@@ -80,6 +90,7 @@ class MeshBuilder {
         format_(file.format),
         scene_(*file.scene),
         scale_(scale),
+        points_(file.points),
         obj_position_(std::move(file.obj.position)),
         obj_part_name_(std::move(file.obj.part_name)),
         obj_color_(std::move(file.obj.color)) {
@@ -101,6 +112,7 @@ class MeshBuilder {
     is_painted_ = !obj_color_.empty() || any([](const aiMesh& m) { return m.HasVertexColors(0); });
     if (format_ == Format::obj) add_obj_vertices();
     for (const Placement& placement : placements) add_part(placement);
+    finish_points();
     finish_paint();
     sort_groups();
     return {std::move(mesh_), std::move(shown_)};
@@ -146,40 +158,112 @@ class MeshBuilder {
     for (const Point3& p : obj_position_) add_vertex({scale_ * p[0], scale_ * p[1], scale_ * p[2]});
   }
 
+  /// Where a vertex of a mesh is in the world; of a point that no face has, where all are.
+  Point3 place_of(const ShownVertex& shown, const Pose& pose) const {
+    const bool bent = pose.bent() && shown.vertex;
+    const aiVector3D p = bent ? pose.matrices.each[*shown.vertex] * shown.position : shown.position;
+    return transform(bent ? aiMatrix4x4() : pose.matrices.all, {double{p.x}, double{p.y}, double{p.z}}, scale_);
+  }
+
   /// Numbers in `position` of the vertices of one placed mesh.
-  std::vector<uint32_t> add_vertices(const Placement& placement, const Pose& pose) {
+  /// @param from  number in points_ of what the mesh was made of
+  std::vector<uint32_t> add_vertices(const Placement& placement, std::size_t from, const Pose& pose) {
     const aiMesh& mesh = mesh_of(placement);
     std::vector<uint32_t> number(mesh.mNumVertices);
-    // FBX and DAE come with a vertex per face corner: corners at one place are one vertex, in order of first use.
-    const bool merge = format_ == Format::fbx || format_ == Format::dae;
-    ShownMesh shown{placement.node, &mesh, static_cast<uint32_t>(mesh_.position.size()), {}, pose.matrices};
-    std::map<std::array<float, 3>, uint32_t> seen;
-    for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
-      aiVector3D p = mesh.mVertices[i];
-      if (format_ == Format::obj) {
-        number[i] = decode_obj_vertex(p.x, p.y);
-        continue;
+    if (format_ == Format::obj) {
+      for (unsigned i = 0; i < mesh.mNumVertices; ++i)
+        number[i] = decode_obj_vertex(mesh.mVertices[i].x, mesh.mVertices[i].y);
+    } else if (format_ == Format::fbx || format_ == Format::dae) {
+      shown_.push_back({placement.node, &mesh, {}, pose.matrices});
+      if (from < points_.size()) {
+        number_as_file(placement, from, pose, number);
+      } else {
+        number_by_use(pose, number);
       }
-      if (pose.bent()) p *= pose.matrices.each[i];
-      const auto fresh = static_cast<uint32_t>(mesh_.position.size());
-      if (merge && std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)) {
-        const auto [it, inserted] = seen.try_emplace({p.x, p.y, p.z}, fresh);
-        number[i] = it->second;
-        if (!inserted) continue;
+    } else {
+      for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
+        number[i] = static_cast<uint32_t>(mesh_.position.size());
+        add_vertex(place_of({number[i], i, mesh.mVertices[i]}, pose));
       }
-      number[i] = fresh;
-      const Point3 at{double{p.x}, double{p.y}, double{p.z}};
-      add_vertex(transform(pose.bent() ? aiMatrix4x4() : pose.matrices.all, at, scale_));
-      if (merge) shown.vertex.push_back(i);
     }
-    if (merge) shown_.push_back(std::move(shown));
     return number;
+  }
+
+  /// Numbers the corners that shown_.back() has, those at one place alike, in the order of their first use.
+  void number_by_use(const Pose& pose, std::vector<uint32_t>& number) {
+    ShownMesh& shown = shown_.back();
+    std::map<FilePoint, uint32_t> seen;
+    for (unsigned i = 0; i < number.size(); ++i) {
+      const aiVector3D p = shown.mesh->mVertices[i];
+      number[i] = static_cast<uint32_t>(mesh_.position.size());
+      if (std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)) {
+        const auto [it, is_new] = seen.try_emplace({p.x, p.y, p.z}, number[i]);
+        number[i] = it->second;
+        if (!is_new) continue;
+      }
+      shown.vertex.push_back({number[i], i, p});
+      add_vertex(place_of(shown.vertex.back(), pose));
+    }
+  }
+
+  /// Numbers the corners that shown_.back() has as the points of the file. The meshes of a node that were made of one,
+  /// a mesh for each material, share them.
+  void number_as_file(const Placement& placement, std::size_t from, const Pose& pose, std::vector<uint32_t>& number) {
+    const FilePoints& points = points_[from];
+    const auto [it, is_new] = placed_points_.try_emplace({placement.node, from});
+    PlacedPoints& placed = it->second;
+    if (is_new) {
+      placed = {static_cast<uint32_t>(mesh_.position.size()), shown_.size() - 1,
+                std::vector<bool>(points.size(), false)};
+      for (std::size_t k = 0; k < points.size(); ++k) {
+        const auto& [x, y, z] = points.position(k);
+        add_vertex(place_of({placed.first, std::nullopt, {x, y, z}}, pose));
+      }
+    }
+    ShownMesh& shown = shown_.back();
+    for (unsigned i = 0; i < number.size(); ++i) {
+      const aiVector3D p = shown.mesh->mVertices[i];
+      const std::span<const uint32_t> at = points.at({p.x, p.y, p.z});
+      number[i] = placed.first + at[0];
+      if (placed.is_shown[at[0]]) continue;
+      for (const uint32_t point : at) {
+        placed.is_shown[point] = true;
+        shown.vertex.push_back({placed.first + point, i, p});
+        mesh_.position[placed.first + point] = place_of(shown.vertex.back(), pose);
+      }
+    }
+  }
+
+  /// Points that no face has move with their nodes. They, and all but the first at a place, are painted as others are.
+  void finish_points() {
+    for (const auto& [key, placed] : placed_points_) {
+      const FilePoints& points = points_[key.second];
+      const uint32_t any = shown_[placed.shown].vertex.empty() ? 0 : shown_[placed.shown].vertex[0].number;
+      for (uint32_t k = 0; k < points.size(); ++k) {
+        const auto& [x, y, z] = points.position(k);
+        const uint32_t number = placed.first + k, same = placed.first + points.at(points.position(k))[0];
+        if (!placed.is_shown[k]) shown_[placed.shown].vertex.push_back({number, std::nullopt, {x, y, z}});
+        if (is_painted_ && (same != number || !placed.is_shown[k]))
+          paint_.copy(placed.is_shown[k] ? same : any, number);
+      }
+    }
+  }
+
+  /// The vertices of an object: the points that its file has of it, or those of its faces.
+  std::vector<uint32_t> vertices_of(const Placement& placement, std::size_t from,
+                                    const std::vector<uint32_t>& number) const {
+    const auto placed = placed_points_.find({placement.node, from});
+    if (placed == placed_points_.end()) return number;
+    std::vector<uint32_t> out(placed->second.is_shown.size());
+    std::iota(out.begin(), out.end(), placed->second.first);
+    return out;
   }
 
   void add_part(const Placement& placement) {
     const aiMesh& mesh = mesh_of(placement);
     const Pose pose = pose_of(placement);
-    const std::vector<uint32_t> number = add_vertices(placement, pose);
+    const std::size_t from = find_points(points_, mesh);
+    const std::vector<uint32_t> number = add_vertices(placement, from, pose);
     const auto first = static_cast<uint32_t>(mesh_.triangle.size());
     for (unsigned f = 0; f < mesh.mNumFaces; ++f) add_polygon(mesh, mesh.mFaces[f], number, pose);
     const auto count = static_cast<uint32_t>(mesh_.triangle.size()) - first;
@@ -187,7 +271,7 @@ class MeshBuilder {
     const std::string name = name_of(placement);
     mesh_.part.push_back({name, material_[mesh.mMaterialIndex], first, count});
     // Parts, bones and paint are what a file has for naming points.
-    add_group(name, number);
+    add_group(name, vertices_of(placement, from, number));
     add_bones(mesh, number);
     add_paint(mesh, number);
   }
@@ -384,6 +468,8 @@ class MeshBuilder {
   const aiScene& scene_;
   double scale_;
   ScenePose pose_;
+  std::span<const FilePoints> points_;
+  std::map<std::pair<const aiNode*, std::size_t>, PlacedPoints> placed_points_;  ///< by node and number in points_
   std::vector<Point3> obj_position_;
   std::vector<std::string> obj_part_name_;
   std::vector<std::array<float, 3>> obj_color_;

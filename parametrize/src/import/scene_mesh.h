@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -17,18 +18,24 @@ namespace geocloth::import_detail {
 /// Ends the names of the nodes that assimp makes of parts of one FBX model, "hip_$AssimpFbx$_PreRotation".
 inline constexpr std::string_view kFbxHelper = "_$AssimpFbx$";
 
-/// Where the vertices of a mesh come from that a node of assimp's scene shows.
+/// A vertex of the TriangleMesh, and where it comes from.
+struct ShownVertex {
+  uint32_t number;
+  std::optional<unsigned> vertex;  ///< of the aiMesh; none for a point that no face has
+  aiVector3D position;             ///< in the aiMesh
+};
+
+/// What a node of assimp's scene shows of a mesh.
 struct ShownMesh {
   const aiNode* node;
   const aiMesh* mesh;
-  uint32_t first;                ///< vertex of the TriangleMesh
-  std::vector<unsigned> vertex;  ///< of the aiMesh, of each from `first` on
-  ScenePose::Matrices matrices;  ///< from there to the world, in the scene's unit
+  std::vector<ShownVertex> vertex;  ///< those that are no other one's
+  ScenePose::Matrices matrices;     ///< from the aiMesh to the world, in the scene's unit
 };
 
 struct SceneMesh {
   TriangleMesh mesh;
-  std::vector<ShownMesh> shown;  ///< of FBX and DAE, in the order of their vertices
+  std::vector<ShownMesh> shown;  ///< of FBX and DAE; each vertex is in one of them
 };
 
 /// The rotation that turns an FBX file's up axis to +y and its front axis to +z; assimp leaves them as they are.

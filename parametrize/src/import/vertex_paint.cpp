@@ -24,6 +24,11 @@ void VertexPaint::add(uint32_t vertex, const Color& color) {
   ++v.corners;
 }
 
+void VertexPaint::copy(uint32_t from, uint32_t to) {
+  vertex_.resize(std::max(vertex_.size(), std::max(from, to) + std::size_t{1}));
+  vertex_[to] = vertex_[from];
+}
+
 std::vector<Rgba8> VertexPaint::colors(std::size_t vertex_count) const {
   std::vector<Rgba8> colors(vertex_count, Rgba8{255, 255, 255, 255});
   for (std::size_t v = 0; v < std::min(vertex_count, vertex_.size()); ++v) {

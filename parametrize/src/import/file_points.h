@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The points of a mesh as its file numbers them. assimp makes of FBX and DAE a vertex for every corner of a face and
+// keeps no number; what it keeps to the bit is where a point lies.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <assimp/scene.h>
+
+namespace geocloth::import_detail {
+
+using FilePoint = std::array<float, 3>;  ///< in the unit of the file
+
+/// A number as assimp reads it, which is not always the float nearest to what is written.
+[[nodiscard]] float assimp_number(std::string_view word);
+
+class FilePoints {
+ public:
+  /// @param name      of the mesh, as assimp calls it
+  /// @param position  of its points, in the file's order
+  FilePoints(std::string name, std::vector<FilePoint> position);
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] std::size_t size() const { return position_.size(); }
+  [[nodiscard]] const FilePoint& position(std::size_t point) const { return position_[point]; }
+  /// The numbers of all points at a place, ascending; none where there are none.
+  [[nodiscard]] std::span<const uint32_t> at(const FilePoint& place) const;
+  /// Whether every vertex of a mesh lies at one of the points.
+  [[nodiscard]] bool have_all_of(const aiMesh& mesh) const;
+
+ private:
+  std::string name_;
+  std::vector<FilePoint> position_;
+  std::vector<uint32_t> by_place_;  ///< numbers of the points in the order of their places; none if one has no place
+};
+
+/// Which of the meshes of a file assimp's mesh was made of: the smallest that has all its points, of its name if one
+/// has.
+/// @returns its number, or of.size() if it is none of them
+[[nodiscard]] std::size_t find_points(std::span<const FilePoints> of, const aiMesh& mesh);
+
+}  // namespace geocloth::import_detail
