@@ -111,9 +111,11 @@ void print_for_people(const InspectArguments& options, const ClothAsset& asset, 
   fmt::print("\n  welded    {} components, {} boundary loops, Euler characteristic {}, {}\n", summary.welded.components,
              summary.welded.boundary_loops, summary.welded.euler_characteristic,
              summary.welded.orientable ? "orientable" : "not orientable");
-  fmt::print("  source    {} vertices, {} triangles, {} parts, {} materials, {} images, {} vertex groups\n",
-             source.source_vertex_count, source.triangle.size(), source.part.size(), source.material.size(),
-             source.image.size(), asset.vertex_groups.size());
+  fmt::print("  source    {} vertices{}, {} triangles, {} parts, {} materials, {} images, {} vertex groups\n",
+             source.file_vertex_count(),
+             source.middle.empty() ? "" : fmt::format(" and {} between them", source.middle.size()),
+             source.triangle.size(), source.part.size(), source.material.size(), source.image.size(),
+             asset.vertex_groups.size());
   if (!source.material.empty()) fmt::print("  materials {}\n", names_of(source.material));
   if (!asset.vertex_groups.empty()) fmt::print("  groups    {}\n", names_of(asset.vertex_groups));
   std::string paint;
@@ -154,7 +156,8 @@ nlohmann::ordered_json to_json(const ClothAsset& asset, const Summary& summary) 
             {"euler_characteristic", summary.welded.euler_characteristic},
             {"orientable", summary.welded.orientable}}},
           {"source",
-           {{"vertices", asset.source.source_vertex_count},
+           {{"vertices", asset.source.file_vertex_count()},
+            {"refined_vertices", asset.source.middle.size()},
             {"triangles", asset.source.triangle.size()},
             {"parts", asset.source.part.size()},
             {"materials", asset.source.material.size()},

@@ -49,7 +49,8 @@ double frame_rate(const RenderArguments& options, double of_cache) {
 }
 
 /// Positions of the render vertices from those of the vertices of the file.
-std::vector<Vec3> in_render_order(const SourceMesh& source, const std::vector<Vec3>& points) {
+std::vector<Vec3> in_render_order(const SourceMesh& source, std::vector<Vec3> points) {
+  add_middles(source, points);
   std::vector<Vec3> positions;
   positions.reserve(source.source_vertex.size());
   for (const uint32_t v : source.source_vertex) positions.push_back(points[v]);
@@ -62,10 +63,10 @@ Playback open_point_cache(const RenderArguments& options) {
                 options.input.string() + ": a point cache has no mesh; name the garment with --asset ASSET.glb");
   const SourceMesh source = read_asset(options.asset).source;
   const PointCache cache = read_point_cache(options.input);
-  if (cache.points != source.source_vertex_count)
+  if (cache.points != source.file_vertex_count())
     throw Error(ErrorCode::invalid_data,
                 fmt::format("{}: the cache has {} points, {} has {} vertices; give the asset that was simulated",
-                            options.input.string(), cache.points, options.asset.string(), source.source_vertex_count));
+                            options.input.string(), cache.points, options.asset.string(), source.file_vertex_count()));
   std::vector<std::vector<std::vector<Vec3>>> frames;
   for (const std::vector<Vec3>& points : cache.frames) frames.push_back({in_render_order(source, points)});
   return play_vertices({source}, std::move(frames), frame_rate(options, cache.frame_rate));

@@ -40,7 +40,7 @@ struct SimulateArguments {
   CLI::Option* frames_option = nullptr;
   SolverSettings solver = default_solver_settings();
   RenderOptions pictures;
-  bool check = false, quiet = false;
+  bool check = false, each_part = false, quiet = false;
 };
 
 Scene load_scene(const SimulateArguments& options) {
@@ -54,8 +54,9 @@ bool is_numbered(const std::filesystem::path& output) {
   return ending == ".obj" || ending == ".png" || ending == ".exr";
 }
 
-/// @param cloths  of the scene; several have files of their own where the format holds one
-std::vector<NamedFile> written_files(const SimulateArguments& options, size_t cloths) {
+/// @param cloths  their number, several having files of their own where the format holds one; or all of them
+template <typename Cloths>
+std::vector<NamedFile> written_files(const SimulateArguments& options, const Cloths& cloths) {
   std::vector<NamedFile> files;
   for (const std::string& output : options.outputs) {
     for (const std::filesystem::path& path : output_names(output, cloths))
@@ -67,9 +68,8 @@ std::vector<NamedFile> written_files(const SimulateArguments& options, size_t cl
 }
 
 /// What the scene names is known once it is read.
-void check_files_of_scene(const SimulateArguments& options, const Scene& scene) {
-  const std::string clash =
-      find_name_clash(files_read(options.input, scene), written_files(options, scene.cloths.size()));
+void check_files_of_scene(const SimulateArguments& options, const Scene& scene, const std::vector<NamedFile>& written) {
+  const std::string clash = find_name_clash(files_read(options.input, scene), written);
   if (!clash.empty()) throw Error(ErrorCode::invalid_argument, clash);
 }
 
@@ -132,12 +132,18 @@ void print_warnings(const SimulateArguments& options, const std::vector<std::str
     fmt::print(stderr, "geocloth simulate: {}: warning: {}\n", options.input.string(), warning);
 }
 
+CacheDescription describe_caches(const SimulateArguments& options, const Simulation& simulation) {
+  CacheDescription description = describe(simulation);
+  description.each_part = options.each_part;
+  return description;
+}
+
 std::unique_ptr<FrameWriter> make_writer(const std::filesystem::path& path, Simulation& simulation,
-                                         const RenderOptions& pictures) {
+                                         const SimulateArguments& options) {
   const std::string ending = CLI::detail::to_lower(path.extension().string());
-  if (ending == ".png") return make_picture_series_writer(path, simulation, pictures);
-  if (ending == ".mp4") return make_video_writer(path, simulation, pictures);
-  return make_cache_writer(path, simulation);
+  if (ending == ".png") return make_picture_series_writer(path, simulation, options.pictures);
+  if (ending == ".mp4") return make_video_writer(path, simulation, options.pictures);
+  return make_cache_writer(path, describe_caches(options, simulation));
 }
 
 /// What stops a scene on its way is an error of the scene, at a time.
@@ -153,8 +159,7 @@ void step(const SimulateArguments& options, Simulation& simulation) {
 
 void play(const SimulateArguments& options, Simulation& simulation) {
   std::vector<std::unique_ptr<FrameWriter>> writers;
-  for (const std::string& output : options.outputs)
-    writers.push_back(make_writer(output, simulation, options.pictures));
+  for (const std::string& output : options.outputs) writers.push_back(make_writer(output, simulation, options));
   std::vector<std::unique_ptr<OutputFile>> files;
   const auto open = [&](const std::filesystem::path& path) {
     return path.empty() ? nullptr : files.emplace_back(std::make_unique<OutputFile>(path)).get();
@@ -196,7 +201,8 @@ void play(const SimulateArguments& options, Simulation& simulation) {
   for (const auto& file : files) file->commit();
   progress.reset();
   for (const std::string& output : options.outputs) {
-    for (const std::filesystem::path& path : output_names(output, state.size())) fmt::print("{}\n", path.string());
+    for (const std::filesystem::path& path : output_names(output, describe_caches(options, simulation)))
+      fmt::print("{}\n", path.string());
   }
   fmt::print("{}\n", recorder.summary(simulation));
   print_warnings(options, warnings);
@@ -205,9 +211,11 @@ void play(const SimulateArguments& options, Simulation& simulation) {
 void run(const SimulateArguments& options) {
   Simulation simulation = name_file_in_errors(options.input, [&] {
     Scene scene = load_scene(options);
-    check_files_of_scene(options, scene);
+    check_files_of_scene(options, scene, written_files(options, scene.cloths.size()));
     return Simulation(std::move(scene), solver_settings(options), body_reader());
   });
+  const std::vector<NamedFile> written = written_files(options, describe_caches(options, simulation));
+  check_files_of_scene(options, simulation.scene(), written);
   if (options.check) {
     print_check(options, simulation);
     print_warnings(options, scene_warnings(simulation));
@@ -229,6 +237,9 @@ CommandRun add_simulate(CLI::App& app) {
                                  "default none")
                             ->check(ends_with({".glb", ".usda", ".pc2", ".mdd", ".obj", ".png", ".mp4", ".exr"}))
                             ->allow_extra_args(false);
+  app.add_flag("--each-part", options->each_part,
+               "a point cache (.pc2, .mdd) for each part of the file that was converted, of its vertices alone, as an "
+               "object of a modelling program has them: OUT_PART.pc2 [default off: of all the file's]");
   options->frames_option = add_number<uint32_t>(app, "--frames", "N", options->frames, 0, kMaxFrames, "frames",
                                                 "how long to run", "what the scene says");
   add_solver_options(app, options->solver);
@@ -243,7 +254,7 @@ CommandRun add_simulate(CLI::App& app) {
       app.add_flag("--check", options->check, "only read the scene and its assets and say what is wrong [default off]");
   add_quiet(app, options->quiet);
   app.final_callback([options, output, report, last_state, check] {
-    if (const std::string clash = find_name_clash({{"the scene", options->input}}, written_files(*options, 1));
+    if (const std::string clash = find_name_clash({{"the scene", options->input}}, written_files(*options, size_t{1}));
         !clash.empty())
       throw CLI::ValidationError(clash);
     if (output->count() + report->count() + last_state->count() + check->count() == 0) {

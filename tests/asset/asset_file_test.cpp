@@ -100,6 +100,7 @@ TEST(AssetFile, RoundTripKeepsEveryBit) {
   expect_same_bits(b.source.source_vertex, a.source.source_vertex);
   expect_same_bits(b.source.triangle, a.source.triangle);
   EXPECT_EQ(b.source.source_vertex_count, a.source.source_vertex_count);
+  expect_same_bits(b.source.middle, a.source.middle);
   ASSERT_EQ(b.source.part.size(), a.source.part.size());
   for (std::size_t i = 0; i < a.source.part.size(); ++i) {
     EXPECT_EQ(b.source.part[i].name, a.source.part[i].name);

@@ -119,6 +119,11 @@ const Break kBreaks[] = {
     {"binding weights", "binding[2]", [](ClothAsset& a) { a.binding[2].weight[1] += 0.5F; }},
     {"binding weight NaN", "binding[2]", [](ClothAsset& a) { a.binding[2].weight[0] = kNan; }},
     {"binding offset", "binding[2]", [](ClothAsset& a) { a.binding[2].offset.z = kInfinity; }},
+    {"middle", "source.middle[1]",
+     [](ClothAsset& a) {
+       a.source.middle = {{0, 1}, {2, a.source.source_vertex_count - 1}};
+     }},
+    {"middles", "source.middle", [](ClothAsset& a) { a.source.middle.resize(a.source.source_vertex_count + 1); }},
     {"group", "vertex_groups[0]", [](ClothAsset& a) { a.vertex_groups[0].source_vertex[0] = 1000; }},
     {"paint", "paint", [](ClothAsset& a) { a.paint.pop_back(); }},
 };

@@ -34,6 +34,7 @@ ClothAsset sample_asset() {
   source.material[1].normal_image = 0;
   source.material[2].base_color = {1, 1, 1, 0.5F};
   source.material[2].alpha_blend = true;
+  source.middle = {{0, 1}, {2, source.source_vertex_count - 2}};  // the last one lies beside the one before it
   const auto count = static_cast<uint32_t>(source.triangle.size());
   source.part = {{"left", 0, 0, count / 3}, {"right", 1, count / 3, count - count / 3}};
   asset.vertex_groups.push_back({"none", {}});

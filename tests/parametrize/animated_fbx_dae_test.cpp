@@ -221,9 +221,12 @@ TEST_F(AnimatedFbx, VerticesAreThePointsOfTheFileInItsOrder) {
     EXPECT_EQ(mesh.position[i], (Point3{x + right, y, z})) << i;
     expect_at(later[i], x + right * 1.1, y, z);
   }
-  // The object is a vertex group: all its points, for a cache of the object alone.
-  ASSERT_EQ(mesh.vertex_groups.size(), 1U);
-  EXPECT_EQ(mesh.vertex_groups[0].source_vertex.size(), 2 * point.size());
+  // An object is a vertex group: all its points, for a cache of the object alone. So is a mesh.
+  ASSERT_EQ(mesh.vertex_groups.size(), 3U);
+  EXPECT_EQ(mesh.vertex_groups[0].name, "coat");
+  EXPECT_EQ(mesh.vertex_groups[0].source_vertex.size(), point.size());
+  EXPECT_EQ(mesh.vertex_groups[2].name, "shape");
+  EXPECT_EQ(mesh.vertex_groups[2].source_vertex.size(), 2 * point.size());
 }
 
 TEST_F(AnimatedFbx, PivotsAndTurnsBeforeTheTurn) {

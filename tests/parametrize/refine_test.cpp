@@ -52,6 +52,14 @@ double edge_length(const TriangleMesh& mesh, uint32_t a, uint32_t b) {
 TEST(Refine, LeavesNoLongEdgeAndTheSameSurface) {
   const TriangleMesh coarse = square_and_flag();
   const TriangleMesh mesh = refine_mesh(coarse, 0.13);
+  ASSERT_EQ(coarse.position.size() + mesh.middle.size(), mesh.position.size());
+  for (size_t i = 0; i < mesh.middle.size(); ++i) {
+    const auto [a, b] = mesh.middle[i];
+    ASSERT_LT(std::max(a, b), coarse.position.size() + i);
+    for (size_t k = 0; k < 3; ++k) {
+      EXPECT_NEAR(mesh.position[coarse.position.size() + i][k], (mesh.position[a][k] + mesh.position[b][k]) / 2, 1e-12);
+    }
+  }
   std::vector<double> area(2);
   for (size_t p = 0; p < mesh.part.size(); ++p) {
     EXPECT_EQ(mesh.part[p].name, coarse.part[p].name);
@@ -129,6 +137,7 @@ TEST(Refine, IsAskedForInPixelsAndAdvisedWhereItIsMissed) {
   EXPECT_LE(drawn_triangle_size(fine.asset), 2);
   EXPECT_EQ(fine.report.source_vertices, 4U);
   EXPECT_EQ(fine.report.refined_vertices + 4, fine.asset.source.source_vertex_count);
+  EXPECT_EQ(fine.asset.source.file_vertex_count(), 4U);
   EXPECT_EQ(fine.report.source_faces, 1U);
   EXPECT_EQ(fine.asset.rest_position.size(), coarse.asset.rest_position.size());
 }

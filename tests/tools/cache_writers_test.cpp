@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 #include <numeric>
+#include <set>
 #include <sstream>
 #include <string>
 
@@ -97,6 +98,59 @@ TEST_F(CacheWriters, Pc2HoldsEveryFrameInFileOrder) {
       EXPECT_EQ(vec3_at(data, 32 + (frame * points + point) * 12), expected.source_position[i]);
     }
   }
+}
+
+// A modelling program lays a cache on one object, and not on what the file has besides.
+TEST_F(CacheWriters, EachPartHasACacheOfItsVerticesAlone) {
+  ClothAsset asset = test::sample_asset();
+  const auto half = static_cast<uint32_t>(asset.source.triangle.size() / 2);
+  const auto rest = static_cast<uint32_t>(asset.source.triangle.size()) - half;
+  asset.source.part = {{"left sleeve", 0, 0, half}, {"left/sleeve", 0, half, rest}};
+  asset.vertex_groups = {{"left sleeve", {5, 2, 9}}};  // which is more than what its triangles have, or less
+  const CacheDescription description{{std::make_shared<const ClothAsset>(asset)}, 60, 1, true};
+  for (const char* name : {"a.pc2", "a.mdd"}) write(name, description);
+  EXPECT_THAT(folder_.entries(), testing::UnorderedElementsAre("a_left_sleeve.mdd", "a_left_sleeve.pc2",
+                                                               "a_left_sleeve_2.mdd", "a_left_sleeve_2.pc2"));
+  const std::vector<fs::path> names = output_names(folder_ / "a.mdd", description);
+  EXPECT_THAT(names, testing::ElementsAre(folder_ / "a_left_sleeve.mdd", folder_ / "a_left_sleeve_2.mdd"));
+
+  const std::array<uint32_t, 2> first_of_part{0, half};
+  for (std::size_t part = 0; part < 2; ++part) {
+    std::set<uint32_t> vertices;
+    for (uint32_t t = 0; t < (part == 0 ? half : rest); ++t) {
+      for (const uint32_t v : asset.source.triangle[first_of_part[part] + t])
+        vertices.insert(asset.source.source_vertex[v]);
+    }
+    if (part == 0) vertices.insert({2, 5, 9});
+    const auto data = bytes(part == 0 ? "a_left_sleeve.pc2" : "a_left_sleeve_2.pc2");
+    const std::size_t points = vertices.size();
+    ASSERT_LT(points, asset.source.source_vertex_count);
+    ASSERT_EQ(data.size(), 32 + 2 * points * 12);
+    EXPECT_EQ(value_at<uint32_t>(data, 16), points);
+    const std::vector<Vec3> moved = waving_frame(asset, 1).source_position;
+    for (std::size_t i = 0; i < moved.size(); ++i) {
+      const auto place = vertices.find(asset.source.source_vertex[i]);
+      if (place == vertices.end()) continue;
+      const auto point = static_cast<std::size_t>(std::distance(vertices.begin(), place));
+      EXPECT_EQ(vec3_at(data, 32 + (points + point) * 12), moved[i]);
+    }
+  }
+}
+
+// Where triangles were divided for the simulation, the mesh of the modelling program has not been.
+TEST_F(CacheWriters, PointCachesLeaveOutVerticesThatWereAdded) {
+  ClothAsset asset = test::sample_asset();
+  asset.source.middle = {{0, 1}, {2, 3}};
+  const uint32_t points = asset.source.source_vertex_count - 2;
+  for (const bool each_part : {false, true}) {
+    const CacheDescription description{{std::make_shared<const ClothAsset>(asset)}, 60, 0, each_part};
+    for (const char* name : {"a.pc2", "a.mdd"}) write(name, description);
+    const std::string stem = output_names(folder_ / "a.pc2", description)[0].stem().string();
+    EXPECT_LE(value_at<uint32_t>(bytes((stem + ".pc2").c_str()), 16), points);
+    EXPECT_EQ(value_at<uint32_t>(bytes((stem + ".mdd").c_str()), 4, true),
+              value_at<uint32_t>(bytes((stem + ".pc2").c_str()), 16));
+  }
+  EXPECT_EQ(value_at<uint32_t>(bytes("a.pc2"), 16), points);
 }
 
 TEST_F(CacheWriters, MddIsBigEndianWithTimes) {

@@ -77,6 +77,25 @@ TEST_F(Parts, AFileOfOnePartIsTakenIntoPieces) {
   EXPECT_EQ(image_of("-piece 0")["source"]["faces"], 2);
 }
 
+// Who models names objects; their meshes are called "Plane.004" and "Cube.017".
+TEST_F(Parts, OfScenesAreCalledAsTheirObjectsOrElseAsTheirMeshes) {
+  mesh_ = folder_.write("objects.gltf", R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,1,2]}],
+    "nodes":[{"mesh":0,"name":"Cape"},{"mesh":0,"name":"Hood","translation":[3,0,0]},{"mesh":1,"translation":[6,0,0]}],
+    "meshes":[{"name":"Plane.004","primitives":[{"attributes":{"POSITION":0}}]},
+              {"name":"Hood","primitives":[{"attributes":{"POSITION":0}}]}],
+    "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}],
+    "bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"byteLength":36,
+    "uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})");
+  const std::string list = run_program({"convert", mesh_, "--parts", "list"}).out;
+  EXPECT_THAT(list, HasSubstr("0  Cape"));
+  EXPECT_THAT(list, HasSubstr("1  Hood"));
+  EXPECT_THAT(list, HasSubstr("2  Hood"));
+  EXPECT_EQ(image_of("Cape")["source"]["faces"], 1);
+  EXPECT_EQ(image_of("Hood")["source"]["faces"], 2);
+  EXPECT_EQ(image_of("Plane.004")["source"]["faces"], 2);
+  EXPECT_EQ(image_of("-Cape")["source"]["faces"], 2);
+}
+
 TEST_F(Parts, AreChosenByNumberNameAndMaterial) {
   const std::vector<std::pair<std::string, int>> components{{"0", 1},
                                                             {"0,2", 2},

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "export/cache_reader.h"
 #include "geocloth/asset/asset_file.h"
 #include "support/make_sheet.h"
 #include "support/run_program.h"
@@ -63,6 +64,31 @@ TEST_F(Starts, WhereTheGridOfAGarmentWas) {
   const ProgramResult again = simulate(R"(,"start":"first.obj")", 0, "again");
   ASSERT_EQ(again.status, 0) << again.err;
   EXPECT_EQ(state("again"), state("first"));
+}
+
+// A mesh is posed, and its cache laid on it, by programs that know nothing of the triangles that were divided.
+TEST_F(Starts, WhereTheFileOfADividedMeshHasItsVertices) {
+  const std::filesystem::path shirt = std::filesystem::path(GEOCLOTH_SOURCE_DIR) / "meshes/garments/t_shirt.obj";
+  ASSERT_EQ(
+      run_program({"convert", shirt, "-o", folder_ / "sheet.glb", "--resolution", "24", "--refine", "0.5", "--quiet"})
+          .status,
+      0);
+  const ClothAsset asset = read_asset(folder_ / "sheet.glb");
+  ASSERT_GT(asset.source.middle.size(), 100U);
+  ASSERT_EQ(simulate("", 10, "first").status, 0);
+  EXPECT_EQ(read_point_cache(folder_ / "first.pc2").points, asset.source.file_vertex_count());
+  const ProgramResult again = simulate(R"(,"start":"first.pc2")", 0, "again");
+  ASSERT_EQ(again.status, 0) << again.err;
+  const std::vector<Vec3> was = read_point_cache(folder_ / "first.pc2").frames.back(),
+                          is = read_point_cache(folder_ / "again.pc2").frames.back();
+  ASSERT_EQ(was.size(), is.size());
+  for (std::size_t i = 0; i < was.size(); ++i) EXPECT_LT(length(was[i] - is[i]), asset.spacing) << i;
+  const ProgramResult posed = simulate(fmt::format(R"(,"start":"{}")", shirt.string()), 0, "posed");
+  EXPECT_EQ(posed.status, 0) << posed.err;
+  EXPECT_EQ(run_program({"render", folder_ / "first.pc2", "--asset", folder_ / "sheet.glb", "--size", "32x32", "-o",
+                         folder_ / "a.png", "-q"})
+                .status,
+            0);
 }
 
 // Cloth goes on falling from where it is taken over, or begins there at rest.

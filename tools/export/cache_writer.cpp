@@ -19,14 +19,14 @@ using MakeWriter = std::unique_ptr<CacheWriter> (*)(const std::filesystem::path&
 struct Format {
   std::string_view ending;
   MakeWriter make;
-  bool holds_one_cloth;
+  bool holds_one_cloth, has_parts;
 };
-constexpr std::array<Format, 6> kFormats{{{".glb", make_gltf_writer, false},
-                                          {".usda", make_usd_writer, false},
-                                          {".obj", make_obj_writer, false},
-                                          {".pc2", make_pc2_writer, true},
-                                          {".mdd", make_mdd_writer, true},
-                                          {".exr", make_exr_writer, true}}};
+constexpr std::array<Format, 6> kFormats{{{".glb", make_gltf_writer, false, false},
+                                          {".usda", make_usd_writer, false, false},
+                                          {".obj", make_obj_writer, false, false},
+                                          {".pc2", make_pc2_writer, true, true},
+                                          {".mdd", make_mdd_writer, true, true},
+                                          {".exr", make_exr_writer, true, false}}};
 
 /// Null for another ending.
 const Format* find_format(const std::filesystem::path& path) {
@@ -53,12 +53,23 @@ std::vector<std::filesystem::path> output_names(const std::filesystem::path& pat
   return names;
 }
 
-std::unique_ptr<FrameWriter> make_cache_writer(const std::filesystem::path& path, const Simulation& simulation) {
+std::vector<std::filesystem::path> output_names(const std::filesystem::path& path,
+                                                const CacheDescription& description) {
+  const Format* const format = find_format(path);
+  if (!description.each_part || format == nullptr || !format->has_parts) {
+    return output_names(path, description.cloths.size());
+  }
+  std::vector<std::filesystem::path> names;
+  for (const PointCacheFile& file : point_cache_files(path, description)) names.push_back(file.path);
+  return names;
+}
+
+CacheDescription describe(const Simulation& simulation) {
   CacheDescription description;
   for (const ClothDesc& cloth : simulation.cloths()) description.cloths.push_back(cloth.asset);
   description.frame_rate = simulation.scene().frame_rate;
   description.frame_count = simulation.scene().frames;
-  return make_cache_writer(path, description);
+  return description;
 }
 
 std::filesystem::path cloth_path(const std::filesystem::path& path, std::size_t cloth, std::size_t cloth_count) {

@@ -34,6 +34,16 @@ void append_number(std::string& text, Number value) {
 [[nodiscard]] std::filesystem::path cloth_path(const std::filesystem::path& path, std::size_t cloth,
                                                std::size_t cloth_count);
 
+/// A point cache, and the vertices of the file that it holds.
+struct PointCacheFile {
+  std::filesystem::path path;
+  std::size_t cloth;
+  std::vector<uint32_t> vertex;
+};
+/// One for each cloth, or for each part of it.
+[[nodiscard]] std::vector<PointCacheFile> point_cache_files(const std::filesystem::path& path,
+                                                            const CacheDescription& description);
+
 /// Whether frame `frame` of a numbered series is a file: all but frame 0, unless there is no other.
 [[nodiscard]] inline bool is_numbered_frame(uint32_t frame, const CacheDescription& description) {
   return frame > 0 || description.frame_count == 0;
@@ -42,7 +52,7 @@ void append_number(std::string& text, Number value) {
 /// Fails now, not after a long run, if the files of a series cannot be written. @throws Error(io)
 void check_series_path(const std::filesystem::path& path);
 
-/// Positions in the order of the vertices of the source file; a vertex that no triangle uses stays at the origin.
+/// Positions in the order of the vertices of the source file, then those that were added where it was divided.
 [[nodiscard]] std::vector<Vec3> in_file_order(const SourceMesh& source, const std::vector<Vec3>& render_positions);
 
 }  // namespace geocloth

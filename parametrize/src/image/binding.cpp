@@ -99,6 +99,7 @@ SourceMesh render_mesh(const TriangleMesh& mesh, const CleanSurface& clean) {
   source.material = mesh.material;
   source.image = mesh.image;
   source.source_vertex_count = static_cast<uint32_t>(mesh.position.size());
+  source.middle = mesh.middle;
   return source;
 }
 

@@ -109,6 +109,7 @@ TriangleMesh with_parts_of(const TriangleMesh& imported, TriangleMesh mesh, cons
   }
   mesh.triangle = std::move(triangle);
   mesh.part = imported.part;
+  mesh.part_mesh = imported.part_mesh;
   mesh.material = imported.material;
   return mesh;
 }

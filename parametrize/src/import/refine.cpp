@@ -122,7 +122,10 @@ class Refinement {
     const auto [low, high] = std::minmax(a.vertex, b.vertex);
     const auto [found, is_new] =
         middle_.try_emplace(uint64_t{low} << 32 | high, static_cast<uint32_t>(mesh_.position.size()));
-    if (is_new) mesh_.position.push_back((mesh_.position[low] + mesh_.position[high]) * 0.5);
+    if (is_new) {
+      mesh_.position.push_back((mesh_.position[low] + mesh_.position[high]) * 0.5);
+      mesh_.middle.push_back({low, high});
+    }
     const Point3 sum = a.normal + b.normal;
     return {
         found->second, {0.5 * (a.uv[0] + b.uv[0]), 0.5 * (a.uv[1] + b.uv[1])}, direction_of(sum).value_or(a.normal)};

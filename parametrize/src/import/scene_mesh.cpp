@@ -9,8 +9,10 @@
 #include <map>
 #include <numeric>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include <assimp/GltfMaterial.h>
@@ -22,6 +24,8 @@
 
 namespace geocloth::import_detail {
 namespace {
+
+constexpr std::string_view kUnnamedGltfNode = "nodes[";  ///< begins what assimp calls those that have no name
 
 /// One mesh of the scene where one node places it.
 struct Placement {
@@ -113,6 +117,7 @@ class MeshBuilder {
     if (format_ == Format::obj) add_obj_vertices();
     for (const Placement& placement : placements) add_part(placement);
     finish_points();
+    add_mesh_groups();
     finish_paint();
     sort_groups();
     return {std::move(mesh_), std::move(shown_)};
@@ -127,7 +132,8 @@ class MeshBuilder {
     return Pose(pose_.matrices(scene_, *placement.node, mesh_of(placement), placement.to_world));
   }
 
-  std::string name_of(const Placement& placement) const {
+  /// What the file calls the mesh, or else the node.
+  std::string mesh_name_of(const Placement& placement) const {
     const aiString& own = mesh_of(placement).mName;
     std::string name = own.length > 0 ? own.C_Str() : placement.node->mName.C_Str();
     if (format_ == Format::fbx) name = name.substr(0, name.find(kFbxHelper));
@@ -136,6 +142,17 @@ class MeshBuilder {
     std::from_chars(name.data(), name.data() + name.size(), number);
     return number < obj_part_name_.size() ? obj_part_name_[number] : name;
   }
+
+  /// What people know it by, who name objects, and leave "Plane.004" to meshes.
+  std::string name_of(const Placement& placement) const {
+    const std::string_view node = placement.node->mName.C_Str();
+    const bool has_objects = format_ == Format::fbx || format_ == Format::dae || is_gltf();
+    const bool is_named = placement.node != scene_.mRootNode && !node.empty() && !node.starts_with(kUnnamedGltfNode);
+    if (!has_objects || !is_named) return mesh_name_of(placement);
+    return std::string(node.substr(0, format_ == Format::fbx ? node.find(kFbxHelper) : node.npos));
+  }
+
+  bool is_gltf() const { return format_ == Format::gltf || format_ == Format::glb; }
 
   [[noreturn]] void bad(const std::string& what) const { fail(file_, ErrorCode::invalid_data, what); }
 
@@ -268,10 +285,13 @@ class MeshBuilder {
     for (unsigned f = 0; f < mesh.mNumFaces; ++f) add_polygon(mesh, mesh.mFaces[f], number, pose);
     const auto count = static_cast<uint32_t>(mesh_.triangle.size()) - first;
     if (count == 0) return;
-    const std::string name = name_of(placement);
+    const std::string name = name_of(placement), mesh_name = mesh_name_of(placement);
     mesh_.part.push_back({name, material_[mesh.mMaterialIndex], first, count});
+    mesh_.part_mesh.push_back(mesh_name);
     // Parts, bones and paint are what a file has for naming points.
-    add_group(name, vertices_of(placement, from, number));
+    const std::vector<uint32_t> all = vertices_of(placement, from, number);
+    add_group(name, all);
+    vertices_of_mesh_.emplace_back(mesh_name, all);
     add_bones(mesh, number);
     add_paint(mesh, number);
   }
@@ -372,6 +392,15 @@ class MeshBuilder {
     all.insert(all.end(), members.begin(), members.end());
   }
 
+  /// The vertices of meshes by their names, as far as these are not those of objects.
+  void add_mesh_groups() {
+    std::set<std::string_view> objects;
+    for (const SourcePart& part : mesh_.part) objects.insert(part.name);
+    for (const auto& [name, vertices] : vertices_of_mesh_) {
+      if (!objects.contains(name)) add_group(name, vertices);
+    }
+  }
+
   void sort_groups() {
     for (ClothAsset::VertexGroup& group : mesh_.vertex_groups) {
       std::vector<uint32_t>& all = group.source_vertex;
@@ -410,12 +439,11 @@ class MeshBuilder {
     ai_real value = 0;
     if (from.Get(AI_MATKEY_METALLIC_FACTOR, value) == aiReturn_SUCCESS) to.metallic = share(value);
     if (from.Get(AI_MATKEY_ROUGHNESS_FACTOR, value) == aiReturn_SUCCESS) to.roughness = share(value);
-    const bool gltf = format_ == Format::gltf || format_ == Format::glb;
-    if (!gltf && from.Get(AI_MATKEY_OPACITY, value) == aiReturn_SUCCESS) to.base_color[3] = share(value);
+    if (!is_gltf() && from.Get(AI_MATKEY_OPACITY, value) == aiReturn_SUCCESS) to.base_color[3] = share(value);
     read_alpha(from, to);
     to.base_color_image = add_image(from, {aiTextureType_BASE_COLOR, aiTextureType_DIFFUSE});
     to.normal_image = add_image(from, {aiTextureType_NORMALS});
-    if (gltf) to.metallic_roughness_image = add_image(from, {aiTextureType_METALNESS, aiTextureType_UNKNOWN});
+    if (is_gltf()) to.metallic_roughness_image = add_image(from, {aiTextureType_METALNESS, aiTextureType_UNKNOWN});
     return to;
   }
 
@@ -480,6 +508,7 @@ class MeshBuilder {
   std::vector<uint32_t> material_;  ///< per material of the scene: its number in mesh_
   std::map<std::string, std::optional<uint32_t>> image_;
   std::map<std::string, std::size_t> group_;
+  std::vector<std::pair<std::string, std::vector<uint32_t>>> vertices_of_mesh_;  ///< of each part
   bool is_painted_ = false;
   VertexPaint paint_;
   std::vector<Point3> corner_position_;

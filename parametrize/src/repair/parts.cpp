@@ -88,7 +88,8 @@ class Selector {
     }
     constexpr std::string_view kMaterial = "material:";
     if (term.starts_with(kMaterial)) return parts_of_material(term.substr(kMaterial.size()));
-    std::vector<uint32_t> found = parts_of_name(term);
+    std::vector<uint32_t> found = named(term, [&](uint32_t i) { return mesh_.part[i].name; });
+    if (found.empty() && !mesh_.part_mesh.empty()) found = named(term, [&](uint32_t i) { return mesh_.part_mesh[i]; });
     if (!found.empty()) return found;
     const size_t dash = term.find('-');
     const std::optional<uint32_t> low = whole_number(term.substr(0, dash));
@@ -104,19 +105,18 @@ class Selector {
     return found;
   }
 
-  [[nodiscard]] std::vector<uint32_t> parts_of_name(std::string_view name) const {
+  /// The parts that a function gives that name.
+  template <typename NameOf>
+  [[nodiscard]] std::vector<uint32_t> named(std::string_view name, const NameOf& name_of) const {
     std::vector<uint32_t> found;
     for (uint32_t i = 0; i < mesh_.part.size(); ++i) {
-      if (mesh_.part[i].name == name) found.push_back(i);
+      if (name_of(i) == name) found.push_back(i);
     }
     return found;
   }
 
   [[nodiscard]] std::vector<uint32_t> parts_of_material(std::string_view name) const {
-    std::vector<uint32_t> found;
-    for (uint32_t i = 0; i < mesh_.part.size(); ++i) {
-      if (material_name(mesh_, mesh_.part[i]) == name) found.push_back(i);
-    }
+    std::vector<uint32_t> found = named(name, [&](uint32_t i) { return material_name(mesh_, mesh_.part[i]); });
     if (!found.empty()) return found;
     throw Error(ErrorCode::invalid_argument, "no part has the material " + std::string(name) + "; see --parts list");
   }
@@ -141,6 +141,7 @@ TriangleMesh with_triangles(const TriangleMesh& mesh, const std::vector<uint32_t
   TriangleMesh result;
   result.name = mesh.name;
   result.position = mesh.position;
+  result.middle = mesh.middle;
   result.part = std::move(part);
   result.material = mesh.material;
   result.image = mesh.image;
@@ -201,8 +202,10 @@ TriangleMesh select_parts(const TriangleMesh& mesh, std::string_view selection) 
   const std::vector<char> chosen = Selector(mesh).select(selection);
   std::vector<uint32_t> order;
   std::vector<SourcePart> part;
+  std::vector<std::string> part_mesh;
   for (size_t i = 0; i < mesh.part.size(); ++i) {
     if (chosen[i] == 0) continue;
+    if (!mesh.part_mesh.empty()) part_mesh.push_back(mesh.part_mesh[i]);
     SourcePart kept = mesh.part[i];
     kept.first_triangle = static_cast<uint32_t>(order.size());
     for (uint32_t t = 0; t < kept.triangle_count; ++t) order.push_back(mesh.part[i].first_triangle + t);
@@ -212,7 +215,9 @@ TriangleMesh select_parts(const TriangleMesh& mesh, std::string_view selection) 
     throw Error(ErrorCode::invalid_argument,
                 "the selection of parts " + std::string(selection) + " leaves no face; see --parts list");
   }
-  return with_triangles(mesh, order, std::move(part));
+  TriangleMesh result = with_triangles(mesh, order, std::move(part));
+  result.part_mesh = std::move(part_mesh);
+  return result;
 }
 
 }  // namespace geocloth

@@ -95,6 +95,7 @@ Json add_cloth(glb::Builder& builder, const ClothAsset& asset) {
                       {"offsets", builder.add_array(column(asset.binding, [](const Binding& b) { return b.offset; }))}};
   cloth["sourceVertices"] = {{"count", asset.source.source_vertex_count},
                              {"indices", builder.add_array(asset.source.source_vertex)}};
+  if (!asset.source.middle.empty()) cloth["sourceVertices"]["middles"] = builder.add_array(asset.source.middle);
   cloth["parts"] = column(asset.source.part, [](const SourcePart& part) { return part.name; });
   if (!asset.vertex_groups.empty()) cloth["vertexGroups"] = Json::array();
   for (const ClothAsset::VertexGroup& group : asset.vertex_groups) {
@@ -147,6 +148,7 @@ SourceMesh read_source_mesh(Reader& reader, const Json& cloth) {
   const Json& vertices = reader.member(cloth, "sourceVertices");
   source.source_vertex_count = reader.number32(vertices, "count");
   source.source_vertex = reader.values<uint32_t>(vertices, "indices", source.position.size());
+  if (Reader::find(vertices, "middles")) source.middle = reader.values<std::array<uint32_t, 2>>(vertices, "middles");
   return source;
 }
 

@@ -175,6 +175,12 @@ void check_source_vertices(const SourceMesh& source) {
     }
     check_index("source.source_vertex", i, source.source_vertex[i], source.source_vertex_count);
   }
+  if (source.middle.size() > source.source_vertex_count) refuse("source.middle", "has more entries than vertices");
+  for (std::size_t i = 0; i < source.middle.size(); ++i) {
+    for (const uint32_t end : source.middle[i]) {
+      check_index("source.middle", i, end, source.file_vertex_count() + static_cast<uint32_t>(i));
+    }
+  }
   for (std::size_t i = 0; i < source.uv.size(); ++i) {
     if (!std::isfinite(source.uv[i].x) || !std::isfinite(source.uv[i].y)) {
       refuse(element("source.uv", i), "is not finite");
@@ -281,6 +287,11 @@ const char* to_string(Layout layout) {
       return "uv";
   }
   return "unknown";
+}
+
+void add_middles(const SourceMesh& source, std::vector<Vec3>& points) {
+  points.reserve(source.source_vertex_count);
+  for (const auto& [a, b] : source.middle) points.push_back((points[a] + points[b]) * 0.5F);
 }
 
 void validate(const ClothAsset& asset) {

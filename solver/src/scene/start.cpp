@@ -27,7 +27,10 @@ double size_of(const ClothAsset& asset, std::span<const Vec3> position) {
 class FilePixels {
  public:
   FilePixels(const SceneStart& start, const ClothDesc& cloth, size_t points)
-      : start_(start), cloth_(cloth), by_grid_(points != cloth.asset->source.source_vertex_count) {
+      : start_(start),
+        cloth_(cloth),
+        by_grid_(points != cloth.asset->source.file_vertex_count() &&
+                 points != cloth.asset->source.source_vertex_count) {
     const ClothAsset& asset = *cloth.asset;
     if (by_grid_) grid_ = welded_grid_mesh(asset, asset.rest_position);
     if (!by_grid_ || points == grid_.pixel.size()) {
@@ -36,7 +39,7 @@ class FilePixels {
     }
     throw Error(ErrorCode::invalid_data, start.file.string() + ": has " + std::to_string(points) +
                                              " vertices, and the mesh that the asset was converted from has " +
-                                             std::to_string(asset.source.source_vertex_count) + " (its grid " +
+                                             std::to_string(asset.source.file_vertex_count()) + " (its grid " +
                                              std::to_string(grid_.pixel.size()) +
                                              "); it must be the same mesh, with its vertices in the same order");
   }
@@ -52,6 +55,7 @@ class FilePixels {
     const ClothAsset& asset = *cloth_.asset;
     std::vector<Vec3> known, out;
     if (!by_grid_) {
+      if (placed.size() == asset.source.file_vertex_count()) add_middles(asset.source, placed);
       for (const uint32_t v : asset.source.source_vertex) known.push_back(placed[v]);
       binding_->evaluate(known, out, cloth_.transform.scale);
       return out;

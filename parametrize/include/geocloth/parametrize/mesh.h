@@ -24,17 +24,20 @@ using Progress = std::function<void(std::string_view stage, double fraction)>;
 
 /// A mesh as its file has it: triangulated, node transforms applied, in metres, y up, nothing repaired.
 struct TriangleMesh {
-  std::string name;                           ///< stem of the file name
-  std::vector<Point3> position;               ///< vertices of the file, in the file's order [m]
+  std::string name;              ///< stem of the file name
+  std::vector<Point3> position;  ///< vertices of the file, in the file's order [m]
+  /// Of vertices at the end that refine_mesh() added: the two before it that each is in the middle of.
+  std::vector<std::array<uint32_t, 2>> middle;
   std::vector<Triangle> triangle;             ///< indices into position; may be degenerate or duplicated
   std::vector<uint32_t> polygon;              ///< per triangle: number of the polygon of the file it was cut from
   std::vector<std::array<Point2, 3>> uv;      ///< per triangle corner, v down as in glTF; empty when the file has none
   std::vector<std::array<Point3, 3>> normal;  ///< per triangle corner, unit length, or empty
   std::vector<SourcePart> part;               ///< ranges of `triangle`, ascending, covering all of it
+  std::vector<std::string> part_mesh;         ///< what the file calls the mesh of each part, an object; or empty
   std::vector<SourceMaterial> material;
   std::vector<SourceImage> image;
-  /// Vertices of each named part, those that each bone moves more than anything else, and those painted in one of eight
-  /// colours ("color:red"), where there are several.
+  /// Vertices of each named part, by the name of its mesh, too; those that each bone moves more than anything else, and
+  /// those painted in one of eight colours ("color:red"), where there are several.
   std::vector<ClothAsset::VertexGroup> vertex_groups;
   std::vector<Rgba8> paint;           ///< per vertex, white where a file that paints others says nothing; or empty
   std::vector<std::string> left_out;  ///< what the file has and this mesh has not, in plain words

@@ -110,18 +110,29 @@ struct SourcePart {
 };
 
 /// The mesh as the user made it, in metres, ready to be drawn. A vertex here is a render vertex (split at every
-/// texture-coordinate and normal seam); `source_vertex` says which vertex of the file it was.
+/// texture-coordinate and normal seam); `source_vertex` says which vertex of the file it was, or which in `middle`.
 struct SourceMesh {
   std::vector<Vec3> position;           ///< [m]
   std::vector<Vec3> normal;             ///< unit length; as many as positions
   std::vector<Vec2> uv;                 ///< as many as positions, or empty; (0,0) is the picture's upper left corner
-  std::vector<uint32_t> source_vertex;  ///< index of the vertex in the file; as many as positions
+  std::vector<uint32_t> source_vertex;  ///< each below source_vertex_count; as many as positions
   std::vector<Triangle> triangle;
   std::vector<SourcePart> part;  ///< ranges of `triangle`, ascending, covering all of it
   std::vector<SourceMaterial> material;
   std::vector<SourceImage> image;
-  uint32_t source_vertex_count = 0;  ///< vertices in the file; every source_vertex is below it
+  uint32_t source_vertex_count = 0;  ///< vertices in the file, and those in `middle`
+  /// Of the vertices at the end that the file has not: each lies in the middle of two that stand before it.
+  std::vector<std::array<uint32_t, 2>> middle;
+
+  /// Vertices that the file has: without those that were added when its triangles were divided.
+  [[nodiscard]] uint32_t file_vertex_count() const {
+    return source_vertex_count - static_cast<uint32_t>(middle.size());
+  }
 };
+
+/// Adds the places of the vertices that are in the middle of others.
+/// @param points  of the vertices of the file; gets source_vertex_count of them
+void add_middles(const SourceMesh& source, std::vector<Vec3>& points);
 
 /// Everything that the solver, the renderer and the tools need to know of one garment. A plain value.
 /// All per-pixel arrays have width * height entries, row by row, pixel (0,0) at the top left.
