@@ -358,6 +358,7 @@ TEST_F(AnimatedFbx, ClipsByNameByWhatTheyDoAndByNumber) {
     expect_at(at(open(f, {.clip = clip}), 1, 1, 2), -2, 1, 0);
   }
   expect_at(at(open(f), 1, 1, 2), -1, 2, 0);
+  expect_at(at(open(f, {.clip = "*"}), 1, 1, 2), -2, -1, 0);  // both turned by 90 degrees
   EXPECT_THAT(refused("a.fbx", f.text(), {.clip = "Run"}),
               HasSubstr("has no animation 'Run'; it has 0 'rig|Bend', 1 'rig|Lean'"));
 }

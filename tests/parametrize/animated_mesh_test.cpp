@@ -265,6 +265,28 @@ TEST_F(AnimatedMeshTest, ClipsByNameAndNumber) {
   }
 }
 
+// Blender's exporter writes an animation for each object, and for the shape keys of each: one alone is half of a
+// motion.
+TEST_F(AnimatedMeshTest, AllClipsAtOnce) {
+  Gltf g = triangle_file();
+  for (const char* name : {"up", "wide"}) {
+    g.json["animations"].push_back({{"name", name}, {"samplers", json::array()}, {"channels", json::array()}});
+  }
+  add_track(g, {.path = "translation", .time = {0, 1}, .value = {5, 0, 0, 6, 0, 0}, .clip = 0});
+  add_track(g, {.path = "translation", .time = {0, 2}, .value = {0, 1, 0, 0, 3, 0}, .clip = 1});
+  add_track(g, {.path = "scale", .time = {0, 1}, .value = {1, 1, 1, 2, 2, 2}, .clip = 2});
+  const AnimatedMesh mesh(write("a.glb", g.glb()), {.clip = "*"});
+  EXPECT_NEAR(mesh.duration(), 2, 1e-6);
+  const auto width = [&](double time) {
+    const std::vector<Vec3> p = mesh.positions_at(time);
+    return length(p[1] - p[0]);
+  };
+  expect_at(mesh.positions_at(1)[0], 0, 2, 0);  // the later one of two that move it
+  EXPECT_NEAR(width(1), 2 * width(0), 1e-5F);
+  g.json["animations"][1]["name"] = "*";
+  expect_at(first_at(g, 0, {.clip = "*"}), 0, 1, 0);
+}
+
 // --- the same surface as the importer's ------------------------------------------------------------------------------
 
 // A mirrored body would be inside out, and push cloth into itself.

@@ -134,9 +134,11 @@ NodeAnimation read_assimp_animation(const std::filesystem::path& path, const Ass
   std::span<aiAnimation* const> clips(file.scene->mAnimations, file.scene->mNumAnimations);
   std::vector<std::string> names;
   for (std::size_t i = 0; i < count_clips(file); ++i) names.emplace_back(clips[i]->mName.C_Str());
-  const std::size_t number = find_clip(path, names, clip);
-  if (file.format != Format::dae) clips = clips.subspan(number, 1);
-  return TrackReader(path, clip_title(names[number], number), nodes, targets).read(clips);
+  const std::vector<std::size_t> numbers = find_clips(path, names, clip);
+  const bool all = numbers.size() > 1;
+  if (file.format != Format::dae && !all) clips = clips.subspan(numbers[0], 1);
+  const std::string title = all ? std::string(kAllClips) : clip_title(names[numbers[0]], numbers[0]);
+  return TrackReader(path, title, nodes, targets).read(clips);
 }
 
 }  // namespace geocloth::import_detail

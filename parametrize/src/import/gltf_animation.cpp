@@ -38,17 +38,18 @@ bool is_unit_integer(const GltfAccessor& a) {
 
 class AnimationReader {
  public:
+  /// @param numbers  read so far, and those of one pose; of all that play at once
   AnimationReader(const GltfFile& gltf, const GltfData& data, std::size_t number, std::string title,
-                  const std::vector<std::size_t>& targets)
+                  const std::vector<std::size_t>& targets, std::size_t& numbers)
       : gltf_(gltf),
         data_(data),
         json_(gltf.array("animations")[number]),
         targets_(targets),
-        animation_(std::move(title)) {}
+        animation_(std::move(title)),
+        numbers_(numbers) {}
 
   NodeAnimation read() {
     for (std::size_t i = 0; i < json_["channels"].size(); ++i) read_channel(i);
-    if (animation_.empty()) gltf_.bad(animation_.title() + " moves no node, skin or morph target");
     return std::move(animation_);
   }
 
@@ -160,7 +161,7 @@ class AnimationReader {
   const std::vector<std::size_t>& targets_;
   NodeAnimation animation_;
   std::map<std::size_t, std::size_t> sampler_;  ///< of the file that were read: their numbers in animation_
-  std::size_t numbers_ = 0;                     ///< read so far, and those of one pose
+  std::size_t& numbers_;
 };
 
 }  // namespace
@@ -168,8 +169,14 @@ class AnimationReader {
 NodeAnimation read_gltf_animation(const GltfFile& gltf, const GltfData& data, const std::string& clip,
                                   const std::vector<std::size_t>& targets) {
   const std::vector<std::string> names = animation_names(gltf.array("animations"));
-  const std::size_t number = find_clip(gltf.path, names, clip);
-  return AnimationReader(gltf, data, number, title_of(names[number], number), targets).read();
+  const std::vector<std::size_t> clips = find_clips(gltf.path, names, clip);
+  NodeAnimation out(clips.size() == 1 ? title_of(names[clips[0]], clips[0]) : std::string(kAllClips));
+  std::size_t numbers = 0;
+  for (const std::size_t i : clips) {
+    out.add(AnimationReader(gltf, data, i, title_of(names[i], i), targets, numbers).read());
+  }
+  if (out.empty()) gltf.bad(out.title() + " moves no node, skin or morph target");
+  return out;
 }
 
 }  // namespace geocloth::import_detail

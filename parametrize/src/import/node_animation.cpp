@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <numeric>
 
 #include "import/import_detail.h"
 
@@ -83,18 +84,25 @@ NodePose blend_pose(const NodePose& from, const NodePose& to, double share) {
   return out;
 }
 
-std::size_t find_clip(const std::filesystem::path& file, std::span<const std::string> names, const std::string& clip) {
+std::vector<std::size_t> find_clips(const std::filesystem::path& file, std::span<const std::string> names,
+                                    const std::string& clip) {
   if (names.empty()) bad(file, "has no animation; export it with one, or use it as a mesh that stands still");
-  if (clip.empty()) return 0;
+  const auto place_of = [&](auto found) { return static_cast<std::size_t>(found - names.begin()); };
+  if (clip.empty()) return {0};
   const auto named = std::find(names.begin(), names.end(), clip);
-  if (named != names.end()) return static_cast<std::size_t>(named - names.begin());
+  if (named != names.end()) return {place_of(named)};
+  if (clip == "*") {
+    std::vector<std::size_t> all(names.size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    return all;
+  }
   const auto is_action = [&](const std::string& name) { return name.ends_with("|" + clip); };
   const auto action = std::find_if(names.begin(), names.end(), is_action);
-  if (action != names.end()) return static_cast<std::size_t>(action - names.begin());
+  if (action != names.end()) return {place_of(action)};
   std::size_t number = 0;
   const char* const end = clip.data() + clip.size();
   const auto [at, error] = std::from_chars(clip.data(), end, number);
-  if (error == std::errc() && at == end && number < names.size()) return number;
+  if (error == std::errc() && at == end && number < names.size()) return {number};
   bad(file, "has no animation '" + clip.substr(0, kShownName) + "'; it has " + list_names(names));
 }
 
@@ -107,6 +115,16 @@ std::size_t NodeAnimation::add_sampler(Sampler sampler) {
 void NodeAnimation::add_channel(const Channel& channel) {
   if (channel.path != Path::weights) moved_.insert(channel.node);
   channel_.push_back(channel);
+}
+
+void NodeAnimation::add(const NodeAnimation& other) {
+  const std::size_t first = sampler_.size();
+  sampler_.insert(sampler_.end(), other.sampler_.begin(), other.sampler_.end());
+  for (Channel channel : other.channel_) {
+    channel.sampler += first;
+    add_channel(channel);
+  }
+  duration_ = std::max(duration_, other.duration_);
 }
 
 void NodeAnimation::apply(double time, std::vector<NodePose>& pose) const {

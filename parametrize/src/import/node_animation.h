@@ -9,6 +9,7 @@
 #include <set>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -41,10 +42,14 @@ struct NodePose {
 
 /// Which of a file's animations is meant: by its name, by what of its name is behind a bar (Blender's exporters write
 /// "Armature|Walk"), or by its number where none has that name, since some exporters name animations by numbers; the
-/// first where nothing is said.
+/// first where nothing is said; all, which play at once, for "*", where none is called so.
+/// @returns their numbers, at least one
 /// @throws Error(invalid_data) that lists the names when there is none of that name or number
-[[nodiscard]] std::size_t find_clip(const std::filesystem::path& file, std::span<const std::string> names,
-                                    const std::string& clip);
+[[nodiscard]] std::vector<std::size_t> find_clips(const std::filesystem::path& file, std::span<const std::string> names,
+                                                  const std::string& clip);
+
+/// What messages call all animations of a file.
+inline constexpr std::string_view kAllClips = "the animations";
 
 /// How much of a name from a file is shown in a message.
 inline constexpr std::size_t kShownName = 60;
@@ -70,6 +75,8 @@ class NodeAnimation {
   /// @returns its number
   std::size_t add_sampler(Sampler sampler);
   void add_channel(const Channel& channel);
+  /// What plays at the same time; of two channels that move the same, the later one counts.
+  void add(const NodeAnimation& other);
   /// [s] >= 0, in place of the time of its last key.
   void set_duration(double duration) { duration_ = duration; }
 

@@ -14,7 +14,7 @@ namespace geocloth {
 /// When the animation of a file plays, and what it shows.
 struct AnimationOptions {
   /// Name of the animation, what of it is behind a bar ("Armature|Walk" of Blender), or its number in the file from 0;
-  /// empty: the first one.
+  /// empty: the first one; "*": all of them at once, of which the later one counts where two move the same.
   std::string clip = {};
   /// [s] >= 0. Before, the nodes go evenly from where they are when the file opens to where the animation begins.
   double start = 0;

@@ -101,7 +101,7 @@ struct SceneCut {
 
 /// Which animation of its file deforms a body, and when.
 struct BodyAnimation {
-  std::string clip = {};  ///< its name or its number, from 0; empty: the first one
+  std::string clip = {};  ///< its name or its number, from 0; empty: the first one; "*": all at once
   /// [s] >= 0. Until then the body goes from how it stands in the file to the animation's first pose.
   double start = 0;
   double speed = 1;   ///< > 0
