@@ -106,6 +106,32 @@ TEST(HangingStrip, IsAsLongCutAcrossAsUncut) {
   EXPECT_NEAR(hanging_elongation(8, 29, material, 4), uncut, 0.06 * uncut);
 }
 
+// A seam between a chart whose cells are thin there and one whose cells are not passes on as much of a pull as any
+// other.
+TEST(HangingStrip, HangsBySeamsWhoseSidesWeighUnalike) {
+  const SheetOptions options{.nx = 8, .ny = 41, .width = 0.175F, .charts_y = 2};
+  const ClothAsset even = make_sheet(options);
+  ClothAsset uneven = even;
+  for (uint32_t row = 0; row < even.splits.rows(); ++row) {
+    const uint32_t first = even.splits.offset[row];
+    ASSERT_EQ(even.splits.offset[row + 1] - first, 2U);
+    uneven.area[even.splits.pixel[first]] *= 1 / 16.F;
+    uneven.area[even.splits.pixel[first + 1]] *= 2 - 1 / 16.F;
+  }
+  SolverSettings settings = test::cpu_settings();
+  settings.substeps = 8;
+  const auto hung = [&](const ClothAsset& asset) {
+    Material material;
+    material.max_stretch = 0;  // by its springs alone
+    Solver solver(std::vector{test::describe(asset, material)}, settings);
+    solver.set_pins(0, test::pins_at_rest(asset, "top"));
+    test::run(solver, 60);
+    return test::positions_of(solver);
+  };
+  const std::vector<Vec3> expected = hung(even), is = hung(uneven);
+  for (size_t p = 0; p < is.size(); ++p) EXPECT_LT(length(is[p] - expected[p]), 1e-5F) << p;
+}
+
 class Cutting : public ::testing::TestWithParam<std::pair<uint32_t, uint32_t>> {};
 
 // 8 substeps of 1/60 s. The step is as dissipative as a backward Euler step: a spin of w [1/s] loses the share w^2 dt a

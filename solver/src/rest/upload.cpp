@@ -80,19 +80,40 @@ class SpringBuilder {
   ClothData& data_;
 };
 
-std::vector<shader::vec4> start_positions(const ClothDesc& cloth, const FabricMap& fabrics, const Vec3& origin) {
+/// [kg] of each pixel. The copies of a point have the same: what a spring moves a copy by counts for the point by the
+/// copy's share of the mass, so that springs of one that had a small share would hardly hold. A cut between them leaves
+/// each what it has.
+std::vector<double> masses_of(const ClothDesc& cloth, const FabricMap& fabrics, const ClothAsset& uncut) {
   const ClothAsset& asset = *cloth.asset;
   const double scale = cloth.transform.scale;
   double total = 0;
   for (const float a : asset.area) total += static_cast<double>(a);
   const double smallest = kSmallestAreaShare * total / std::max(1U, count_valid_pixels(asset));
+  std::vector<double> mass(asset.pixel_count(), 0);
+  for (uint32_t p = 0; p < asset.pixel_count(); ++p) {
+    if (!asset.valid(p)) continue;
+    const double area = std::max(static_cast<double>(asset.area[p]), smallest) * scale * scale;
+    mass[p] = area * static_cast<double>(fabrics.at(p).areal_density);
+  }
+  for (uint32_t row = 0; row < uncut.splits.rows(); ++row) {
+    const uint32_t first = uncut.splits.offset[row];
+    const std::span<const uint32_t> copies(&uncut.splits.pixel[first], uncut.splits.offset[row + 1] - first);
+    double sum = 0;
+    for (const uint32_t p : copies) sum += mass[p];
+    for (const uint32_t p : copies) mass[p] = sum / static_cast<double>(copies.size());
+  }
+  return mass;
+}
+
+std::vector<shader::vec4> start_positions(const ClothDesc& cloth, const FabricMap& fabrics, const ClothAsset& uncut,
+                                          const Vec3& origin) {
+  const ClothAsset& asset = *cloth.asset;
+  const std::vector<double> mass = masses_of(cloth, fabrics, uncut);
   std::vector<shader::vec4> position(asset.pixel_count(), {0, 0, 0, 0});
   for (uint32_t p = 0; p < asset.pixel_count(); ++p) {
     if (!asset.valid(p)) continue;
     const Vec3 x = apply(cloth.transform, asset.rest_position[p]) - origin;
-    const double area = std::max(static_cast<double>(asset.area[p]), smallest) * scale * scale;
-    const auto w = static_cast<float>(1 / (area * static_cast<double>(fabrics.at(p).areal_density)));
-    position[p] = {x.x, x.y, x.z, shader::inverse_mass_of(w)};
+    position[p] = {x.x, x.y, x.z, shader::inverse_mass_of(static_cast<float>(1 / mass[p]))};
   }
   return position;
 }
@@ -139,7 +160,7 @@ ClothData make_cloth_data(const ClothDesc& cloth, const Vec3& origin, const Clot
   data.width = asset.width;
   data.height = asset.height;
   const FabricMap fabrics(cloth, uncut);
-  data.position = start_positions(cloth, fabrics, origin);
+  data.position = start_positions(cloth, fabrics, uncut, origin);
   const RestShape rest(asset, cloth.transform.scale, fabrics);
   SpringBuilder(cloth, rest, data).build();
   add_bends(cloth, fabrics, rest, data);
