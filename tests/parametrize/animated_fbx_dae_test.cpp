@@ -229,6 +229,24 @@ TEST_F(AnimatedFbx, VerticesAreThePointsOfTheFileInItsOrder) {
   EXPECT_EQ(mesh.vertex_groups[2].source_vertex.size(), 2 * point.size());
 }
 
+// The lips of a closed mouth lie on each other, and go apart when it opens.
+TEST_F(AnimatedFbx, PointsAtOnePlaceGoTheirOwnWays) {
+  const std::string apart =
+      replaced(replaced(strip_file().text(), "Vertices: *18 {\na: 0,0,0,1,0,0,0,1,0,1,1,0,0,2,0,1,2,0\n",
+                        "Vertices: *24 {\na: 0,0,0,1,0,0,0,1,0,1,1,0,0,2,0,1,2,0,0,1,0,1,1,0\n"),
+               "a: 0,1,3,-3,2,3,5,-5\n", "a: 0,1,3,-3,6,7,5,-5\n");
+  const std::string text = replaced(replaced(apart, "Indexes: *2 {\na: 4,5\n", "Indexes: *4 {\na: 4,5,6,7\n"),
+                                    "Weights: *2 {\na: 1,1\n", "Weights: *4 {\na: 1,1,1,1\n");
+  const AnimatedMesh mesh(write("mouth.fbx", text));
+  const std::vector<Vec3> opened = mesh.positions_as_opened(), turned = mesh.positions_at(1);
+  ASSERT_EQ(opened.size(), 8U);
+  expect_at(opened[3], 1, 1, 0);
+  expect_at(opened[7], 1, 1, 0);
+  expect_at(turned[3], 1, 1, 0);
+  expect_at(turned[7], 0, 2, 0);
+  EXPECT_EQ(import_mesh(folder_ / "mouth.fbx").position.size(), 8U);
+}
+
 TEST_F(AnimatedFbx, PivotsAndTurnsBeforeTheTurn) {
   Fbx pivot = triangle_file(Fbx::vector("RotationPivot", 1, 0, 0));
   pivot.clip(5000, "Turn");

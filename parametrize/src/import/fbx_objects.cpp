@@ -75,6 +75,8 @@ class TextReader {
       FbxObject& object = open.back();
       if (word == "Vertices:") {
         object.points = places();
+      } else if (word == "PolygonVertexIndex:") {
+        object.corners = numbers<int32_t>();
       } else if (word == "Indexes:") {
         object.indices_end = end_of(numbers<int32_t>());
       } else if (animated_ && word == "KeyTime:") {
@@ -201,7 +203,10 @@ void FbxObjects::add(FbxObject object) {
   if (object.points.empty()) return;
   const auto [it, is_new] = point_count_.try_emplace(object.id, object.points.size());
   it->second = std::min(it->second, object.points.size());
-  points.emplace_back(std::move(object.name), std::move(object.points));
+  std::vector<uint32_t> corner;
+  corner.reserve(object.corners.size());
+  for (const int32_t i : object.corners) corner.push_back(static_cast<uint32_t>(i < 0 ? ~i : i));
+  points.emplace_back(std::move(object.name), std::move(object.points), std::move(corner));
 }
 
 void FbxObjects::check_keys(const FbxObject& object) {
@@ -256,6 +261,7 @@ void read_fbx_record(const std::filesystem::path& file, std::string_view name, s
   const std::string_view array = values.substr(1);
   if (name == "Vertices" && type == 'd') object.points = places_of(unpacked<double>(file, array));
   if (name == "Vertices" && type == 'f') object.points = places_of(unpacked<float>(file, array));
+  if (name == "PolygonVertexIndex" && type == 'i') object.corners = unpacked<int32_t>(file, array);
   if (name == "Indexes" && type == 'i') object.indices_end = end_of(unpacked<int32_t>(file, array));
   if (!animated) return;
   if (name == "KeyTime" && type == 'l') object.time = unpacked<int64_t>(file, array);

@@ -23,6 +23,7 @@ struct FbxObject {
   int64_t id = 0;                      ///< 0: it has none
   std::string name = {};               ///< as its node will be called
   std::vector<FilePoint> points = {};  ///< of a geometry
+  std::vector<int32_t> corners = {};   ///< of its faces: their points, of the last one of a face the complement
   uint32_t indices_end = 0;            ///< above all points that a cluster holds
   bool is_clip = false;                ///< it, or what it is in
   std::vector<int64_t> time;           ///< of the keys of a curve [ticks], 46,186,158,000 a second

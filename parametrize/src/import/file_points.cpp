@@ -10,7 +10,6 @@
 #include <assimp/fast_atof.h>
 
 namespace geocloth::import_detail {
-
 namespace {
 
 struct NoNumber : std::exception {
@@ -33,8 +32,8 @@ float assimp_number(std::string_view word) {
   return value;
 }
 
-FilePoints::FilePoints(std::string name, std::vector<FilePoint> position)
-    : name_(std::move(name)), position_(std::move(position)) {
+FilePoints::FilePoints(std::string name, std::vector<FilePoint> position, std::vector<uint32_t> corner)
+    : name_(std::move(name)), position_(std::move(position)), corner_(std::move(corner)) {
   const auto is_finite = [](const FilePoint& p) {
     return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
   };
@@ -57,6 +56,18 @@ bool FilePoints::have_all_of(const aiMesh& mesh) const {
   return std::all_of(mesh.mVertices, mesh.mVertices + mesh.mNumVertices, [&](const aiVector3D& p) {
     return !at({p.x, p.y, p.z}).empty();
   });
+}
+
+std::vector<uint32_t> FilePoints::points_of(const aiMesh& mesh) const {
+  std::vector<uint32_t> points;
+  points.reserve(mesh.mNumVertices);
+  for (const aiVector3D& p : std::span(mesh.mVertices, mesh.mNumVertices)) {
+    const FilePoint place{p.x, p.y, p.z};
+    const std::size_t i = points.size();
+    const bool is_known = corner_.size() == mesh.mNumVertices && corner_[i] < size() && position_[corner_[i]] == place;
+    points.push_back(is_known ? corner_[i] : at(place)[0]);
+  }
+  return points;
 }
 
 std::size_t find_points(std::span<const FilePoints> of, const aiMesh& mesh) {

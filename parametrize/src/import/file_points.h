@@ -23,7 +23,8 @@ class FilePoints {
  public:
   /// @param name      of the mesh, as assimp calls it
   /// @param position  of its points, in the file's order
-  FilePoints(std::string name, std::vector<FilePoint> position);
+  /// @param corner    the point of each corner of its faces, in the file's order, where that is known
+  FilePoints(std::string name, std::vector<FilePoint> position, std::vector<uint32_t> corner = {});
 
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] std::size_t size() const { return position_.size(); }
@@ -32,10 +33,15 @@ class FilePoints {
   [[nodiscard]] std::span<const uint32_t> at(const FilePoint& place) const;
   /// Whether every vertex of a mesh lies at one of the points.
   [[nodiscard]] bool have_all_of(const aiMesh& mesh) const;
+  /// Which points the vertices of a mesh are: told apart at one place where the mesh has all corners of the file, else
+  /// the first one there.
+  /// @param mesh  have_all_of() it
+  [[nodiscard]] std::vector<uint32_t> points_of(const aiMesh& mesh) const;
 
  private:
   std::string name_;
   std::vector<FilePoint> position_;
+  std::vector<uint32_t> corner_;
   std::vector<uint32_t> by_place_;  ///< numbers of the points in the order of their places; none if one has no place
 };
 

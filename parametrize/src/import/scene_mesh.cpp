@@ -237,21 +237,28 @@ class MeshBuilder {
         add_vertex(place_of({placed.first, std::nullopt, {x, y, z}}, pose));
       }
     }
-    ShownMesh& shown = shown_.back();
+    const std::vector<uint32_t> point = points.points_of(*shown_.back().mesh);
     for (unsigned i = 0; i < number.size(); ++i) {
-      const aiVector3D p = shown.mesh->mVertices[i];
-      const std::span<const uint32_t> at = points.at({p.x, p.y, p.z});
-      number[i] = placed.first + at[0];
-      if (placed.is_shown[at[0]]) continue;
-      for (const uint32_t point : at) {
-        placed.is_shown[point] = true;
-        shown.vertex.push_back({placed.first + point, i, p});
-        mesh_.position[placed.first + point] = place_of(shown.vertex.back(), pose);
+      number[i] = placed.first + point[i];
+      if (!placed.is_shown[point[i]]) show_point(placed, point[i], i, pose);
+    }
+    // What lies where others do, and has no face of its own, moves with one of them.
+    for (unsigned i = 0; i < number.size(); ++i) {
+      for (const uint32_t other : points.at(points.position(point[i]))) {
+        if (!placed.is_shown[other]) show_point(placed, other, i, pose);
       }
     }
   }
 
-  /// Points that no face has move with their nodes. They, and all but the first at a place, are painted as others are.
+  /// @param vertex  of the mesh that shown_.back() has, which the point is
+  void show_point(PlacedPoints& placed, uint32_t point, unsigned vertex, const Pose& pose) {
+    ShownMesh& shown = shown_.back();
+    placed.is_shown[point] = true;
+    shown.vertex.push_back({placed.first + point, vertex, shown.mesh->mVertices[vertex]});
+    mesh_.position[placed.first + point] = place_of(shown.vertex.back(), pose);
+  }
+
+  /// Points that no face has move with their nodes, and are painted as others are.
   void finish_points() {
     for (const auto& [key, placed] : placed_points_) {
       const FilePoints& points = points_[key.second];
@@ -260,8 +267,7 @@ class MeshBuilder {
         const auto& [x, y, z] = points.position(k);
         const uint32_t number = placed.first + k, same = placed.first + points.at(points.position(k))[0];
         if (!placed.is_shown[k]) shown_[placed.shown].vertex.push_back({number, std::nullopt, {x, y, z}});
-        if (is_painted_ && (same != number || !placed.is_shown[k]))
-          paint_.copy(placed.is_shown[k] ? same : any, number);
+        if (is_painted_) paint_.copy(placed.is_shown[k] ? same : any, number);
       }
     }
   }

@@ -26,7 +26,7 @@ void VertexPaint::add(uint32_t vertex, const Color& color) {
 
 void VertexPaint::copy(uint32_t from, uint32_t to) {
   vertex_.resize(std::max(vertex_.size(), std::max(from, to) + std::size_t{1}));
-  vertex_[to] = vertex_[from];
+  if (vertex_[to].corners == 0) vertex_[to] = vertex_[from];
 }
 
 std::vector<Rgba8> VertexPaint::colors(std::size_t vertex_count) const {

@@ -15,7 +15,7 @@ class VertexPaint {
   using Color = std::array<float, 4>;  ///< red, green, blue, alpha; 0..1
 
   void add(uint32_t vertex, const Color& color);
-  /// Paints a vertex as another one is.
+  /// Paints a vertex that has no paint as another one is.
   void copy(uint32_t from, uint32_t to);
 
   /// The mean over its corners of each vertex; white where it has none.
