@@ -13,6 +13,7 @@ namespace geocloth::test {
 namespace {
 
 using nlohmann::json;
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -94,6 +95,33 @@ TEST_F(Parts, OfScenesAreCalledAsTheirObjectsOrElseAsTheirMeshes) {
   EXPECT_EQ(image_of("Hood")["source"]["faces"], 2);
   EXPECT_EQ(image_of("Plane.004")["source"]["faces"], 2);
   EXPECT_EQ(image_of("-Cape")["source"]["faces"], 2);
+}
+
+// A cache goes on one object of a modelling program; of the whole file it would have other vertices.
+TEST_F(Parts, HavePointCachesOfTheirOwn) {
+  ASSERT_EQ(convert({"--parts", "left,right"}).status, 0);
+  const ProgramResult result = run_program({"simulate", folder_ / "out.glb", "--frames", "1", "--backend", "cpu",
+                                            "--each-part", "-o", folder_ / "c.pc2", "-q"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("c_left.pc2\n"));
+  EXPECT_THAT(folder_.entries(), ElementsAre("c_left.pc2", "c_right.pc2", "out.glb", "outfit.obj"));
+  for (const char* name : {"c_left.pc2", "c_right.pc2"}) {
+    EXPECT_EQ(read_text(folder_ / name).size(), 32U + 2 * 4 * 12) << name;  // two frames of four points
+  }
+}
+
+TEST_F(Parts, ACacheOfOneIsNotWrittenOverWhatTheSceneReads) {
+  mesh_ = folder_.write("outfit.obj", "o sheet\n" + sheet(0, 1, 0));
+  ASSERT_EQ(convert({}).status, 0);
+  const auto simulate = [&](const std::string& scene) {
+    return run_program({"simulate", folder_ / scene, "--each-part", "-o", folder_ / "c.pc2", "-q"});
+  };
+  folder_.write("first.json", R"({"version":1,"frames":1,"cloths":[{"asset":"out.glb"}]})");
+  ASSERT_EQ(simulate("first.json").status, 0);
+  folder_.write("again.json", R"({"version":1,"frames":1,"cloths":[{"asset":"out.glb","start":"c_sheet.pc2"}]})");
+  const ProgramResult again = simulate("again.json");
+  EXPECT_EQ(again.status, 1);
+  EXPECT_THAT(again.err, AllOf(HasSubstr("c_sheet.pc2"), HasSubstr("a start of the scene")));
 }
 
 TEST_F(Parts, AreChosenByNumberNameAndMaterial) {
