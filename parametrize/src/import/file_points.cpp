@@ -8,6 +8,7 @@
 #include <utility>
 
 #include <assimp/fast_atof.h>
+#include <assimp/mesh.h>
 
 namespace geocloth::import_detail {
 namespace {

@@ -4,13 +4,14 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include <assimp/scene.h>
+struct aiMesh;  // of assimp
 
 namespace geocloth::import_detail {
 
