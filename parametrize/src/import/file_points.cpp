@@ -43,19 +43,24 @@ FilePoints::FilePoints(std::string name, std::vector<FilePoint> position, std::v
   for (uint32_t i = 0; i < by_place_.size(); ++i) by_place_[i] = i;
   std::stable_sort(by_place_.begin(), by_place_.end(),
                    [&](uint32_t a, uint32_t b) { return position_[a] < position_[b]; });
+  first_at_.resize(by_place_.size());
+  uint32_t first = 0;
+  for (const uint32_t i : by_place_) {
+    if (position_[i] != position_[first] || i == by_place_[0]) first = i;
+    first_at_[i] = first;
+  }
 }
 
-std::span<const uint32_t> FilePoints::at(const FilePoint& place) const {
-  const auto first = std::lower_bound(by_place_.begin(), by_place_.end(), place,
+std::optional<uint32_t> FilePoints::find(const FilePoint& place) const {
+  const auto found = std::lower_bound(by_place_.begin(), by_place_.end(), place,
                                       [&](uint32_t a, const FilePoint& p) { return position_[a] < p; });
-  const auto last =
-      std::upper_bound(first, by_place_.end(), place, [&](const FilePoint& p, uint32_t a) { return p < position_[a]; });
-  return {first, last};
+  if (found == by_place_.end() || position_[*found] != place) return std::nullopt;
+  return *found;
 }
 
 bool FilePoints::have_all_of(const aiMesh& mesh) const {
   return std::all_of(mesh.mVertices, mesh.mVertices + mesh.mNumVertices, [&](const aiVector3D& p) {
-    return !at({p.x, p.y, p.z}).empty();
+    return find({p.x, p.y, p.z}).has_value();
   });
 }
 
@@ -66,7 +71,7 @@ std::vector<uint32_t> FilePoints::points_of(const aiMesh& mesh) const {
     const FilePoint place{p.x, p.y, p.z};
     const std::size_t i = points.size();
     const bool is_known = corner_.size() == mesh.mNumVertices && corner_[i] < size() && position_[corner_[i]] == place;
-    points.push_back(is_known ? corner_[i] : at(place)[0]);
+    points.push_back(is_known ? corner_[i] : find(place).value());
   }
   return points;
 }

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -30,8 +31,10 @@ class FilePoints {
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] std::size_t size() const { return position_.size(); }
   [[nodiscard]] const FilePoint& position(std::size_t point) const { return position_[point]; }
-  /// The numbers of all points at a place, ascending; none where there are none.
-  [[nodiscard]] std::span<const uint32_t> at(const FilePoint& place) const;
+  /// The first point at a place.
+  [[nodiscard]] std::optional<uint32_t> find(const FilePoint& place) const;
+  /// The first point where a point is.
+  [[nodiscard]] uint32_t first_at(std::size_t point) const { return first_at_[point]; }
   /// Whether every vertex of a mesh lies at one of the points.
   [[nodiscard]] bool have_all_of(const aiMesh& mesh) const;
   /// Which points the vertices of a mesh are: told apart at one place where the mesh has all corners of the file, else
@@ -44,6 +47,7 @@ class FilePoints {
   std::vector<FilePoint> position_;
   std::vector<uint32_t> corner_;
   std::vector<uint32_t> by_place_;  ///< numbers of the points in the order of their places; none if one has no place
+  std::vector<uint32_t> first_at_;  ///< of each point, as many as by_place_
 };
 
 /// Which of the meshes of a file assimp's mesh was made of: the smallest that has all its points, of its name if one

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 
 #include "import/import_detail.h"
@@ -117,9 +118,9 @@ void NodeAnimation::add_channel(const Channel& channel) {
   channel_.push_back(channel);
 }
 
-void NodeAnimation::add(const NodeAnimation& other) {
+void NodeAnimation::add(NodeAnimation other) {
   const std::size_t first = sampler_.size();
-  sampler_.insert(sampler_.end(), other.sampler_.begin(), other.sampler_.end());
+  std::ranges::move(other.sampler_, std::back_inserter(sampler_));
   for (Channel channel : other.channel_) {
     channel.sampler += first;
     add_channel(channel);

@@ -76,7 +76,7 @@ class NodeAnimation {
   std::size_t add_sampler(Sampler sampler);
   void add_channel(const Channel& channel);
   /// What plays at the same time; of two channels that move the same, the later one counts.
-  void add(const NodeAnimation& other);
+  void add(NodeAnimation other);
   /// [s] >= 0, in place of the time of its last key.
   void set_duration(double duration) { duration_ = duration; }
 

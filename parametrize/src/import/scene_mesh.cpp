@@ -82,9 +82,15 @@ struct Pose {
 
 /// The points of a mesh of the file where a node places them.
 struct PlacedPoints {
-  uint32_t first = 0;     ///< vertex of the TriangleMesh
-  std::size_t shown = 0;  ///< number of the first mesh that was made of them
-  std::vector<bool> is_shown;
+  /// A vertex of one of the meshes that were made of them.
+  struct Source {
+    std::size_t shown;
+    unsigned vertex;
+  };
+
+  uint32_t first = 0;                         ///< vertex of the TriangleMesh
+  std::size_t shown = 0;                      ///< number of the first mesh that was made of them
+  std::vector<std::optional<Source>> source;  ///< of each point, where a face has it
 };
 
 class MeshBuilder {
@@ -176,10 +182,10 @@ class MeshBuilder {
   }
 
   /// Where a vertex of a mesh is in the world; of a point that no face has, where all are.
-  Point3 place_of(const ShownVertex& shown, const Pose& pose) const {
-    const bool bent = pose.bent() && shown.vertex;
-    const aiVector3D p = bent ? pose.matrices.each[*shown.vertex] * shown.position : shown.position;
-    return transform(bent ? aiMatrix4x4() : pose.matrices.all, {double{p.x}, double{p.y}, double{p.z}}, scale_);
+  Point3 place_of(const ShownVertex& shown, const ScenePose::Matrices& matrices) const {
+    const bool bent = !matrices.each.empty() && shown.vertex;
+    const aiVector3D p = bent ? matrices.each[*shown.vertex] * shown.position : shown.position;
+    return transform(bent ? aiMatrix4x4() : matrices.all, {double{p.x}, double{p.y}, double{p.z}}, scale_);
   }
 
   /// Numbers in `position` of the vertices of one placed mesh.
@@ -193,21 +199,21 @@ class MeshBuilder {
     } else if (format_ == Format::fbx || format_ == Format::dae) {
       shown_.push_back({placement.node, &mesh, {}, pose.matrices});
       if (from < points_.size()) {
-        number_as_file(placement, from, pose, number);
+        number_as_file(placement, from, number);
       } else {
-        number_by_use(pose, number);
+        number_by_use(number);
       }
     } else {
       for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
         number[i] = static_cast<uint32_t>(mesh_.position.size());
-        add_vertex(place_of({number[i], i, mesh.mVertices[i]}, pose));
+        add_vertex(place_of({number[i], i, mesh.mVertices[i]}, pose.matrices));
       }
     }
     return number;
   }
 
   /// Numbers the corners that shown_.back() has, those at one place alike, in the order of their first use.
-  void number_by_use(const Pose& pose, std::vector<uint32_t>& number) {
+  void number_by_use(std::vector<uint32_t>& number) {
     ShownMesh& shown = shown_.back();
     std::map<FilePoint, uint32_t> seen;
     for (unsigned i = 0; i < number.size(); ++i) {
@@ -219,55 +225,64 @@ class MeshBuilder {
         if (!is_new) continue;
       }
       shown.vertex.push_back({number[i], i, p});
-      add_vertex(place_of(shown.vertex.back(), pose));
+      add_vertex(place_of(shown.vertex.back(), shown.matrices));
     }
   }
 
   /// Numbers the corners that shown_.back() has as the points of the file. The meshes of a node that were made of one,
   /// a mesh for each material, share them.
-  void number_as_file(const Placement& placement, std::size_t from, const Pose& pose, std::vector<uint32_t>& number) {
+  void number_as_file(const Placement& placement, std::size_t from, std::vector<uint32_t>& number) {
     const FilePoints& points = points_[from];
+    const std::size_t shown = shown_.size() - 1;
     const auto [it, is_new] = placed_points_.try_emplace({placement.node, from});
     PlacedPoints& placed = it->second;
     if (is_new) {
-      placed = {static_cast<uint32_t>(mesh_.position.size()), shown_.size() - 1,
-                std::vector<bool>(points.size(), false)};
-      for (std::size_t k = 0; k < points.size(); ++k) {
-        const auto& [x, y, z] = points.position(k);
-        add_vertex(place_of({placed.first, std::nullopt, {x, y, z}}, pose));
-      }
+      placed = {static_cast<uint32_t>(mesh_.position.size()), shown, {}};
+      placed.source.resize(points.size());
+      for (uint32_t k = 0; k < points.size(); ++k)
+        add_vertex(place_of(loose_point(points, k, placed), shown_[shown].matrices));
     }
-    const std::vector<uint32_t> point = points.points_of(*shown_.back().mesh);
+    const std::vector<uint32_t> point = points.points_of(*shown_[shown].mesh);
     for (unsigned i = 0; i < number.size(); ++i) {
       number[i] = placed.first + point[i];
-      if (!placed.is_shown[point[i]]) show_point(placed, point[i], i, pose);
-    }
-    // What lies where others do, and has no face of its own, moves with one of them.
-    for (unsigned i = 0; i < number.size(); ++i) {
-      for (const uint32_t other : points.at(points.position(point[i]))) {
-        if (!placed.is_shown[other]) show_point(placed, other, i, pose);
-      }
+      if (placed.source[point[i]]) continue;
+      placed.source[point[i]] = {shown, i};
+      show({shown, i}, number[i]);
     }
   }
 
-  /// @param vertex  of the mesh that shown_.back() has, which the point is
-  void show_point(PlacedPoints& placed, uint32_t point, unsigned vertex, const Pose& pose) {
-    ShownMesh& shown = shown_.back();
-    placed.is_shown[point] = true;
-    shown.vertex.push_back({placed.first + point, vertex, shown.mesh->mVertices[vertex]});
-    mesh_.position[placed.first + point] = place_of(shown.vertex.back(), pose);
+  static ShownVertex loose_point(const FilePoints& points, uint32_t k, const PlacedPoints& placed) {
+    const auto& [x, y, z] = points.position(k);
+    return {placed.first + k, std::nullopt, {x, y, z}};
   }
 
-  /// Points that no face has move with their nodes, and are painted as others are.
+  /// Has a vertex move as one of a mesh does.
+  void show(const PlacedPoints::Source& source, uint32_t number) {
+    ShownMesh& shown = shown_[source.shown];
+    shown.vertex.push_back({number, source.vertex, shown.mesh->mVertices[source.vertex]});
+    mesh_.position[number] = place_of(shown.vertex.back(), shown.matrices);
+  }
+
+  /// Points that no face has move with one that lies where they do, or else with their nodes, and are painted as others
+  /// are.
   void finish_points() {
     for (const auto& [key, placed] : placed_points_) {
       const FilePoints& points = points_[key.second];
+      std::vector<uint32_t> shown_at(points.size(), kNone);  // one that a face has, by the first point at its place
+      for (uint32_t k = 0; k < points.size(); ++k) {
+        uint32_t& known = shown_at[points.first_at(k)];
+        if (known == kNone && placed.source[k]) known = k;
+      }
       const uint32_t any = shown_[placed.shown].vertex.empty() ? 0 : shown_[placed.shown].vertex[0].number;
       for (uint32_t k = 0; k < points.size(); ++k) {
-        const auto& [x, y, z] = points.position(k);
-        const uint32_t number = placed.first + k, same = placed.first + points.at(points.position(k))[0];
-        if (!placed.is_shown[k]) shown_[placed.shown].vertex.push_back({number, std::nullopt, {x, y, z}});
-        if (is_painted_) paint_.copy(placed.is_shown[k] ? same : any, number);
+        const uint32_t number = placed.first + k, twin = shown_at[points.first_at(k)];
+        if (is_painted_) paint_.copy(twin != kNone ? placed.first + twin : any, number);
+        if (placed.source[k]) continue;
+        if (twin != kNone) {
+          show(*placed.source[twin], number);
+        } else {
+          shown_[placed.shown].vertex.push_back(loose_point(points, k, placed));
+        }
       }
     }
   }
@@ -277,7 +292,7 @@ class MeshBuilder {
                                     const std::vector<uint32_t>& number) const {
     const auto placed = placed_points_.find({placement.node, from});
     if (placed == placed_points_.end()) return number;
-    std::vector<uint32_t> out(placed->second.is_shown.size());
+    std::vector<uint32_t> out(placed->second.source.size());
     std::iota(out.begin(), out.end(), placed->second.first);
     return out;
   }
@@ -295,9 +310,9 @@ class MeshBuilder {
     mesh_.part.push_back({name, material_[mesh.mMaterialIndex], first, count});
     mesh_.part_mesh.push_back(mesh_name);
     // Parts, bones and paint are what a file has for naming points.
-    const std::vector<uint32_t> all = vertices_of(placement, from, number);
+    std::vector<uint32_t> all = vertices_of(placement, from, number);
     add_group(name, all);
-    vertices_of_mesh_.emplace_back(mesh_name, all);
+    if (mesh_name != name) vertices_of_mesh_.emplace_back(mesh_name, std::move(all));
     add_bones(mesh, number);
     add_paint(mesh, number);
   }
@@ -514,7 +529,7 @@ class MeshBuilder {
   std::vector<uint32_t> material_;  ///< per material of the scene: its number in mesh_
   std::map<std::string, std::optional<uint32_t>> image_;
   std::map<std::string, std::size_t> group_;
-  std::vector<std::pair<std::string, std::vector<uint32_t>>> vertices_of_mesh_;  ///< of each part
+  std::vector<std::pair<std::string, std::vector<uint32_t>>> vertices_of_mesh_;  ///< where a part has another name
   bool is_painted_ = false;
   VertexPaint paint_;
   std::vector<Point3> corner_position_;

@@ -114,9 +114,9 @@ bool may_reach(std::span<const shader::ColliderShape> shapes, std::span<const sh
   for (size_t k = collider; k < poses.size(); k += shapes.size()) {
     const float wide = margin + way_to_next(shape, poses[k]);
     // The passes meet planes where they are at the end of a substep, and sweep all else.
-    const bool reached = shape.kind == shader::kShapePlane ? plane_reaches(poses[k], box, margin)
-                         : is_endless(local)               ? true
-                                                           : are_near(box_at(local, poses[k], wide), box, 0);
+    const bool reached = shape.kind == shader::kShapePlane
+                             ? plane_reaches(poses[k], box, margin)
+                             : is_endless(local) || are_near(box_at(local, poses[k], wide), box, 0);
     if (reached) return true;
   }
   return false;

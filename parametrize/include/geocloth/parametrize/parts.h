@@ -26,11 +26,10 @@ struct PartSummary {
 
 /// The mesh with some of its parts only. Vertices keep their numbers; those that only parts left out use remain.
 /// @param mesh       of with_choosable_parts
-/// @param selection  terms with commas between them, each a number N, a range N-M, the name of parts, or else of what
-/// the
-///   file calls their meshes, or material:NAME;
-///   a '-' before a term leaves out. "0,2", "sleeve_l,sleeve_r", "-3", "0-5,-buttons", "-material:metal". When the
-///   first term leaves out, all others stay. A name with a comma cannot be said; use the number.
+/// @param selection  terms with commas between them, each a number N, a range N-M, the name of parts or else of their
+///   meshes in the file, or material:NAME; a '-' before a term leaves out. "0,2", "sleeve_l,sleeve_r", "-3",
+///   "0-5,-buttons", "-material:metal". When the first term leaves out, all others stay. A name with a comma cannot be
+///   said; use the number.
 /// @throws Error(invalid_argument) when a term is empty or names no part, or when no part is left
 [[nodiscard]] TriangleMesh select_parts(const TriangleMesh& mesh, std::string_view selection);
 
