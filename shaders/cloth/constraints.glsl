@@ -179,6 +179,18 @@ void seam_span_at(uint i) {
   pull_span(pixel_at(span.a), pixel_at(span.b), span.rest, 1.0f);
 }
 
+void sew_at(uint i) {
+  SeamSpring thread = seam_springs[i];
+  precise float longest = thread.rest * sewing_share(params.sewing_before, params.sewing_after,
+                                                     substeps[constants.substep].frame_fraction);
+  uvec2 pa = pixel_at(thread.a);
+  uvec2 pb = pixel_at(thread.b);
+  vec4 a = load_point(pa);
+  vec4 b = load_point(pb);
+  SpanMove move = span_move(way_between(pa, a, pb, b), inverse_mass_of(a.w), inverse_mass_of(b.w), longest, 1.0f);
+  if (move.pulls) move_ends(pa, a, pb, b, move.step);
+}
+
 // Copies of a point lie on each other.
 void place_copies(uint pixel, uint row, vec3 place) {
   if (row == kNoRow) {

@@ -121,6 +121,9 @@ void run_list(uint pass) {
       case kTileWholeTies:
         whole_tie_at(constants.first + i);
         break;
+      case kTileSew:
+        sew_at(constants.first + i);
+        break;
       case kTileStitch:
         stitch_at(i);
         break;

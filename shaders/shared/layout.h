@@ -132,8 +132,8 @@ struct ClothParams {
   uint inter_buckets;        // of their hash, a power of two
   uint first_shape;          // of the colliders that the cloth meets: all, or a list behind all of some of them
   uint first_pose;           // of those before the first substep; see backend.h
-  uint unused1;
-  uint unused2;
+  float sewing_before;       // share of their distance at rest that sewn points may have, at the frame's start
+  float sewing_after;        // and at its end
   FrameField whole;
   FrameField taken;
   FrameField carrier;  // the motion of a collider that may take the cloth along
@@ -170,13 +170,13 @@ struct Attachment {
 };
 const uint kNoAnchor = 0xFFFFFFFFu;
 
-// Over a seam: bending, by a spring from a to b or by the curvature at the middle (lib/bend.h), or a span or a tie from
-// a to b (lib/span.h). Those of one colour share no pixel; a colour is a contiguous range.
+// Over a seam: bending, by a spring from a to b or by the curvature at the middle (lib/bend.h), or a span, a tie or a
+// sewing thread from a to b (lib/span.h). Those of one colour share no pixel; a colour is a contiguous range.
 struct SeamSpring {
   uint a;
   uint middle;
   uint b;
-  float rest;          // [m] of the spring, of the curvature or of the span
+  float rest;          // [m] of the spring, of the curvature, of the span or of the thread
   float compliance;    // [m/N]
   float chord;         // for the curvature: share of b in the chord at the middle
   float middle_share;  // and share of the middle point's mass that its pixel carries

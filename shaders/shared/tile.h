@@ -37,6 +37,7 @@ const uint kTileTies = 15u;
 const uint kTileGiveWay = 16u;
 const uint kTileLines = 17u;
 const uint kTileWholeTies = 18u;
+const uint kTileSew = 19u;
 
 // One pass, with what it would get as PassConstants.
 struct TileStep {

@@ -202,6 +202,16 @@ void check_pressure(float pressure, const std::string& where) {
          "between " + number(-kLargestPressure) + " and " + number(kLargestPressure) + " Pa");
 }
 
+void check_gravity_scale(float scale, const std::string& where) {
+  constexpr float kLargest = 100;
+  if (!(std::abs(scale) <= kLargest)) refuse(where, "gravity_scale", scale, "between -100 and 100");
+}
+
+void check_sewing(float share, const std::string& where) {
+  constexpr float kLargest = 1e6F;
+  if (!(share >= 0 && share <= kLargest)) refuse(where, "share of a seam's gap", share, "between 0 and 1e6");
+}
+
 void check_gravity(const Vec3& gravity, const std::string& where) {
   check_vector(gravity, 1e4F, where, "gravity");
 }

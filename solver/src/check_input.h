@@ -45,6 +45,8 @@ void check_backstop(const Backstop& backstop, bool held, const std::string& wher
 /// Of springs that tear.
 void check_tear(double stretch, const std::string& where);
 void check_pressure(float pressure, const std::string& where);
+void check_gravity_scale(float scale, const std::string& where);
+void check_sewing(float share, const std::string& where);
 void check_gravity(const Vec3& gravity, const std::string& where);
 void check_position(const Vec3& position, const std::string& where);
 /// Three corners in range that span an area.

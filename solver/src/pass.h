@@ -25,6 +25,7 @@ enum class Pass : uint8_t {
   seam_curvature,   ///< per seam bend, one group for each colour
   seam_spans,       ///< per span over a seam or tie on one, one group for each colour after those of the bends
   spans,            ///< per span of lib/span.h, groups 0..7, only with max_stretch and colliders
+  sew,              ///< per sewing thread, one group for each colour, those of the list over seams that come last
   stitch,           ///< per split row: mass-weighted mean of the copies, written to every copy
   settle,           ///< per pixel: base and offset become the position, only with ClothParams::fine
   limit,            ///< per pixel: long-range attachment; copies are equal before it and so they are after it
@@ -59,7 +60,7 @@ struct PassInfo {
   std::string_view name;
   std::string_view shader;  ///< file in shaders/cloth/
 };
-inline constexpr std::array<PassInfo, 40> kPasses{{
+inline constexpr std::array<PassInfo, 41> kPasses{{
     {Pass::normals, "normals", "normals.comp"},
     {Pass::normals_stitch, "normals_stitch", "normals_stitch.comp"},
     {Pass::rescale, "rescale", "rescale.comp"},
@@ -73,6 +74,7 @@ inline constexpr std::array<PassInfo, 40> kPasses{{
     {Pass::seam_curvature, "seam_curvature", "seam_curvature.comp"},
     {Pass::seam_spans, "seam_spans", "seam_spans.comp"},
     {Pass::spans, "spans", "spans.comp"},
+    {Pass::sew, "sew", "sew.comp"},
     {Pass::stitch, "stitch", "stitch.comp"},
     {Pass::settle, "settle", "settle.comp"},
     {Pass::limit, "limit", "limit.comp"},
@@ -108,7 +110,7 @@ inline constexpr std::array<PassInfo, 40> kPasses{{
 /// Passes over a colour of the list over seams.
 [[nodiscard]] constexpr bool is_over_seams(Pass pass) {
   return pass == Pass::seam_bends || pass == Pass::seam_curvature || pass == Pass::seam_spans ||
-         pass == Pass::whole_ties;
+         pass == Pass::whole_ties || pass == Pass::sew;
 }
 
 /// In which order the three groups of curvatures along a line are projected. Each of them moves three points, so what a
@@ -182,6 +184,7 @@ struct ScheduleOptions {
   bool motion = false;           ///< how far points go is measured after the last substep
   uint32_t motion_word = 0;      ///< 0 or 1, for even and odd frames
   uint32_t seam_bend_colors = 0, seam_span_colors = 0, seam_tie_colors = 0, whole_tie_colors = 0;
+  uint32_t sewing_colors = 0;  ///< of the threads; 0 as well while they do not hold
 
   bool operator==(const ScheduleOptions&) const = default;
 };
@@ -196,7 +199,7 @@ struct ScheduleOptions {
 
 /// The passes of one substep in their order:
 ///   [rescale] [normals] predict pins { shear, stitch, bends over seams, [spans over seams, spans], bending or
-///   curvature, structural, stitch } x relaxation [settle] limit [self_drift .. self_move] [inter_gather .. inter_move]
+///   curvature, structural, [sew], stitch } x relaxation [settle] limit [self_drift .. self_move] [inter_gather .. inter_move]
 ///   { collide_cells, stitch_contacts } x rounds, collide [check]
 [[nodiscard]] std::vector<PassStep> substep_schedule(const ScheduleOptions& options);
 
@@ -211,7 +214,7 @@ struct SubstepHalves {
 [[nodiscard]] SubstepHalves substep_halves(const ScheduleOptions& options);
 
 /// The passes after those of a frame's last substep, which belong to it: hold_way, lines x 2, { [whole_ties], ties,
-/// [ties on seams, stitch] } x 3, [whole_ties], give_way [check], or none.
+/// [ties on seams, sew, stitch] } x 3, [whole_ties], give_way [check], or none.
 [[nodiscard]] std::vector<PassStep> finish_schedule(const ScheduleOptions& options);
 
 /// The passes after all of a frame: normals [measure_motion].

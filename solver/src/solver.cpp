@@ -19,6 +19,7 @@
 #include "rest/fabrics.h"
 #include "rest/inter_points.h"
 #include "rest/self_points.h"
+#include "rest/sewing.h"
 #include "rest/tear.h"
 #include "rest/upload.h"
 #include "solver_impl.h"
@@ -464,6 +465,32 @@ void Solver::Impl::set_pressure(uint32_t cloth, float pressure) {
   c.pressure = pressure;
 }
 
+void Solver::Impl::set_gravity_scale(uint32_t cloth, float scale) {
+  check_gravity_scale(scale, name_of(cloth));
+  Cloth& c = cloths_[cloth];
+  c.disturbed = c.disturbed || scale != c.gravity_scale;
+  c.gravity_scale = scale;
+}
+
+void Solver::Impl::set_sewing(uint32_t cloth, std::optional<float> share) {
+  if (share) check_sewing(*share, name_of(cloth));
+  Cloth& c = cloths_[cloth];
+  c.disturbed = c.disturbed || share != c.sewn_to;
+  if (!share || !c.sewn_from) c.sewn_from = share;
+  c.sewn_to = share;
+}
+
+float Solver::Impl::sewing_gap(uint32_t cloth) {
+  const Cloth& c = cloths_[cloth];
+  if (c.asset->sewing.empty()) return 0;
+  std::vector<Vec3> position;
+  read_positions(cloth, position);
+  float gap = 0;
+  for (const auto& [a, b] : c.asset->sewing)
+    gap = std::max(gap, length(position[b] - position[a]) / sewing_thread(*c.asset, c.scale, a, b));
+  return gap;
+}
+
 void Solver::Impl::set_parent(uint32_t cloth, const Transform& pose, const Vec3& inertia_scale, bool teleport) {
   check_parent(pose, inertia_scale, name_of(cloth) + ": parent");
   Cloth& c = cloths_[cloth];
@@ -858,6 +885,18 @@ void Solver::set_meets(uint32_t cloth, uint32_t groups) {
 
 void Solver::set_pressure(uint32_t cloth, float pressure) {
   impl_->set_pressure(impl_->index_of(cloth), pressure);
+}
+
+void Solver::set_gravity_scale(uint32_t cloth, float scale) {
+  impl_->set_gravity_scale(impl_->index_of(cloth), scale);
+}
+
+void Solver::set_sewing(uint32_t cloth, std::optional<float> share) {
+  impl_->set_sewing(impl_->index_of(cloth), share);
+}
+
+float Solver::sewing_gap(uint32_t cloth) {
+  return impl_->sewing_gap(impl_->index_of(cloth));
 }
 CutResult Solver::cut(uint32_t cloth, const std::array<Vec3, 3>& triangle) {
   return impl_->cut(impl_->index_of(cloth), triangle);

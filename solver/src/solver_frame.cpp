@@ -101,11 +101,15 @@ float Solver::Impl::stretch_limit(const Cloth& cloth) const {
 }
 
 void Solver::Impl::fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const {
-  frame.params = cloth_params(cloth.material, clock(), settings_.gravity, wind_, cloth.pressure);
+  const Vec3 gravity = cloth.gravity_scale * settings_.gravity;
+  frame.params = cloth_params(cloth.material, clock(), gravity, wind_, cloth.pressure);
   frame.params.gravity_step.w = static_cast<float>(clock().dt / cloth.displaced_in);
   frame.params.inverse_dt2 = static_cast<float>(1 / (cloth.compliance_step * cloth.compliance_step));
-  set_imperfection(settings_.imperfection, settings_.gravity, cloth.size, origin_, frame.params);
+  set_imperfection(settings_.imperfection, gravity, cloth.size, origin_, frame.params);
   frame.params.fine = fine_;
+  frame.sewn = cloth.sewn_to.has_value();
+  frame.params.sewing_before = cloth.sewn_from.value_or(0);
+  frame.params.sewing_after = cloth.sewn_to.value_or(0);
   frame.params.stretch_limit = stretch_limit(cloth);
   frame.params.width = cloth.asset->width;
   frame.params.height = cloth.asset->height;
@@ -544,7 +548,10 @@ void Solver::Impl::step() {
     frames_from_[i] = frame;
     deform_[i] = 0;
   }
-  for (Cloth& cloth : cloths_) cloth.parent_from = cloth.parent_to;
+  for (Cloth& cloth : cloths_) {
+    cloth.parent_from = cloth.parent_to;
+    cloth.sewn_from = cloth.sewn_to;
+  }
   time_ += settings_.frame_time;
 }
 

@@ -44,6 +44,9 @@ class Solver::Impl {
   void set_pins(uint32_t cloth, std::span<const Pin> pins);
   [[nodiscard]] std::vector<uint32_t> held_pixels(uint32_t cloth) const;
   void set_pressure(uint32_t cloth, float pressure);
+  void set_gravity_scale(uint32_t cloth, float scale);
+  void set_sewing(uint32_t cloth, std::optional<float> share);
+  [[nodiscard]] float sewing_gap(uint32_t cloth);
   void set_material(uint32_t cloth, const Material& material);
   [[nodiscard]] const Material& material(uint32_t cloth) const { return cloths_[cloth].material; }
   void set_fabric(uint32_t cloth, uint32_t fabric, const Material& material);
@@ -131,6 +134,8 @@ class Solver::Impl {
     SelfNumbers self;
     std::optional<InterCollision> inter_collision;
     float pressure = 0;            ///< [Pa]
+    float gravity_scale = 1;
+    std::optional<float> sewn_from, sewn_to;  ///< see set_sewing(), at the start and the end of the next frame
     uint32_t meets = 0;            ///< groups of colliders
     bool collide_cells = false;    ///< a collider was met that may slip through between pixels
     bool teleport = false;         ///< the parent jumps before the next frame

@@ -25,7 +25,7 @@ namespace {
 using shader::vec4;
 
 constexpr uint32_t kMagic = 0x53434C47;  // "GLCS"; read in another order of bytes it is another number
-constexpr uint32_t kVersion = 8;         ///< one more whenever what is written changes, or what a frame makes of it
+constexpr uint32_t kVersion = 9;         ///< one more whenever what is written changes, or what a frame makes of it
 
 /// Of one point.
 struct SavedPoint {
@@ -288,7 +288,8 @@ struct Solver::Impl::SavedCloth {
   std::array<Ride, 2> rides;
   std::optional<Seen> seen;
   double look_again = 0;
-  float limit = 0, reach = 0, strayed = 0, pressure = 0;
+  float limit = 0, reach = 0, strayed = 0, pressure = 0, gravity_scale = 1;
+  std::optional<float> sewn_from, sewn_to;
   uint32_t calm_frames = 0, meets = 0;
   std::array<float, 2> longest_way{};
   std::array<uint32_t, 2> left_behind{};
@@ -336,6 +337,8 @@ struct Solver::Impl::SavedCloth {
     bytes.value(reach);
     bytes.value(strayed);
     bytes.value(pressure);
+    bytes.value(gravity_scale);
+    for (std::optional<float>* share : {&sewn_from, &sewn_to}) bytes.optional(*share, [&](float& s) { bytes.value(s); });
     bytes.value(meets);
     bytes.value(calm_frames);
     bytes.value(longest_way);
@@ -409,6 +412,7 @@ uint64_t Solver::Impl::mark_of_cloth(Cloth& cloth) const {
   mark.add(asset.splits.offset);
   mark.add(asset.splits.pixel);
   mark.add(asset.seam_bends);
+  mark.add(asset.sewing);
   mark.add(cloth.start);
   mark.add(cloth.self_collision ? cloth.self_collision->distance : 0);
   mark.add(cloth.inter_collision ? cloth.inter_collision->distance : 0);
@@ -481,6 +485,9 @@ void Solver::Impl::keep_cloth(uint32_t index, SavedCloth& saved) {
   saved.reach = cloth.reach;
   saved.strayed = cloth.strayed;
   saved.pressure = cloth.pressure;
+  saved.gravity_scale = cloth.gravity_scale;
+  saved.sewn_from = cloth.sewn_from;
+  saved.sewn_to = cloth.sewn_to;
   saved.meets = cloth.meets;
   saved.calm_frames = cloth.calm_frames;
   ClothMemory memory;
@@ -634,6 +641,9 @@ void Solver::Impl::check_cloth(SavedCloth& saved, uint32_t index) const {
   for (const double time : {saved.compliance_step, saved.last_step, saved.measured_steps[0], saved.measured_steps[1]})
     require(finite(time) && time >= 0, where, ": a step is not finite, or below 0");
   check_pressure(saved.pressure, where);
+  check_gravity_scale(saved.gravity_scale, where);
+  for (const std::optional<float>& share : {saved.sewn_from, saved.sewn_to}) check_sewing(share.value_or(0), where);
+  require(saved.sewn_from.has_value() == saved.sewn_to.has_value(), where, " is half sewn");
   require(finite(saved.displaced_in) && saved.displaced_in > 0, where, ": displaced_in is not above 0");
   for (const Ride& ride : saved.rides) {
     check_frame(ride.from, where + ": what carries it");
@@ -731,6 +741,9 @@ void Solver::Impl::take_cloth(SavedCloth& saved, uint32_t index) {
   cloth.reach = saved.reach;
   cloth.strayed = saved.strayed;
   cloth.pressure = saved.pressure;
+  cloth.gravity_scale = saved.gravity_scale;
+  cloth.sewn_from = saved.sewn_from;
+  cloth.sewn_to = saved.sewn_to;
   cloth.meets = saved.meets;
   cloth.calm_frames = saved.calm_frames;
   cloth.resting.reset();

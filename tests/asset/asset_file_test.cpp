@@ -93,6 +93,7 @@ TEST(AssetFile, RoundTripKeepsEveryBit) {
   expect_same_bits(b.splits.offset, a.splits.offset);
   expect_same_bits(b.splits.pixel, a.splits.pixel);
   expect_same_bits(b.seam_bends, a.seam_bends);
+  expect_same_bits(b.sewing, a.sewing);
   expect_same_bits(b.binding, a.binding);
   expect_same_bits(b.source.position, a.source.position);
   expect_same_bits(b.source.normal, a.source.normal);

@@ -38,6 +38,7 @@ ClothAsset sample_asset() {
   const auto count = static_cast<uint32_t>(source.triangle.size());
   source.part = {{"left", 0, 0, count / 3}, {"right", 1, count / 3, count - count / 3}};
   asset.vertex_groups.push_back({"none", {}});
+  asset.sewing = {{asset.splits.pixel[0], asset.splits.pixel.back()}};
   for (uint32_t v = 0; v < source.source_vertex_count; ++v)
     asset.paint.push_back({static_cast<uint8_t>(v), 0, 255, static_cast<uint8_t>(255 - v % 256)});
   return asset;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <optional>
 #include <random>
 #include <utility>
 
@@ -33,7 +34,15 @@ class Chance {
   std::mt19937 random_;
 };
 
-ClothAsset any_asset(Chance& chance) {
+/// Some of its pixels are to be sewn to others.
+void add_sewing(Chance& chance, ClothAsset& asset) {
+  for (uint32_t left = chance.below(40); left > 0; --left) {
+    const uint32_t a = chance.below(asset.pixel_count()), b = chance.below(asset.pixel_count());
+    if (a != b && asset.valid(a) && asset.valid(b)) asset.sewing.push_back({a, b});
+  }
+}
+
+ClothAsset any_shape_of_cloth(Chance& chance) {
   const uint32_t charts_x = 1 + chance.below(3), charts_y = 1 + chance.below(2);
   if (chance.happens(0.3F)) {
     return make_tube({.nx = 6 + chance.below(14),
@@ -50,6 +59,12 @@ ClothAsset any_asset(Chance& chance) {
                      .gap = 1 + chance.below(3),
                      .horizontal = chance.happens(0.5F),
                      .jitter = chance.within(0, 0.3F)});
+}
+
+ClothAsset any_asset(Chance& chance) {
+  ClothAsset asset = any_shape_of_cloth(chance);
+  if (chance.happens(0.3F)) add_sewing(chance, asset);
+  return asset;
 }
 
 Material any_material(Chance& chance) {
@@ -123,7 +138,7 @@ void add_fabric(Chance& chance, ClothDesc& cloth) {
     if (cloth.asset->valid(p)) fabric.pixels.push_back(p);
 }
 
-constexpr uint32_t kDeeds = 17;
+constexpr uint32_t kDeeds = 20;
 
 /// On the points of a cloth that are farthest along some direction: all held, soft, or free within a distance.
 std::vector<Pin> any_pins(Chance& chance, const ClothDesc& cloth, const Vec3& way) {
@@ -215,6 +230,11 @@ void act(const RandomScene& scene, const Deed& deed, Stage& stage) {
     case 14:
       stage.cloths.erase(stage.cloths.begin() + place);
       return solver.remove_cloth(c);
+    case 17:
+    case 18:
+      return solver.set_sewing(c, chance.happens(0.2F) ? std::nullopt : std::optional(chance.within(0, 1.5F)));
+    case 19:
+      return solver.set_gravity_scale(c, chance.within(-1, 2));
     default:
       return solver.restore(solver.save());
   }

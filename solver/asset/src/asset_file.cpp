@@ -90,6 +90,7 @@ Json add_cloth(glb::Builder& builder, const ClothAsset& asset) {
     const auto lengths = column(asset.seam_bends, [](const SeamBend& s) { return s.rest_length; });
     cloth["seamBends"] = {{"pixels", builder.add_array(pixels)}, {"restLengths", builder.add_array(lengths)}};
   }
+  if (!asset.sewing.empty()) cloth["sewing"] = builder.add_array(asset.sewing);
   cloth["binding"] = {{"pixels", builder.add_array(column(asset.binding, [](const Binding& b) { return b.pixel; }))},
                       {"weights", builder.add_array(column(asset.binding, [](const Binding& b) { return b.weight; }))},
                       {"offsets", builder.add_array(column(asset.binding, [](const Binding& b) { return b.offset; }))}};
@@ -191,6 +192,7 @@ void read_tables(Reader& reader, const Json& cloth, ClothAsset& asset) {
       asset.seam_bends.push_back({pixels[i][0], pixels[i][1], pixels[i][2], lengths[i]});
     }
   }
+  if (Reader::find(cloth, "sewing")) asset.sewing = reader.values<std::array<uint32_t, 2>>(cloth, "sewing");
 }
 
 void read_binding(Reader& reader, const Json& cloth, ClothAsset& asset) {

@@ -162,6 +162,16 @@ void check_seam_bends(const ClothAsset& asset) {
   }
 }
 
+void check_sewing(const ClothAsset& asset) {
+  for (std::size_t i = 0; i < asset.sewing.size(); ++i) {
+    for (const uint32_t pixel : asset.sewing[i]) {
+      check_index("sewing", i, pixel, asset.pixel_count());
+      if (!asset.valid(pixel)) refuse(element("sewing", i), "names a pixel that is not valid");
+    }
+    if (asset.sewing[i][0] == asset.sewing[i][1]) refuse(element("sewing", i), "names a pixel twice");
+  }
+}
+
 void check_source_vertices(const SourceMesh& source) {
   const std::size_t count = source.position.size();
   if (count == 0 || count > 0xFFFFFFFEU) refuse("source.position", "has no vertices, or too many");
@@ -301,6 +311,7 @@ void validate(const ClothAsset& asset) {
   check_cells(asset);
   check_splits(asset);
   check_seam_bends(asset);
+  check_sewing(asset);
   check_source_vertices(asset.source);
   check_parts(asset.source);
   check_materials(asset.source);

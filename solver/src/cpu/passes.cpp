@@ -392,6 +392,8 @@ void run_pass(const PassStep& step, const PassContext& context, ClothState& stat
       return lines(context, state, step);
     case Pass::ties:
       return ties(context, state, step);
+    case Pass::sew:
+      return sew(context, state, step);
     case Pass::whole_ties:
       return whole_ties(context, state, step);
     case Pass::give_way:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Spans on the cpu: shaders/cloth/spans.comp and seam_spans.comp.
+// Spans on the cpu: shaders/cloth/spans.comp, seam_spans.comp and what is made of the same text.
 
 #include "cpu/spans.h"
 
@@ -84,6 +84,17 @@ void seam_spans(const PassContext& context, ClothState& state, const PassStep& s
   for_seam_list(context, state, step,
                 [=](const PointLine& pixels, const shader::SeamSpring& s, float multiplier, auto mode) {
                   pull(pixels.from(s.a), pixels.from(s.b), s.rest * limit, mode);
+                  return multiplier;
+                });
+}
+
+void sew(const PassContext& context, ClothState& state, const PassStep& step) {
+  const shader::ClothParams& params = context.cloth.params;
+  const float share = shader::sewing_share(params.sewing_before, params.sewing_after,
+                                           context.frame.substeps[context.substep].frame_fraction);
+  for_seam_list(context, state, step,
+                [=](const PointLine& pixels, const shader::SeamSpring& s, float multiplier, auto mode) {
+                  pull(pixels.from(s.a), pixels.from(s.b), s.rest * share, mode);
                   return multiplier;
                 });
 }

@@ -25,7 +25,7 @@ constexpr size_t kSelfWordsOfPixel = 1 + shader::kSelfWordsOfPoint + 8;  ///< wi
 class NearbyWalk {
  public:
   NearbyWalk(const ClothAsset& asset, float scale, double radius)
-      : graph_(asset, scale),
+      : graph_(asset, scale, {}, Sewn::yes),
         radius_(radius),
         distance_(asset.pixel_count(), std::numeric_limits<double>::infinity()) {}
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <queue>
 #include <span>
 #include <utility>
@@ -12,15 +13,23 @@
 
 namespace geocloth {
 
+/// Whether points that are to be sewn together count as one: they do not as long as they are apart.
+enum class Sewn : bool { no, yes };
+
 /// Neighbours for distances along the surface: grid edges, diagonals and knight's moves, within the springs' validity.
 class SurfaceGraph {
  public:
   /// Keeps the reference.
   /// @param shares  of each pixel, by which lengths about it count; none: 1
-  SurfaceGraph(const ClothAsset& asset, float scale, std::span<const float> shares = {})
+  SurfaceGraph(const ClothAsset& asset, float scale, std::span<const float> shares = {}, Sewn sewn = Sewn::no)
       : asset_(asset), scale_(scale), shares_(shares), row_of_(asset.pixel_count(), kNoPixel) {
     for (uint32_t r = 0; r < asset.splits.rows(); ++r)
       for (uint32_t k = asset.splits.offset[r]; k < asset.splits.offset[r + 1]; ++k) row_of_[asset.splits.pixel[k]] = r;
+    if (sewn == Sewn::no) return;
+    for (const auto& [a, b] : asset.sewing) {
+      sewn_to_.emplace(a, b);
+      sewn_to_.emplace(b, a);
+    }
   }
 
   /// Calls visit(neighbour, length) for all neighbours of a pixel.
@@ -30,6 +39,8 @@ class SurfaceGraph {
       for (uint32_t k = asset_.splits.offset[row]; k < asset_.splits.offset[row + 1]; ++k)
         if (asset_.splits.pixel[k] != p) visit(asset_.splits.pixel[k], 0.0);
     }
+    const auto [first, last] = sewn_to_.equal_range(p);
+    for (auto it = first; it != last; ++it) visit(it->second, 0.0);
     for (int32_t dy = -1; dy <= 1; ++dy)
       for (int32_t dx = -1; dx <= 1; ++dx) {
         const uint32_t near = step(p, dx, dy);
@@ -65,6 +76,7 @@ class SurfaceGraph {
   float scale_;
   std::span<const float> shares_;
   std::vector<uint32_t> row_of_;
+  std::multimap<uint32_t, uint32_t> sewn_to_;
 };
 
 /// Goes outwards from some pixels, which the caller knows at the distance 0, nearest first (Dijkstra 1959).

@@ -25,6 +25,7 @@
 #include "rest/seam_spans.h"
 #include "rest/seam_ties.h"
 #include "rest/self_points.h"
+#include "rest/sewing.h"
 #include "rest/short_seams.h"
 #include "rest/surface_graph.h"
 #include "rest/whole_ties.h"
@@ -178,6 +179,7 @@ ClothData make_cloth_data(const ClothDesc& cloth, const Vec3& origin, const Clot
     add_seam_ties(asset, rest, data);
     add_whole_ties(asset, rest, short_seams, data);
   }
+  add_sewing(asset, cloth.transform.scale, data);
   if (cloth.self_collision) add_self_points(cloth, data);
   return data;
 }

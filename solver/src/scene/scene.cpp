@@ -148,6 +148,17 @@ void read_pressure(const JsonReader& json, SceneCloth& cloth) {
   });
 }
 
+std::optional<SceneSewing> read_sewing(const JsonReader& json) {
+  if (!json.is_object()) return json.boolean() ? std::optional<SceneSewing>(SceneSewing{}) : std::nullopt;
+  json.expect_object({"start", "duration", "weightless"});
+  constexpr double kLongest = 1e4;  // [s]
+  SceneSewing sewing;
+  if (json.has("start")) sewing.start = in_range(json.at("start"), 0, kLongest);
+  if (json.has("duration")) sewing.duration = in_range(json.at("duration"), 0, kLongest);
+  if (json.has("weightless")) sewing.weightless = json.at("weightless").boolean();
+  return sewing;
+}
+
 Transform read_transform(const JsonReader& json) {
   json.expect_object({"translate", "rotate_deg", "scale"});
   Transform transform;
@@ -360,7 +371,7 @@ SceneFabric read_fabric(const JsonReader& json, const SceneCloth& cloth) {
 SceneCloth read_cloth(const JsonReader& json, const std::filesystem::path& folder) {
   expect_no_placing(json);
   json.expect_object({"asset", "material", "fabrics", "transform", "inertia_scale", "motion", "pins", "skin", "start",
-                      "cuts", "tear", "pressure", "self_collision", "inter_collision", "collides_with", "ignores"});
+                      "cuts", "tear", "pressure", "sewing", "self_collision", "inter_collision", "collides_with", "ignores"});
   SceneCloth cloth;
   const std::string asset = json.at("asset").text();
   if (asset.empty()) json.at("asset").fail("must name an asset file");
@@ -388,6 +399,7 @@ SceneCloth read_cloth(const JsonReader& json, const std::filesystem::path& folde
     checked([&] { check_tear(cloth.tear, json.at("tear").where()); });
   }
   if (json.has("pressure")) read_pressure(json.at("pressure"), cloth);
+  if (json.has("sewing")) cloth.sewing = read_sewing(json.at("sewing"));
   if (json.has("cuts")) {
     for (const JsonReader& cut : json.at("cuts").elements()) cloth.cuts.push_back(read_cut(cut));
   }

@@ -198,6 +198,7 @@ Simulation::Simulation(Scene scene, SolverSettings settings, const BodyReader& b
   std::stable_partition(pins_.begin(), pins_.end(), [](const PinSet& set) { return set.pin.max_distance.has_value(); });
   hands_.resize(cloths_.size());
   torn_.resize(cloths_.size());
+  gaps_.resize(cloths_.size());
   solver_ = std::make_unique<Solver>(solver_of(scene_, cloths_, settings, make_solver));
   for (uint32_t c = 0; c < posed_at.size(); ++c)
     if (posed_at[c]) solver_->write_state(c, posed_at[c]->position, posed_at[c]->velocity);
@@ -541,6 +542,24 @@ void Simulation::cut(double start) {
   }
 }
 
+/// In the frame that begins at `start`.
+void Simulation::sew(uint32_t cloth, double start) {
+  const std::optional<SceneSewing>& sewing = scene_.cloths[cloth].sewing;
+  if (!sewing || cloths_[cloth].asset->sewing.empty()) return;
+  const auto over_at = [&](double at) {
+    return sewing->duration > 0 ? std::clamp((at - sewing->start) / sewing->duration, 0.0, 1.0) : 1.0;
+  };
+  const bool has_begun = time() > sewing->start;
+  const auto over = static_cast<float>(has_begun ? over_at(time()) : 0);
+  if (sewing->weightless) solver_->set_gravity_scale(cloth, over_at(start) < 1 ? 0.F : 1.F);
+  if (!has_begun) return;
+  if (!gaps_[cloth]) {
+    gaps_[cloth] = solver_->sewing_gap(cloth);
+    solver_->set_sewing(cloth, *gaps_[cloth] * static_cast<float>(1 - over_at(start)));
+  }
+  solver_->set_sewing(cloth, *gaps_[cloth] * (1 - over));
+}
+
 void Simulation::step() {
   ++frame_;
   const double start = (frame_ - 1) / scene_.frame_rate;
@@ -562,6 +581,7 @@ void Simulation::step() {
       solver_->set_fabric(c, f, cloths_[c].fabrics[f].material);
     }
     if (!cloth.pressure_motion.empty()) solver_->set_pressure(c, pressure_at(cloth, time()));
+    sew(c, start);
     if (cloth.motion.empty()) continue;
     solver_->set_parent(c, pose_at(cloth.motion, time()), cloth.inertia_scale, teleports(cloth.motion, start, time()));
   }

@@ -37,6 +37,8 @@ std::optional<uint32_t> tile_pass(Pass pass) {
       return shader::kTileSeamCurvature;
     case Pass::seam_spans:
       return shader::kTileSeamSpans;
+    case Pass::sew:
+      return shader::kTileSew;
     case Pass::spans:
       return shader::kTileSpans;
     case Pass::stitch:

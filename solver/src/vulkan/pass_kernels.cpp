@@ -35,6 +35,7 @@
 #include "self_move_comp.h"
 #include "self_push_comp.h"
 #include "settle_comp.h"
+#include "sew_comp.h"
 #include "shared/workgroup.h"
 #include "spans_comp.h"
 #include "springs_comp.h"
@@ -72,6 +73,8 @@ std::span<const uint32_t> spirv(Pass pass) {
       return seam_spans_comp;
     case Pass::spans:
       return spans_comp;
+    case Pass::sew:
+      return sew_comp;
     case Pass::stitch:
       return stitch_comp;
     case Pass::settle:
@@ -238,6 +241,7 @@ void PassKernels::dispatch(const vk::raii::CommandBuffer& commands, const ClothR
     case Pass::seam_bends:
     case Pass::seam_curvature:
     case Pass::seam_spans:
+    case Pass::sew:
     case Pass::whole_ties:
       constants.first = cloth.seam_color_offset[step.group];
       break;

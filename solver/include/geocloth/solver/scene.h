@@ -135,6 +135,13 @@ struct PressureKey {
   float pressure = 0;  ///< [Pa]
 };
 
+/// When the panels of a sewing pattern are drawn together, see Solver::set_sewing. They stay sewn.
+struct SceneSewing {
+  double start = 0;        ///< [s] >= 0
+  double duration = 1;     ///< [s] >= 0 until seams are closed; they close evenly
+  bool weightless = true;  ///< the cloth weighs nothing until seams are closed
+};
+
 /// How a cloth stands at the beginning, where that is not as it was converted.
 struct SceneStart {
   std::filesystem::path file = {};     ///< a mesh or a point cache with the vertices that the asset was converted
@@ -162,6 +169,7 @@ struct SceneCloth {
   std::optional<SelfCollision> self_collision = {};    ///< see ClothDesc
   std::optional<InterCollision> inter_collision = {};  ///< see ClothDesc
   uint32_t meets = ~uint32_t{0};                       ///< see ClothDesc
+  std::optional<SceneSewing> sewing = SceneSewing{};   ///< of an asset with pixels to be sewn; none: they are left
   std::vector<SceneCut> cuts;
   float pressure = 0;                        ///< [Pa] see Solver::set_pressure
   std::vector<PressureKey> pressure_motion;  ///< in place of `pressure`; empty: it stays
@@ -325,6 +333,7 @@ class Simulation {
 
  private:
   void cut(double start);
+  void sew(uint32_t cloth, double start);
   void update_pins();
   void jump(double start);
 
@@ -373,6 +382,7 @@ class Simulation {
   std::vector<std::shared_ptr<MovingSurface>> skins_;    ///< of the cloths; null: it has none
   std::vector<CutMade> cuts_made_;
   std::vector<CutResult> torn_;          ///< per cloth
+  std::vector<std::optional<float>> gaps_;  ///< per cloth: share that its seams were open by when sewing began
   std::vector<std::vector<Pin>> hands_;  ///< per cloth
   std::unique_ptr<Solver> solver_;
   uint32_t frame_ = 0;

@@ -196,6 +196,19 @@ class Solver {
   /// volume is; a gas that is shut in loses pressure as it grows, which is for the caller to say. 0 for a new cloth.
   void set_pressure(uint32_t cloth, float pressure);
 
+  /// How much of gravity a cloth feels from the next step on, -100..100; 1 for a new cloth.
+  void set_gravity_scale(uint32_t cloth, float scale);
+
+  /// Sews what ClothAsset::sewing names: at the end of the next step such points are no farther apart than this share,
+  /// 0..1e6, of what they are at rest (at least one spacing), and on the way there the share goes on evenly from that of
+  /// the last call. So seams close as it sinks to 0, and are held closed by 0. The first call holds points from then on
+  /// as far apart as it says: begin with sewing_gap(). None: nothing is sewn, as of a new cloth, and seams that were come
+  /// apart.
+  void set_sewing(uint32_t cloth, std::optional<float> share);
+  /// The largest share of what they are apart at rest that points to be sewn are apart now; 0 without any. Waits for the
+  /// device and reads the positions.
+  [[nodiscard]] float sewing_gap(uint32_t cloth);
+
   /// Makes a cloth of another material, from the next step on: it stays where it is and as fast as it is, also where it
   /// is heavier or lighter by then. Springs that are stretched and become stiffer pull at once as they pull from then
   /// on; mix() between two materials, a little further in every frame, is what takes that without a jerk. Where no more

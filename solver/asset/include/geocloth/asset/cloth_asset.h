@@ -149,6 +149,9 @@ struct ClothAsset {
   std::vector<float> area;           ///< [m^2] the pixel's own share of the surface; > 0 where valid, else 0
   SplitVertexTable splits;
   std::vector<SeamBend> seam_bends;
+  /// Pairs of pixels that lie apart at rest and are to be sewn together, as edges between panels of a sewing pattern
+  /// say. What is sewn already is in `splits`.
+  std::vector<std::array<uint32_t, 2>> sewing;
   uint32_t chart_count = 0;
 
   SourceMesh source;
