@@ -28,7 +28,8 @@ class Sewing {
 
   /// @param in_space  where a panel vertex is in space
   /// @param flip      the panel's outside is its back
-  void add(const PlanarMesh& panel, const std::function<Point3(uint32_t)>& in_space, bool flip = false) {
+  /// @returns the mesh's vertex for each of the panel's
+  std::vector<uint32_t> add(const PlanarMesh& panel, const std::function<Point3(uint32_t)>& in_space, bool flip = false) {
     const auto [low, high] = std::minmax_element(panel.position.begin(), panel.position.end());
     const double shift = right_edge_ - (*low)[0];
     right_edge_ += (*high)[0] - (*low)[0] + kPanelGap;
@@ -43,7 +44,11 @@ class Sewing {
       mesh_.face.push_back({vertex[t[0]], vertex[t[1]], vertex[t[2]]});
       mesh_.face_uv.push_back({first_uv + t[0], first_uv + t[1], first_uv + t[2]});
     }
+    return vertex;
   }
+
+  /// Vertices that lie apart and are to be sewn together.
+  void sew(uint32_t a, uint32_t b) { mesh_.line.push_back({a, b}); }
 
   [[nodiscard]] ObjMesh finish() {
     Point2 low = mesh_.uv[0], high = mesh_.uv[0];
@@ -239,6 +244,57 @@ ObjMesh make_dress() {
                   kDressHem);
 }
 
+/// Flat panels before and behind a body, with an edge from each vertex of a seam to the one that it is sewn to. The
+/// skirt is wider than the waist, to which it is gathered.
+ObjMesh make_dress_pattern() {
+  constexpr double kSpacing = 0.025, kFrontNeck = 0.1, kBackNeck = 0.03, kApart = 0.17;  // [m]
+  constexpr double kSkirtHalf = 0.4, kSkirtTop = 0.97, kSkirtHem = 0.45;
+  constexpr Point2 kWaist{0.2, 1.0};
+  Sewing sewing("dress_pattern", "Dress as a sewing pattern: flat panels, and edges between what is sewn together");
+  const std::vector<Point2> skirt_outline = sample_polyline({{-kSkirtHalf, kSkirtHem},
+                                                             {kSkirtHalf, kSkirtHem},
+                                                             {kSkirtHalf, kSkirtTop},
+                                                             {-kSkirtHalf, kSkirtTop},
+                                                             {-kSkirtHalf, kSkirtHem}},
+                                                            kSpacing);
+  const PlanarMesh skirt = triangulate({skirt_outline}, kSpacing);
+  std::array<std::vector<uint32_t>, 2> bodice_seam, skirt_side;
+  for (const bool is_front : {true, false}) {
+    const double z = is_front ? kApart : -kApart;
+    const std::size_t side = is_front ? 0 : 1;
+    const ShirtPanel bodice = make_shirt_panel(kWaist, is_front ? kFrontNeck : kBackNeck, kSpacing);
+    const auto placed = [z](const PlanarMesh& panel) {
+      return [&panel, z](uint32_t i) { return Point3{panel.position[i][0], panel.position[i][1], z}; };
+    };
+    const std::vector<uint32_t> top = sewing.add(bodice.mesh, placed(bodice.mesh), !is_front);
+    const std::vector<uint32_t> bottom = sewing.add(skirt, placed(skirt), !is_front);
+    std::vector<uint32_t> waist, gathered;  // from left to right
+    for (uint32_t i = 0; i < top.size(); ++i) {
+      if (bodice.on_seam[i]) bodice_seam[side].push_back(top[i]);
+      if (bodice.mesh.position[i][1] == kWaist[1]) waist.push_back(i);
+    }
+    for (uint32_t i = 0; i < skirt_outline.size(); ++i) {
+      if (skirt_outline[i][1] == kSkirtTop) gathered.push_back(i);
+      const bool on_side = std::abs(skirt_outline[i][0]) == kSkirtHalf && skirt_outline[i][1] < kSkirtTop;
+      if (on_side) skirt_side[side].push_back(bottom[i]);
+    }
+    const auto left_to_right = [](const PlanarMesh& panel) {
+      return [&panel](uint32_t a, uint32_t b) { return panel.position[a][0] < panel.position[b][0]; };
+    };
+    std::sort(waist.begin(), waist.end(), left_to_right(bodice.mesh));
+    std::sort(gathered.begin(), gathered.end(), left_to_right(skirt));
+    for (std::size_t i = 0; i < gathered.size(); ++i) {
+      const double share = static_cast<double>(i) / static_cast<double>(gathered.size() - 1);
+      const auto to = static_cast<std::size_t>(std::lround(share * static_cast<double>(waist.size() - 1)));
+      sewing.sew(bottom[gathered[i]], top[waist[to]]);
+    }
+  }
+  // Both are cut along the same lines, in the same order.
+  for (std::size_t i = 0; i < bodice_seam[0].size(); ++i) sewing.sew(bodice_seam[0][i], bodice_seam[1][i]);
+  for (std::size_t i = 0; i < skirt_side[0].size(); ++i) sewing.sew(skirt_side[0][i], skirt_side[1][i]);
+  return sewing.finish();
+}
+
 ObjMesh make_flag() {
   constexpr double kWidth = 1.2, kHeight = 0.8, kBottom = 1.0, kSpacing = 0.035;
   const PlanarMesh panel = triangulate(
@@ -360,7 +416,7 @@ ObjMesh make_sleeve() {
 
 std::vector<ObjMesh> make_garments() {
   return {make_t_shirt(), make_poncho(), make_cape(), make_skirt(),
-          make_sleeve(),  make_dress(),  make_flag(), make_cushion()};
+          make_sleeve(),  make_dress(),  make_flag(), make_cushion(), make_dress_pattern()};
 }
 
 }  // namespace geocloth::meshes

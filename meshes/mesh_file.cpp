@@ -23,6 +23,7 @@ std::string to_obj(const ObjMesh& mesh) {
     }
     text += "\n";
   }
+  for (const auto& [a, b] : mesh.line) text += fmt::format("l {} {}\n", a + 1, b + 1);
   return text;
 }
 

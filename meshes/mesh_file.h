@@ -21,6 +21,7 @@ struct ObjMesh {
   std::vector<Face> face{};
   std::vector<Point2> uv{};
   std::vector<Face> face_uv{};  ///< as many as faces, or empty
+  std::vector<std::array<uint32_t, 2>> line{};  ///< edges between vertices of panels that are to be sewn together
 };
 
 /// Wavefront OBJ text; coordinates with five decimals, so that the last bits of a sine do not matter.

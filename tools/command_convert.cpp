@@ -92,6 +92,9 @@ void print_summary(const ConvertArguments& options, const ConvertResult& result)
     if (repair.count > 0) fmt::print("  repaired: {} {}\n", repair.count, repair.kind);
   }
   print_carried(report.carried);
+  if (report.sewing_edges > 0) {
+    fmt::print("  sewing: {} edges between panels, {} pairs of pixels\n", report.sewing_edges, asset.sewing.size());
+  }
   fmt::print("  accuracy: rms {:.2e} and largest {:.2e} of the diagonal; stretch L2 {:.3f}\n", report.quality.rms_error,
              report.quality.max_error, report.quality.l2_stretch);
 }

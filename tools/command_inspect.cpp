@@ -106,6 +106,7 @@ void print_for_people(const InspectArguments& options, const ClothAsset& asset, 
              summary.high.z - summary.low.z);
   fmt::print("  split     {} points with {} copies, at most {} of one point, {} bending elements across seams\n",
              asset.splits.rows(), summary.split_pixels, summary.copies_max, asset.seam_bends.size());
+  if (!asset.sewing.empty()) fmt::print("  sewing    {} pairs of pixels to be sewn together\n", asset.sewing.size());
   fmt::print("  springs  ");
   for (uint32_t bit = 0; bit < kSpringCount; ++bit) fmt::print(" {} {}", kSpringNames[bit], summary.springs[bit]);
   fmt::print("\n  welded    {} components, {} boundary loops, Euler characteristic {}, {}\n", summary.welded.components,
@@ -150,6 +151,7 @@ nlohmann::ordered_json to_json(const ClothAsset& asset, const Summary& summary) 
           {"bounds", {{"min", point(summary.low)}, {"max", point(summary.high)}}},
           {"springs", springs},
           {"seam_bends", asset.seam_bends.size()},
+          {"sewing_pairs", asset.sewing.size()},
           {"welded",
            {{"components", summary.welded.components},
             {"boundary_loops", summary.welded.boundary_loops},

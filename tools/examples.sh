@@ -11,7 +11,7 @@ build=${GEOCLOTH_BUILD:-build/release}
 mkdir -p "$out"
 "$build/meshes/make_meshes" "$out/meshes" > "$out/meshes.log"
 cp meshes/scenes/*.json "$out"
-for garment in t_shirt cape poncho skirt dress flag cushion; do
+for garment in t_shirt cape poncho skirt dress flag cushion dress_pattern; do
   "$build/geocloth" convert "$out/meshes/garments/$garment.obj" -o "$out/$garment.glb" --resolution 64 --quiet
 done
 for scene in meshes/scenes/*.json; do

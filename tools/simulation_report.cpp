@@ -61,6 +61,12 @@ std::string state_hash(const Simulation& simulation, std::span<const ClothSnapsh
 
 }  // namespace
 
+double sewing_gap(const ClothAsset& asset, std::span<const Vec3> positions) {
+  float gap = 0;
+  for (const auto& [a, b] : asset.sewing) gap = std::max(gap, length(positions[b] - positions[a]));
+  return double{gap};
+}
+
 uint64_t count_non_finite(const ClothAsset& asset, std::span<const Vec3> positions) {
   uint64_t count = 0;
   for (uint32_t pixel = 0; pixel < asset.pixel_count(); ++pixel) {
@@ -116,7 +122,9 @@ std::string SimulationRecorder::report(Simulation& simulation, std::span<const C
     energy.push_back({{"kinetic", e.kinetic}, {"potential", e.potential}, {"elastic", e.elastic}});
   }
   uint64_t non_finite = 0;
+  double gap = 0;
   for (std::size_t i = 0; i < cloths.size(); ++i) {
+    gap = std::max(gap, sewing_gap(*simulation.cloths()[i].asset, cloths[i].position));
     non_finite += count_non_finite(*simulation.cloths()[i].asset, cloths[i].position);
   }
 
@@ -137,6 +145,7 @@ std::string SimulationRecorder::report(Simulation& simulation, std::span<const C
                                       {"springs_per_second", total_seconds > 0 ? projections / total_seconds : 0},
                                       {"stretch", {{"max", stretch.max}, {"p99", stretch.p99}, {"mean", stretch.mean}}},
                                       {"copy_gap", statistics.copy_gap},
+                                      {"sewing_gap", gap},
                                       {"penetration", statistics.penetration},
                                       {"drawn_penetration", contact.depth_between_vertices()},
                                       {"energy", energy},

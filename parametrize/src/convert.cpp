@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <new>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include <sys/resource.h>
@@ -35,6 +36,8 @@
 #include "report/stage_files.h"
 #include "report/verify.h"
 #include "report/warnings.h"
+#include "sewing/sewing_edges.h"
+#include "sewing/sewn_pixels.h"
 
 namespace geocloth {
 namespace {
@@ -332,8 +335,8 @@ std::vector<Attempt> plan_attempts(const ConvertOptions& options) {
   return attempts;
 }
 
-ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& options, const Progress& progress,
-                           Stages& stages, const StageFiles& files) {
+ConvertResult convert_mesh(const TriangleMesh& mesh, std::span<const SewingRun> sewing, const ConvertOptions& options,
+                           const Progress& progress, Stages& stages, const StageFiles& files) {
   ConvertResult result;
   ConvertReport& report = result.report;
   report.source_faces = polygon_count(mesh);
@@ -395,6 +398,10 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, const ConvertOptions& optio
     }
   }
 
+  if (!sewing.empty()) {
+    result.asset.sewing = stages.run("sew", [&] { return sew_pixels(sewing, mesh, result.asset); });
+    report.sewing_edges = count_edges(sewing);
+  }
   report.parts = measure_parts(mesh, carried.represented, result.flat);
   report.uncut_corners = count_uncut_corners(result.flat);
   const double side = options.flatten.spacing > 0 ? 0.0 : static_cast<double>(options.flatten.resolution);
@@ -483,8 +490,9 @@ ConvertResult convert_near_origin(TriangleMesh mesh, const ConvertOptions& optio
     for (Point3& p : mesh.position) p = p + *way;
   }
   const auto vertices = static_cast<uint32_t>(mesh.position.size());
+  const std::vector<SewingRun> sewing = find_sewing(mesh);  // as long as edges of the mesh join those of the file
   if (options.refine > 0) mesh = stages.run("refine", [&] { return refined(std::move(mesh), options); });
-  ConvertResult result = convert_mesh(mesh, options, progress, stages, files);
+  ConvertResult result = convert_mesh(mesh, sewing, options, progress, stages, files);
   result.report.source_vertices = vertices;
   result.report.refined_vertices = static_cast<uint32_t>(mesh.position.size()) - vertices;
   std::vector<std::string>& warnings = result.report.warnings;

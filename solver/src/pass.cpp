@@ -75,6 +75,7 @@ void add_checks(std::vector<PassStep>& steps, const ScheduleOptions& options) {
 
 void add_relaxation(std::vector<PassStep>& steps, const ScheduleOptions& options, uint32_t relaxation) {
   add_family(steps, Pass::shear, kGroupsPerFamily, relaxation);
+  add_sewing(steps, options, relaxation);
   if (options.splits) steps.push_back({Pass::stitch, 0, relaxation});
   add_seam_bends(steps, options, relaxation);
   if (options.spans) {

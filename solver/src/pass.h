@@ -198,9 +198,9 @@ struct ScheduleOptions {
 }
 
 /// The passes of one substep in their order:
-///   [rescale] [normals] predict pins { shear, stitch, bends over seams, [spans over seams, spans], bending or
-///   curvature, structural, [sew], stitch } x relaxation [settle] limit [self_drift .. self_move] [inter_gather .. inter_move]
-///   { collide_cells, stitch_contacts } x rounds, collide [check]
+///   [rescale] [normals] predict pins { shear, [sew], stitch, bends over seams, [spans over seams, spans], bending or
+///   curvature, structural, [sew], stitch } x relaxation [settle] limit [self_drift .. self_move]
+///   [inter_gather .. inter_move] { collide_cells, stitch_contacts } x rounds, collide [check]
 [[nodiscard]] std::vector<PassStep> substep_schedule(const ScheduleOptions& options);
 
 /// Of a substep of a cloth that collides with others those passes that they all do at once: inter_gather of each, those

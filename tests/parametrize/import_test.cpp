@@ -142,6 +142,23 @@ TEST_F(Import, ObjWithManyVertices) {
   EXPECT_THAT(mesh.triangle, ElementsAre(Triangle{139998, 139999, 139997}));
 }
 
+TEST_F(Import, LinesAreLooseEdges) {
+  const std::string faces = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nf 1 2 3 4\n";
+  const std::vector<std::array<uint32_t, 2>> some{{0, 4}, {4, 2}, {1, 3}};
+  EXPECT_EQ(read("a.obj", faces + "l 1 5/7 3\nf 2 4\n").loose_edge, some);
+  EXPECT_EQ(read("a.obj", faces + "l -5 -1 -3 # to the corner\nl 2 4").loose_edge, some);
+  EXPECT_EQ(read("a.obj", "l 1 5 3\nl 2 4\n" + faces).loose_edge, some) << "before the vertices";
+  EXPECT_THAT(read("a.obj", faces + "l\nl 1\nl 1 99\nl 0 1\nl x 2\nl 3 3\nl 1 99999999999999999999\n").loose_edge,
+              IsEmpty())
+      << "no lines, and no reason to refuse the faces";
+
+  Gltf g = square();
+  Json& primitives = g.json["meshes"][0]["primitives"];
+  const auto line = g.add_accessor<float>({0, 0, 0, 0, 0, 1, 1, 1, 0}, 5126, "VEC3", 3);
+  primitives.push_back({{"attributes", {{"POSITION", line}}}, {"mode", 3}});
+  EXPECT_THAT(read("a.glb", g.glb()).loose_edge, ElementsAre(ElementsAre(4, 5), ElementsAre(5, 6)));
+}
+
 TEST_F(Import, ObjLinesPointsAndColoursAreLeftOut) {
   const TriangleMesh mesh = read("a.obj", "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\np 1\nl 1 2\nf 1 2 3\n");
   EXPECT_EQ(mesh.position.size(), 3U);
@@ -791,6 +808,12 @@ TEST_F(Import, FbxInItsUnit) {
   EXPECT_NEAR(mesh.position[2][0], 11 * 0.025, 1e-6);
   EXPECT_NEAR(mesh.position[2][1], 0.025, 1e-6);
   EXPECT_NEAR(read("a.fbx", kFbx, {.scale = 1.0}).position[2][0], 11, 1e-6);
+}
+
+TEST_F(Import, FbxPolygonsOfTwoCornersAreLooseEdges) {
+  std::string text = replaced(kFbx, "Vertices: *12 {\n      a: ", "Vertices: *15 {\n      a: 5,5,5,");
+  text = replaced(text, "PolygonVertexIndex: *4 {\n      a: 0,1,2,-4", "PolygonVertexIndex: *6 {\n      a: 1,2,3,-5,0,-3");
+  EXPECT_THAT(read("a.fbx", text).loose_edge, ElementsAre(ElementsAre(0, 2)));
 }
 
 TEST_F(Import, FbxWithZUp) {

@@ -68,12 +68,18 @@ TEST_P(Sewing, ClosesSeamsEvenlyAndPushesNothingAbout) {
   const std::vector<Vec3> start = test::positions_of(solver);
   const float apart = widest_seam(*panels.asset, start);
   float before = apart;
+  Solver on_cpu = test::make_cpu_solver({&panels, 1}, settings);
+  on_cpu.set_sewing(0, 1);
   solver.set_sewing(0, 1);
   for (uint32_t f = 1; f <= frames(); ++f) {
     const float share = 1 - static_cast<float>(f) / static_cast<float>(frames());
-    solver.set_sewing(0, share);
-    solver.step();
-    const float now = widest_seam(*panels.asset, test::positions_of(solver));
+    for (Solver* each : {&solver, &on_cpu}) {
+      each->set_sewing(0, share);
+      each->step();
+    }
+    const std::vector<Vec3> position = test::positions_of(solver), same = test::positions_of(on_cpu);
+    for (size_t p = 0; p < position.size(); ++p) ASSERT_LT(length(position[p] - same[p]), 1e-5F) << p;
+    const float now = widest_seam(*panels.asset, position);
     EXPECT_LE(now, share * apart + 1e-4F) << "frame " << f;
     EXPECT_LE(now, before + 1e-6F) << "frame " << f;
     before = now;

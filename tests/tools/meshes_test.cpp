@@ -80,6 +80,25 @@ TEST(OwnMeshes, GarmentsAreCleanAndHaveTheirOpenings) {
   }
 }
 
+TEST(OwnMeshes, ThePatternIsFourPanelsThatAreSewnAllAround) {
+  const std::vector<ObjMesh> garments = make_garments();
+  const Topology found = topology_of(garments, "dress_pattern");
+  EXPECT_EQ(found.components, 4U);
+  EXPECT_EQ(found.boundary_loops, 4U);
+  for (const ObjMesh& mesh : garments) {
+    if (mesh.name != "dress_pattern") {
+      EXPECT_TRUE(mesh.line.empty()) << mesh.name;
+      continue;
+    }
+    EXPECT_GT(mesh.line.size(), 100U);
+    for (const auto& [a, b] : mesh.line) {
+      const Point3 &p = mesh.position[a], &q = mesh.position[b];
+      const bool is_waist = p[2] == q[2];  // else from the front to the back
+      EXPECT_TRUE(is_waist || (p[0] == q[0] && p[1] == q[1])) << a << " " << b;
+    }
+  }
+}
+
 TEST(OwnMeshes, GarmentsHaveTextureCoordinatesInTheUnitSquare) {
   for (const ObjMesh& mesh : make_garments()) {
     ASSERT_EQ(mesh.face_uv.size(), mesh.face.size());

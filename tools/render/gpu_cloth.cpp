@@ -24,6 +24,7 @@ constexpr std::array<Color, 5> kFabrics{
     {{118, 142, 176, 255}, {186, 132, 108, 255}, {140, 160, 124, 255}, {172, 150, 178, 255}, {196, 176, 128, 255}}};
 constexpr Color kPaleFabric{196, 200, 206, 255};  ///< under grid lines and seams
 constexpr Color kFreeBorder{24, 26, 32, 255};
+constexpr Color kThread{206, 62, 44, 255};
 constexpr Color kStructural{28, 32, 44, 255}, kShear{236, 190, 92, 255};  ///< springs, by family
 constexpr uint32_t kMaxTextureSide = 1024;  ///< there are no smaller levels: a larger one would only flicker
 
@@ -83,6 +84,14 @@ std::vector<RibbonInstance> seam_ribbons(const ClothAsset& asset) {
   std::vector<RibbonInstance> ribbons;
   for (const OutlineEdge& edge : find_seam_lines(asset).edge)
     ribbons.push_back({{edge.a, edge.b}, edge.seam == kNoSeam ? kFreeBorder : seam_color(edge.seam)});
+  return ribbons;
+}
+
+/// From point to point of what is to be sewn together.
+std::vector<RibbonInstance> sewing_ribbons(const ClothAsset& asset) {
+  std::vector<RibbonInstance> ribbons;
+  ribbons.reserve(asset.sewing.size());
+  for (const auto& thread : asset.sewing) ribbons.push_back({thread, kThread});
   return ribbons;
 }
 
@@ -182,7 +191,9 @@ void GpuCloth::make_geometry(const ContextPtr& context, const RenderCloth& cloth
   } else {
     runs_.push_back({0, static_cast<uint32_t>(3 * triangles.size()), 0});
   }
-  if (show == Show::seams) set_ribbons(context, RibbonLayer::seams, seam_ribbons(asset));
+  if (show != Show::seams) return;
+  set_ribbons(context, RibbonLayer::seams, seam_ribbons(asset));
+  set_ribbons(context, RibbonLayer::sewing, sewing_ribbons(asset));
 }
 
 void GpuCloth::set_ribbons(const ContextPtr& context, RibbonLayer layer, std::span<const RibbonInstance> ribbons) {

@@ -39,8 +39,8 @@ struct RibbonInstance {
 [[nodiscard]] std::span<const vk::VertexInputAttributeDescription> ribbon_attributes();
 
 /// Lines over a cloth, each drawn on its own.
-enum class RibbonLayer : uint8_t { seams, springs, pins };
-inline constexpr size_t kRibbonLayers = 3;
+enum class RibbonLayer : uint8_t { seams, sewing, springs, pins };
+inline constexpr size_t kRibbonLayers = 4;
 /// Structural and shear springs, one ribbon each.
 [[nodiscard]] std::vector<RibbonInstance> spring_ribbons(const ClothAsset& asset);
 /// A dot at each pixel.

@@ -218,6 +218,7 @@ class ScenePainter::Impl {
       for (const auto& cloth : cloths_) cloth->record_ribbons(commands, *layout_, layer, thickness);
     };
     draw(RibbonLayer::seams, std::max(2.F, height / 180));
+    draw(RibbonLayer::sewing, std::max(1.F, height / 500));
     if (layers.springs) draw(RibbonLayer::springs, std::max(1.F, height / 600));
     if (layers.pins) draw(RibbonLayer::pins, std::max(5.F, height / 100));
   }

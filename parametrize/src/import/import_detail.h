@@ -55,6 +55,7 @@ struct ObjText {
   std::vector<std::array<float, 3>> color;  ///< of each, 0..1, white where the file says none; or empty: none at all
   std::string coded;                        ///< its groups are called by the numbers of the parts
   std::vector<std::string> part_name;       ///< after the object or group, without either after the material
+  std::vector<std::array<uint32_t, 2>> loose_edge;  ///< of `l` records, and of faces that are only lines
 };
 [[nodiscard]] ObjText read_obj(const std::filesystem::path& file, std::string_view text);
 /// The vertex number that read_obj wrote as a position.

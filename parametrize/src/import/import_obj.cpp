@@ -4,9 +4,11 @@
 // a clean copy in which the position of a vertex is its number: groups, materials and texture coordinates come back
 // from assimp with the number of the vertex beside them.
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
+#include <optional>
 
 #include "import/import_detail.h"
 
@@ -89,6 +91,7 @@ class ObjReader {
     check_range(used_uv_, uv_count_, "texture coordinate");
     check_range(used_normal_, normal_count_, "normal");
     finish_colors();
+    std::erase_if(out_.loose_edge, [&](const auto& e) { return std::max(e[0], e[1]) >= out_.position.size(); });
     return std::move(out_);
   }
 
@@ -119,6 +122,8 @@ class ObjReader {
       read_values(keyword, line, 3, 3, normal_count_);
     } else if (keyword == "f" || keyword == "fo") {
       read_face(line);
+    } else if (keyword == "l") {
+      read_line(line);
     } else if (keyword == "o" || keyword == "g") {
       begin(name_, line);
     } else if (keyword == "usemtl") {
@@ -214,13 +219,37 @@ class ObjReader {
     return result;
   }
 
+  /// Corners of a line, one after the other; what is no line of this file is no reason to refuse its faces.
+  void read_line(std::string_view line) {
+    std::optional<uint32_t> before;
+    for (std::string_view word = next_word(line); !word.empty() && word[0] != '#'; word = next_word(line)) {
+      long long index = 0;
+      const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), index);
+      if (error != std::errc() || (end != word.data() + word.size() && *end != '/')) return;
+      const auto count = static_cast<long long>(out_.position.size());
+      const long long absolute = index < 0 ? count + index : index - 1;
+      if (absolute < 0 || absolute >= static_cast<long long>(kMaxElements)) return;
+      const auto vertex = static_cast<uint32_t>(absolute);
+      if (before) add_edge(*before, vertex);
+      before = vertex;
+    }
+  }
+
+  void add_edge(uint32_t a, uint32_t b) {
+    if (out_.loose_edge.size() >= kMaxElements) fail(file_, ErrorCode::limit, "more than 100 million lines");
+    if (a != b) out_.loose_edge.push_back({a, b});
+  }
+
   void read_face(std::string_view line) {
     std::string coded = "f";
     std::size_t corners = 0;
+    std::array<std::size_t, 2> ends{};
     for (std::string_view word = next_word(line); !word.empty() && word[0] != '#'; word = next_word(line)) {
       if (++corners > kMaxPolygonCorners) bad("a polygon of more than 4096 corners; triangulate it before exporting");
       const std::size_t slash = std::min(word.find('/'), word.size());
-      coded.append(" ").append(std::to_string(read_index(word.substr(0, slash), out_.position.size(), used_vertex_)));
+      const std::size_t vertex = read_index(word.substr(0, slash), out_.position.size(), used_vertex_);
+      if (corners <= ends.size()) ends[corners - 1] = vertex;
+      coded.append(" ").append(std::to_string(vertex));
       if (slash == word.size()) continue;
       const std::string_view rest = word.substr(slash + 1);
       const std::size_t second = std::min(rest.find('/'), rest.size());
@@ -233,6 +262,7 @@ class ObjReader {
     }
     if (corners == 0) bad("a face without corners; is the file cut off?");
     // Faces with one or two corners are points and lines.
+    if (corners == 2) add_edge(static_cast<uint32_t>(ends[0] - 1), static_cast<uint32_t>(ends[1] - 1));
     if (corners < 3) return;
     if (!in_part_) begin_part();
     out_.coded.append(coded).push_back('\n');

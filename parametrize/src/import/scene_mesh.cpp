@@ -105,6 +105,7 @@ class MeshBuilder {
         obj_part_name_(std::move(file.obj.part_name)),
         obj_color_(std::move(file.obj.color)) {
     mesh_.name = path.stem().string();
+    mesh_.loose_edge = std::move(file.obj.loose_edge);
   }
 
   SceneMesh build() {
@@ -317,7 +318,15 @@ class MeshBuilder {
     add_paint(mesh, number);
   }
 
+  void add_loose_edge(const std::array<unsigned, 2>& end, const std::vector<uint32_t>& number) {
+    for (const unsigned e : end) {
+      if (e >= number.size() || number[e] >= mesh_.position.size()) bad("a line uses a vertex that does not exist");
+    }
+    if (number[end[0]] != number[end[1]]) mesh_.loose_edge.push_back({number[end[0]], number[end[1]]});
+  }
+
   void add_polygon(const aiMesh& mesh, const aiFace& face, const std::vector<uint32_t>& number, const Pose& pose) {
+    if (face.mNumIndices == 2) add_loose_edge({face.mIndices[0], face.mIndices[1]}, number);
     if (face.mNumIndices < 3) return;  // points and lines
     if (face.mNumIndices > kMaxPolygonCorners) {
       bad("a polygon of more than 4096 corners; triangulate it before exporting");

@@ -142,6 +142,7 @@ TriangleMesh with_triangles(const TriangleMesh& mesh, const std::vector<uint32_t
   result.name = mesh.name;
   result.position = mesh.position;
   result.middle = mesh.middle;
+  result.loose_edge = mesh.loose_edge;
   result.part = std::move(part);
   result.material = mesh.material;
   result.image = mesh.image;

@@ -124,6 +124,9 @@ std::string to_json(const ConvertResult& result) {
   }
   json["represented"] = to_json(report.represented, report.cleaned_bbox_diagonal);
   json["image"] = image_json(result.asset);
+  if (report.sewing_edges > 0) {
+    json["sewing"] = {{"edges", report.sewing_edges}, {"pairs", result.asset.sewing.size()}};
+  }
   json["welded"] = {{"components", report.welded.components},
                     {"boundary_loops", report.welded.boundary_loops},
                     {"euler_characteristic", report.welded.euler_characteristic},

@@ -311,6 +311,11 @@ std::vector<std::string> plain_warnings(const ConvertReport& report, const Cloth
         "modelling "
         "program");
   }
+  if (report.sewing_edges > 0 && asset.sewing.empty()) {
+    out.push_back("nothing is sewn by the " + std::to_string(report.sewing_edges) +
+                  " edges between borders: they end where the image has no cloth of its own, or at one pixel; give a "
+                  "larger --resolution");
+  }
   if (!square) warn_of_empty_image(report, asset, out);
   constexpr double kShortSpring = 0.05;
   if (q.spring_min < kShortSpring) {

@@ -399,7 +399,10 @@ SceneCloth read_cloth(const JsonReader& json, const std::filesystem::path& folde
     checked([&] { check_tear(cloth.tear, json.at("tear").where()); });
   }
   if (json.has("pressure")) read_pressure(json.at("pressure"), cloth);
-  if (json.has("sewing")) cloth.sewing = read_sewing(json.at("sewing"));
+  if (json.has("sewing")) {
+    cloth.sewing = read_sewing(json.at("sewing"));
+    cloth.names_sewing = cloth.sewing.has_value();
+  }
   if (json.has("cuts")) {
     for (const JsonReader& cut : json.at("cuts").elements()) cloth.cuts.push_back(read_cut(cut));
   }

@@ -171,6 +171,11 @@ Simulation::Simulation(Scene scene, SolverSettings settings, const BodyReader& b
     const SceneCloth& cloth = scene_.cloths[c];
     std::shared_ptr<const ClothAsset>& asset = assets[cloth.asset];
     if (!asset) asset = std::make_shared<const ClothAsset>(read_asset(cloth.asset));
+    if (cloth.names_sewing && asset->sewing.empty()) {
+      throw Error(ErrorCode::invalid_data,
+                  element(scene_, "cloths", c) + ".sewing: " + cloth.asset.string() +
+                      " has nothing to sew; its mesh needs edges without faces between the borders of its panels");
+    }
     const Transform start = compose(pose_at(cloth.motion, 0), cloth.transform);
     cloths_.push_back({asset, material_at(cloth, 0), start, cloth.self_collision, cloth.inter_collision, cloth.meets,
                        fabrics_of(scene_, c, *asset, start)});

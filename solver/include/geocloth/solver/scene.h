@@ -169,7 +169,9 @@ struct SceneCloth {
   std::optional<SelfCollision> self_collision = {};    ///< see ClothDesc
   std::optional<InterCollision> inter_collision = {};  ///< see ClothDesc
   uint32_t meets = ~uint32_t{0};                       ///< see ClothDesc
-  std::optional<SceneSewing> sewing = SceneSewing{};   ///< of an asset with pixels to be sewn; none: they are left
+  /// Of an asset with pixels to be sewn; none: they are left apart.
+  std::optional<SceneSewing> sewing = SceneSewing{};
+  bool names_sewing = false;  ///< the scene says that it is sewn: there has to be something to sew
   std::vector<SceneCut> cuts;
   float pressure = 0;                        ///< [Pa] see Solver::set_pressure
   std::vector<PressureKey> pressure_motion;  ///< in place of `pressure`; empty: it stays
