@@ -48,7 +48,8 @@ ScheduleOptions schedule_options(const SimulationData& data, uint32_t cloth, con
           .seam_span_colors = c.seam_span_colors,
           .seam_tie_colors = c.seam_tie_colors,
           .whole_tie_colors = c.whole_tie_colors,
-          .sewing_colors = f.sewn ? c.sewing_colors : 0};
+          .sewing_colors = f.sewn ? c.sewing_colors : 0,
+          .more_sewing_colors = f.sewn ? c.more_sewing_colors : 0};
 }
 
 }  // namespace geocloth

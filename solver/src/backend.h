@@ -70,7 +70,8 @@ struct ClothData {
   std::vector<shader::SeamSpring> seam_springs;  ///< over seams, by colour: bends, spans, ties, whole ties, threads
   size_t most_seam_springs = 0;                  ///< after any cut: one may make room for some that are left out
   std::vector<uint32_t> seam_color_offset;       ///< colours + 1 entries; empty without any
-  uint32_t seam_bend_colors = 0, seam_span_colors = 0, seam_tie_colors = 0, whole_tie_colors = 0, sewing_colors = 0;
+  uint32_t seam_bend_colors = 0, seam_span_colors = 0, seam_tie_colors = 0, whole_tie_colors = 0, sewing_colors = 0,
+           more_sewing_colors = 0;
   std::vector<uint32_t> split_offset;  ///< rows + 1 entries; empty without rows
   std::vector<uint32_t> split_pixel;
   SelfData self;

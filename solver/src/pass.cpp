@@ -52,11 +52,11 @@ void add_curvatures(std::vector<PassStep>& steps, const ScheduleOptions& options
   }
 }
 
-void add_sewing(std::vector<PassStep>& steps, const ScheduleOptions& options, uint32_t relaxation = 0) {
-  const uint32_t first = options.seam_bend_colors + options.seam_span_colors + options.seam_tie_colors +
-                         options.whole_tie_colors;
-  for (uint32_t color = 0; color < options.sewing_colors; ++color)
-    steps.push_back({Pass::sew, first + color, relaxation});
+void add_sewing(std::vector<PassStep>& steps, const ScheduleOptions& options, bool more, uint32_t relaxation) {
+  const uint32_t colors = options.sewing_colors + (more ? options.more_sewing_colors : 0);
+  const uint32_t first =
+      options.seam_bend_colors + options.seam_span_colors + options.seam_tie_colors + options.whole_tie_colors;
+  for (uint32_t color = 0; color < colors; ++color) steps.push_back({Pass::sew, first + color, relaxation});
 }
 
 void add_bending(std::vector<PassStep>& steps, const ScheduleOptions& options, uint32_t relaxation) {
@@ -75,7 +75,7 @@ void add_checks(std::vector<PassStep>& steps, const ScheduleOptions& options) {
 
 void add_relaxation(std::vector<PassStep>& steps, const ScheduleOptions& options, uint32_t relaxation) {
   add_family(steps, Pass::shear, kGroupsPerFamily, relaxation);
-  add_sewing(steps, options, relaxation);
+  add_sewing(steps, options, false, relaxation);
   if (options.splits) steps.push_back({Pass::stitch, 0, relaxation});
   add_seam_bends(steps, options, relaxation);
   if (options.spans) {
@@ -86,7 +86,7 @@ void add_relaxation(std::vector<PassStep>& steps, const ScheduleOptions& options
   }
   add_bending(steps, options, relaxation);
   add_family(steps, Pass::structural, 0, relaxation);
-  add_sewing(steps, options, relaxation);
+  add_sewing(steps, options, true, relaxation);
   if (options.splits) steps.push_back({Pass::stitch, 0, relaxation});
 }
 
@@ -152,7 +152,7 @@ std::vector<PassStep> finish_schedule(const ScheduleOptions& options) {
     for (uint32_t g = 0; g < kGroupsPerFamily; ++g) steps.push_back({Pass::ties, g, last && g % 2 == 1 ? 1U : 0U});
     for (uint32_t color = 0; color < options.seam_tie_colors; ++color)
       steps.push_back({Pass::seam_spans, options.seam_bend_colors + options.seam_span_colors + color});
-    add_sewing(steps, options);
+    add_sewing(steps, options, true, 0);
     if (options.splits) steps.push_back({Pass::stitch});
   };
   steps.push_back({Pass::hold_way});

@@ -184,7 +184,8 @@ struct ScheduleOptions {
   bool motion = false;           ///< how far points go is measured after the last substep
   uint32_t motion_word = 0;      ///< 0 or 1, for even and odd frames
   uint32_t seam_bend_colors = 0, seam_span_colors = 0, seam_tie_colors = 0, whole_tie_colors = 0;
-  uint32_t sewing_colors = 0;  ///< of the threads; 0 as well while they do not hold
+  /// Of the threads, and of more rounds of some, after the others where they come last; 0 while none of them hold.
+  uint32_t sewing_colors = 0, more_sewing_colors = 0;
 
   bool operator==(const ScheduleOptions&) const = default;
 };

@@ -261,6 +261,19 @@ TEST(Materials, BetweenTwoThereIsNoneThatIsRefused) {
   EXPECT_TRUE(mix(none, some, std::numeric_limits<float>::quiet_NaN()) == none);
 }
 
+TEST(Scene, SewingIsAsItIsSaidOrWithinTheFirstSecond) {
+  const auto sewing_of = [](const std::string& key) {
+    return parse_scene("{\"version\":1,\"cloths\":[{\"asset\":\"a.glb\"" + key + "}]}", "s.json").cloths[0].sewing;
+  };
+  EXPECT_EQ(sewing_of("").value().duration, 1);
+  EXPECT_EQ(sewing_of(", \"sewing\": true").value().start, 0);
+  EXPECT_FALSE(sewing_of(", \"sewing\": false"));
+  const SceneSewing told = sewing_of(R"(, "sewing": {"start": 0.5, "duration": 0, "weightless": false})").value();
+  EXPECT_EQ(told.start, 0.5);
+  EXPECT_EQ(told.duration, 0);
+  EXPECT_FALSE(told.weightless);
+}
+
 TEST(Scene, APressureIsLinearBetweenItsKeys) {
   const Scene scene = parse_scene(R"({"version":1,"cloths":[{"asset":"a.glb","pressure":[{"time":1,"pressure":2},
       {"time":2,"pressure":-4}]}]})",
@@ -381,6 +394,8 @@ INSTANTIATE_TEST_SUITE_P(
                  "wind.motion[0]: turbulence"},
         BadScene{"TearsAtRest", "\"transform\"", "\"tear\": 1, \"transform\"",
                  "cloths[0].tear: the stretch that it tears at is 1; it must be"},
+        BadScene{"SewingBackwards", "\"transform\"", "\"sewing\": { \"duration\": -1 }, \"transform\"",
+                 "cloths[0].sewing.duration: must be from"},
         BadScene{"PressureOutOfRange", "\"transform\"", "\"pressure\": 1e7, \"transform\"",
                  "cloths[0].pressure: must be from -1000000.0 to 1000000.0"},
         BadScene{"PressureKeyOutOfRange", "\"transform\"",
@@ -787,6 +802,56 @@ TEST_F(Playing, AClothThatIsDrawnTooFarTears) {
   EXPECT_NE(tears.cloths()[0].asset, holds.cloths()[0].asset);
   EXPECT_LT(measure_stretch(*tears.cloths()[0].asset, 1, test::positions_of(tears.solver())).max,
             measure_stretch(*holds.cloths()[0].asset, 1, test::positions_of(holds.solver())).max);
+}
+
+TEST_F(Playing, ASewingPatternIsSewnWithoutItsWeight) {
+  ClothAsset asset = test::make_sheet({.nx = 8, .ny = 8, .charts_x = 2});
+  for (uint32_t r = 0; r < asset.splits.rows(); ++r)
+    asset.sewing.push_back({asset.splits.pixel[2 * r], asset.splits.pixel[2 * r + 1]});
+  asset.splits = {};
+  asset.seam_bends.clear();
+  for (uint32_t p = 0; p < asset.pixel_count(); ++p)
+    if (asset.valid(p) && asset.chart[p] == 1) asset.rest_position[p].x += 0.3F;
+  write_asset(asset, folder_ / "pattern.glb");
+  const auto play = [&](const std::string& sewing, uint32_t frames) {
+    Simulation simulation(
+        parse_scene("{\"version\":1,\"cloths\":[{\"asset\":\"pattern.glb\"" + sewing + "}]}", folder_ / "s.json"),
+        test::cpu_settings());
+    for (uint32_t f = 0; f < frames; ++f) simulation.step();
+    std::vector<Vec3> position;
+    simulation.solver().read_positions(0, position);
+    float gap = 0, sum = 0;
+    for (const auto& [a, b] : asset.sewing) gap = std::max(gap, length(position[b] - position[a]));
+    for (uint32_t p = 0; p < asset.pixel_count(); ++p)
+      if (asset.valid(p)) sum += position[p].y - asset.rest_position[p].y;
+    return std::pair(gap, sum / static_cast<float>(count_valid_pixels(asset)));
+  };
+  const auto [half, still] = play("", 30);
+  EXPECT_LE(half, 0.151);  // threads only pull
+  EXPECT_GT(half, 0.05);
+  EXPECT_NEAR(still, 0, 1e-3);
+  const auto [closed, falling] = play("", 66);
+  EXPECT_LT(closed, 1e-3);
+  EXPECT_NEAR(falling, -9.81 * 0.1 * 0.1 / 2, 1e-2) << "its weight is back";
+  const auto [before, hanging] = play(", \"sewing\": { \"start\": 0.5, \"duration\": 0.25 }", 30);
+  EXPECT_NEAR(before, 0.3, 1e-5);
+  EXPECT_NEAR(hanging, 0, 1e-5);
+  const auto [at_once, heavy] = play(", \"sewing\": { \"duration\": 0, \"weightless\": false }", 6);
+  EXPECT_LT(at_once, 1e-2);
+  EXPECT_LT(heavy, -0.03);
+  const auto [apart, free] = play(", \"sewing\": false", 6);
+  EXPECT_NEAR(apart, 0.3, 1e-3);
+  EXPECT_LT(free, -0.03);
+
+  asset.sewing.clear();
+  write_asset(asset, folder_ / "pattern.glb");
+  EXPECT_NO_THROW(play("", 1));
+  try {
+    play(", \"sewing\": true", 1);
+    ADD_FAILURE() << "there is nothing to sew";
+  } catch (const Error& e) {
+    EXPECT_THAT(e.what(), AllOf(HasSubstr("cloths[0].sewing"), HasSubstr("nothing to sew")));
+  }
 }
 
 TEST_F(Playing, APressureSwellsASail) {

@@ -13,6 +13,13 @@ namespace geocloth {
 namespace {
 
 constexpr uint32_t kMostSewingColors = 32;  ///< and threads to one point: what is gathered there
+/// Of threads to points that have several, as where four panels meet: what one of them closes the next one opens. The
+/// widest gap of a dress is 6.7 mm without, 2.0 with one round more, 0.2 with four (16,000 points, 16 substeps).
+constexpr uint32_t kRoundsWhereSeamsMeet = 4;
+
+bool has_several(const std::vector<uint32_t>& threads_of, const shader::SeamSpring& thread) {
+  return threads_of[thread.a] > 1 || threads_of[thread.b] > 1;
+}
 
 }  // namespace
 
@@ -31,6 +38,12 @@ void add_sewing(const ClothAsset& asset, float scale, ClothData& data) {
     threads.push_back(thread);
   }
   data.sewing_colors = append_by_color(threads, kMostSewingColors, data);
+  std::vector<uint32_t> threads_of(asset.pixel_count(), 0);
+  for (const shader::SeamSpring& thread : threads)
+    for (const uint32_t pixel : {thread.a, thread.b}) ++threads_of[pixel];
+  std::erase_if(threads, [&](const shader::SeamSpring& thread) { return !has_several(threads_of, thread); });
+  for (uint32_t i = 0; i < kRoundsWhereSeamsMeet; ++i)
+    data.more_sewing_colors += append_by_color(threads, kMostSewingColors, data);
 }
 
 }  // namespace geocloth
