@@ -49,13 +49,17 @@ class SewingFinder {
     }
   }
 
+  /// Of the mesh, between ends of loose edges: others are on no seam.
   void find_edges() {
+    std::vector<bool> is_end(mesh_.position.size(), false);
+    for (const auto& e : mesh_.loose_edge)
+      for (const uint32_t end : e) is_end[place_[end]] = true;
     on_face_.assign(mesh_.position.size(), false);
     for (const Triangle& t : mesh_.triangle) {
       for (std::size_t k = 0; k < 3; ++k) {
         const uint32_t a = place_[t[k]], b = place_[t[(k + 1) % 3]];
         on_face_[a] = true;
-        if (a != b) ++faces_[sorted(a, b)];
+        if (a != b && is_end[a] && is_end[b]) ++faces_[sorted(a, b)];
       }
     }
     for (const auto& [edge, count] : faces_) {
@@ -65,15 +69,10 @@ class SewingFinder {
   }
 
   void find_pairs() {
-    std::map<Places, bool> known;
     for (const auto& e : mesh_.loose_edge) {
       const uint32_t a = place_[e[0]], b = place_[e[1]];
       if (a == b || !on_face_[a] || !on_face_[b] || faces_.contains(sorted(a, b))) continue;
-      if (!known.try_emplace(sorted(a, b), true).second) continue;
-      const auto number = static_cast<uint32_t>(pair_.size());
-      pair_.push_back({a, b});
-      at_[a].push_back(number);
-      at_[b].push_back(number);
+      if (number_.try_emplace(sorted(a, b), static_cast<uint32_t>(pair_.size())).second) pair_.push_back({a, b});
     }
   }
 
@@ -84,24 +83,26 @@ class SewingFinder {
 
   /// Pairs one edge further on one side, where the other one is gathered, and then those further on both.
   [[nodiscard]] std::vector<Next> neighbors(const Places& pair) const {
-    std::vector<Next> on_one, on_both;
-    const auto add_at = [&](std::size_t side, uint32_t place) {
-      const auto pairs = at_.find(place);
-      if (pairs == at_.end()) return;
-      for (const uint32_t number : pairs->second) {
-        const uint32_t other = pair_[number][0] == place ? pair_[number][1] : pair_[number][0];
-        const Next next{number, side == 0 ? Places{place, other} : Places{other, place}};
-        if (other == pair[1 - side]) {
-          on_one.push_back(next);
-        } else if (side == 0 && faces_.contains(sorted(pair[1], other))) {
-          on_both.push_back(next);
-        }
-      }
+    std::vector<Next> found;
+    const auto add = [&](uint32_t a, uint32_t b) {
+      const auto number = number_.find(sorted(a, b));
+      if (number != number_.end()) found.push_back({number->second, {a, b}});
     };
-    for (std::size_t side = 0; side < 2; ++side)
-      for (const uint32_t place : beside_.at(pair[side])) add_at(side, place);
-    on_one.insert(on_one.end(), on_both.begin(), on_both.end());
-    return on_one;
+    const std::span<const uint32_t> first = beside(pair[0]), second = beside(pair[1]);
+    for (const uint32_t a : first) add(a, pair[1]);
+    for (const uint32_t b : second) add(pair[0], b);
+    for (const uint32_t a : first)
+      for (const uint32_t b : second) add(a, b);
+    return found;
+  }
+
+  /// Ends of loose edges that are an edge of the mesh away. Of a vertex with very many nobody can say how a seam goes
+  /// on.
+  [[nodiscard]] std::span<const uint32_t> beside(uint32_t place) const {
+    constexpr std::size_t kMost = 64;
+    const auto found = beside_.find(place);
+    if (found == beside_.end() || found->second.size() > kMost) return {};
+    return found->second;
   }
 
   /// From a pair on in one direction and then in the other one.
@@ -140,11 +141,12 @@ class SewingFinder {
   }
 
   const TriangleMesh& mesh_;
-  std::vector<uint32_t> place_;  ///< per vertex
-  std::vector<bool> on_face_;    ///< per place
-  std::map<Places, uint32_t> faces_;
-  std::map<uint32_t, std::vector<uint32_t>> beside_, at_;  ///< per place: those an edge away, numbers of pairs
+  std::vector<uint32_t> place_;       ///< per vertex
+  std::vector<bool> on_face_;         ///< per place
+  std::map<Places, uint32_t> faces_;  ///< how many triangles edges have
+  std::map<uint32_t, std::vector<uint32_t>> beside_;
   std::vector<Places> pair_;
+  std::map<Places, uint32_t> number_;  ///< of pairs
   std::vector<bool> taken_;
 };
 

@@ -17,7 +17,8 @@ using SewnVertices = std::array<uint32_t, 2>;
 /// the other. A side may stay at a vertex. A pair by itself is a run of one.
 struct SewingRun {
   std::vector<SewnVertices> pair;
-  std::vector<std::array<bool, 2>> on_border;  ///< whether the edges from each pair to the next one are of one face only
+  std::vector<std::array<bool, 2>>
+      on_border;  ///< whether the edges from each pair to the next one are of one face only
 };
 
 /// Edges that runs are made of. One that goes round ends with the pair that it begins with.

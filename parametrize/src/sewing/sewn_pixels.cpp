@@ -24,20 +24,24 @@ struct SidePixel {
 
 /// Which of `many` each of `few` gets, ascending: so that they are as little apart along the run as can be.
 std::vector<std::size_t> match(const std::vector<SidePixel>& few, const std::vector<SidePixel>& many) {
-  // least[k]: the sum with the present one at many[i + k]; from_before: it is as good with the present one further on.
+  // least[k]: the sum with the present one at many[i + k]; stays[i][k]: the one before lies better at less than k.
   const std::size_t n = few.size(), choices = many.size() - n + 1;
+  std::vector<std::size_t> chosen(n);
+  constexpr std::size_t kMost = std::size_t{1} << 28U;  // some seconds
+  if (n > kMost / choices) {
+    for (std::size_t i = 0; i < n; ++i) chosen[i] = i + i * (choices - 1) / n;
+    return chosen;
+  }
   std::vector<double> least(choices, 0);
   std::vector<std::vector<bool>> stays(n, std::vector<bool>(choices, false));
   for (std::size_t i = 0; i < n; ++i) {
     double best = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < choices; ++k) {
-      // The one before may be at any many[i - 1 + j] with j <= k.
       stays[i][k] = best <= least[k];
       best = std::min(best, least[k]);
       least[k] = best + std::abs(few[i].along - many[i + k].along);
     }
   }
-  std::vector<std::size_t> chosen(n);
   auto k = static_cast<std::size_t>(std::min_element(least.begin(), least.end()) - least.begin());
   for (std::size_t i = n; i-- > 0;) {
     chosen[i] = i + k;
@@ -119,7 +123,7 @@ class PixelSewer {
 
   /// Each once, where the run passes it most closely.
   [[nodiscard]] std::vector<SidePixel> pixels_beside(const SewingRun& run, std::size_t side) {
-    constexpr double kStep = 0.25;  // [spacings]
+    constexpr double kStep = 0.25;                         // [spacings]
     std::map<uint32_t, std::pair<double, double>> passed;  // distance, along
     double along = 0;
     for (std::size_t i = 0; i + 1 < run.pair.size(); ++i) {
@@ -141,8 +145,9 @@ class PixelSewer {
     std::vector<SidePixel> pixels;
     pixels.reserve(passed.size());
     for (const auto& [pixel, where] : passed) pixels.push_back({where.second, pixel});
-    std::sort(pixels.begin(), pixels.end(),
-              [](const SidePixel& a, const SidePixel& b) { return std::pair(a.along, a.pixel) < std::pair(b.along, b.pixel); });
+    std::sort(pixels.begin(), pixels.end(), [](const SidePixel& a, const SidePixel& b) {
+      return std::pair(a.along, a.pixel) < std::pair(b.along, b.pixel);
+    });
     return pixels;
   }
 
