@@ -29,7 +29,8 @@ class Sewing {
   /// @param in_space  where a panel vertex is in space
   /// @param flip      the panel's outside is its back
   /// @returns the mesh's vertex for each of the panel's
-  std::vector<uint32_t> add(const PlanarMesh& panel, const std::function<Point3(uint32_t)>& in_space, bool flip = false) {
+  std::vector<uint32_t> add(const PlanarMesh& panel, const std::function<Point3(uint32_t)>& in_space,
+                            bool flip = false) {
     const auto [low, high] = std::minmax_element(panel.position.begin(), panel.position.end());
     const double shift = right_edge_ - (*low)[0];
     right_edge_ += (*high)[0] - (*low)[0] + kPanelGap;
@@ -415,8 +416,8 @@ ObjMesh make_sleeve() {
 }  // namespace
 
 std::vector<ObjMesh> make_garments() {
-  return {make_t_shirt(), make_poncho(), make_cape(), make_skirt(),
-          make_sleeve(),  make_dress(),  make_flag(), make_cushion(), make_dress_pattern()};
+  return {make_t_shirt(), make_poncho(), make_cape(),    make_skirt(),        make_sleeve(),
+          make_dress(),   make_flag(),   make_cushion(), make_dress_pattern()};
 }
 
 }  // namespace geocloth::meshes

@@ -20,7 +20,7 @@ struct ObjMesh {
   std::vector<Point3> position{};  ///< [m]
   std::vector<Face> face{};
   std::vector<Point2> uv{};
-  std::vector<Face> face_uv{};  ///< as many as faces, or empty
+  std::vector<Face> face_uv{};                  ///< as many as faces, or empty
   std::vector<std::array<uint32_t, 2>> line{};  ///< edges between vertices of panels that are to be sewn together
 };
 

@@ -90,8 +90,9 @@ inline float whole_tie_weight(float mass_inverse) {
   return mass_inverse > 0.0f ? 1.0f : 0.0f;
 }
 
-// A sewing thread joins points of two borders. At rest they are apart; what they may be apart, as a share of that, sinks
-// to nothing while they are sewn, substep by substep, so that the threads draw them together as fast as that goes.
+// A sewing thread joins points of two borders. At rest they are apart; what they may be apart, as a share of that,
+// sinks to nothing while they are sewn, substep by substep, so that the threads draw them together as fast as that
+// goes.
 inline float sewing_share(float before, float after, float frame_fraction) {
   precise float share = before + (after - before) * frame_fraction;
   return share;

@@ -133,13 +133,13 @@ class Solver::Impl {
     std::optional<SelfCollision> self_collision;
     SelfNumbers self;
     std::optional<InterCollision> inter_collision;
-    float pressure = 0;            ///< [Pa]
+    float pressure = 0;  ///< [Pa]
     float gravity_scale = 1;
     std::optional<float> sewn_from, sewn_to;  ///< see set_sewing(), at the start and the end of the next frame
-    uint32_t meets = 0;            ///< groups of colliders
-    bool collide_cells = false;    ///< a collider was met that may slip through between pixels
-    bool teleport = false;         ///< the parent jumps before the next frame
-    double placed_at = -1;         ///< [s] time_ when a state was written where the parent had jumped to
+    uint32_t meets = 0;                       ///< groups of colliders
+    bool collide_cells = false;               ///< a collider was met that may slip through between pixels
+    bool teleport = false;                    ///< the parent jumps before the next frame
+    double placed_at = -1;                    ///< [s] time_ when a state was written where the parent had jumped to
     bool pins_anew = false;        ///< in the next frame other points are pinned than before, or have other masses
     bool meets_fast = false;       ///< in the next frame, if a collider is fast that may meet it
     std::optional<float> met_way;  ///< [m] longest of a collider in a usual substep, if some cannot meet it

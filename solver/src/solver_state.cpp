@@ -338,7 +338,8 @@ struct Solver::Impl::SavedCloth {
     bytes.value(strayed);
     bytes.value(pressure);
     bytes.value(gravity_scale);
-    for (std::optional<float>* share : {&sewn_from, &sewn_to}) bytes.optional(*share, [&](float& s) { bytes.value(s); });
+    for (std::optional<float>* share : {&sewn_from, &sewn_to})
+      bytes.optional(*share, [&](float& s) { bytes.value(s); });
     bytes.value(meets);
     bytes.value(calm_frames);
     bytes.value(longest_way);

@@ -88,9 +88,18 @@ const Break kBreaks[] = {
     {"bend out of range", "seam_bends[0]", [](ClothAsset& a) { a.seam_bends[0].a = kNoPixel; }},
     {"bend of nothing", "seam_bends[0]", [](ClothAsset& a) { a.seam_bends[0].b = invalid_pixel(a); }},
     {"bend of two", "seam_bends[0]", [](ClothAsset& a) { a.seam_bends[0].b = a.seam_bends[0].a; }},
-    {"sewing out of range", "sewing[0]", [](ClothAsset& a) { a.sewing = {{kNoPixel, 0}}; }},
-    {"sewing of nothing", "sewing[0]", [](ClothAsset& a) { a.sewing = {{invalid_pixel(a), a.splits.pixel[0]}}; }},
-    {"sewing of one", "sewing[0]", [](ClothAsset& a) { a.sewing = {{a.splits.pixel[0], a.splits.pixel[0]}}; }},
+    {"sewing out of range", "sewing[0]",
+     [](ClothAsset& a) {
+       a.sewing = {{kNoPixel, 0}};
+     }},
+    {"sewing of nothing", "sewing[0]",
+     [](ClothAsset& a) {
+       a.sewing = {{invalid_pixel(a), a.splits.pixel[0]}};
+     }},
+    {"sewing of one", "sewing[0]",
+     [](ClothAsset& a) {
+       a.sewing = {{a.splits.pixel[0], a.splits.pixel[0]}};
+     }},
     {"bend length", "seam_bends[0]", [](ClothAsset& a) { a.seam_bends[0].rest_length = -1; }},
     {"no source", "source.position", [](ClothAsset& a) { a.source = {}; }},
     {"few normals", "source.normal", [](ClothAsset& a) { a.source.normal.pop_back(); }},

@@ -812,7 +812,8 @@ TEST_F(Import, FbxInItsUnit) {
 
 TEST_F(Import, FbxPolygonsOfTwoCornersAreLooseEdges) {
   std::string text = replaced(kFbx, "Vertices: *12 {\n      a: ", "Vertices: *15 {\n      a: 5,5,5,");
-  text = replaced(text, "PolygonVertexIndex: *4 {\n      a: 0,1,2,-4", "PolygonVertexIndex: *6 {\n      a: 1,2,3,-5,0,-3");
+  text =
+      replaced(text, "PolygonVertexIndex: *4 {\n      a: 0,1,2,-4", "PolygonVertexIndex: *6 {\n      a: 1,2,3,-5,0,-3");
   EXPECT_THAT(read("a.fbx", text).loose_edge, ElementsAre(ElementsAre(0, 2)));
 }
 

@@ -2,8 +2,6 @@
 // Sewing patterns: what the edges between panels say becomes pairs of pixels along the whole of a seam, each pixel with
 // one of its own, whatever the mesh's vertices are like.
 
-#include "geocloth/parametrize/convert.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -17,6 +15,7 @@
 #include <gtest/gtest.h>
 
 #include "geocloth/asset/grid_mesh.h"
+#include "geocloth/parametrize/convert.h"
 
 namespace geocloth {
 namespace {

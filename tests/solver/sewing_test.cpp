@@ -122,7 +122,8 @@ TEST_P(SewingOnTheFirstMachine, LayersThatAreSewnDoNotPushEachOther) {
   if (machine().slow()) return;  // too few frames to come to rest
   float fastest = 0;
   for (const Vec3& v : test::velocities_of(solver)) fastest = std::max(fastest, length(v));
-  EXPECT_LT(fastest, 0.2F) << "two panels that meet at 1 m/s swing a little; pushed apart and drawn together they shake";
+  EXPECT_LT(fastest, 0.2F)
+      << "two panels that meet at 1 m/s swing a little; pushed apart and drawn together they shake";
 }
 
 TEST_P(SewingOnTheFirstMachine, ASecondSimulationBeginsWhereASeamIs) {

@@ -371,7 +371,8 @@ SceneFabric read_fabric(const JsonReader& json, const SceneCloth& cloth) {
 SceneCloth read_cloth(const JsonReader& json, const std::filesystem::path& folder) {
   expect_no_placing(json);
   json.expect_object({"asset", "material", "fabrics", "transform", "inertia_scale", "motion", "pins", "skin", "start",
-                      "cuts", "tear", "pressure", "sewing", "self_collision", "inter_collision", "collides_with", "ignores"});
+                      "cuts", "tear", "pressure", "sewing", "self_collision", "inter_collision", "collides_with",
+                      "ignores"});
   SceneCloth cloth;
   const std::string asset = json.at("asset").text();
   if (asset.empty()) json.at("asset").fail("must name an asset file");

@@ -71,8 +71,8 @@ struct ConvertReport {
   Topology source;
   double source_bbox_diagonal = 0;                 ///< [m]
   uint32_t source_vertices = 0, source_faces = 0;  ///< as counted in the file (faces: polygons)
-  uint32_t sewing_edges = 0;  ///< of TriangleMesh::loose_edge, those that sew: ClothAsset::sewing has their pixels
-  uint32_t refined_vertices = 0;                   ///< added by ConvertOptions::refine, after those of the file
+  uint32_t sewing_edges = 0;      ///< of TriangleMesh::loose_edge, those that sew: ClothAsset::sewing has their pixels
+  uint32_t refined_vertices = 0;  ///< added by ConvertOptions::refine, after those of the file
   /// [m] How far the asset was moved from where the file has it: nowhere, unless that is so far from the origin that
   /// single precision could not tell its points apart.
   Point3 moved{};

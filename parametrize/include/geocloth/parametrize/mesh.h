@@ -28,9 +28,9 @@ struct TriangleMesh {
   std::vector<Point3> position;  ///< vertices of the file, in the file's order [m]
   /// Of vertices at the end that refine_mesh() added: the two before it that each is in the middle of.
   std::vector<std::array<uint32_t, 2>> middle;
-  std::vector<Triangle> triangle;             ///< indices into position; may be degenerate or duplicated
+  std::vector<Triangle> triangle;                   ///< indices into position; may be degenerate or duplicated
   std::vector<std::array<uint32_t, 2>> loose_edge;  ///< edges of no face; between panels they say what is to be sewn
-  std::vector<uint32_t> polygon;              ///< per triangle: number of the polygon of the file it was cut from
+  std::vector<uint32_t> polygon;                    ///< per triangle: number of the polygon of the file it was cut from
   std::vector<std::array<Point2, 3>> uv;      ///< per triangle corner, v down as in glTF; empty when the file has none
   std::vector<std::array<Point3, 3>> normal;  ///< per triangle corner, unit length, or empty
   std::vector<SourcePart> part;               ///< ranges of `triangle`, ascending, covering all of it

@@ -383,9 +383,9 @@ class Simulation {
   std::vector<std::shared_ptr<MovingCollider>> moving_;  ///< of the colliders; null: it keeps its shape
   std::vector<std::shared_ptr<MovingSurface>> skins_;    ///< of the cloths; null: it has none
   std::vector<CutMade> cuts_made_;
-  std::vector<CutResult> torn_;          ///< per cloth
+  std::vector<CutResult> torn_;             ///< per cloth
   std::vector<std::optional<float>> gaps_;  ///< per cloth: share that its seams were open by when sewing began
-  std::vector<std::vector<Pin>> hands_;  ///< per cloth
+  std::vector<std::vector<Pin>> hands_;     ///< per cloth
   std::unique_ptr<Solver> solver_;
   uint32_t frame_ = 0;
 };

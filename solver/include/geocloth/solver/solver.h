@@ -200,13 +200,13 @@ class Solver {
   void set_gravity_scale(uint32_t cloth, float scale);
 
   /// Sews what ClothAsset::sewing names: at the end of the next step such points are no farther apart than this share,
-  /// 0..1e6, of what they are at rest (at least one spacing), and on the way there the share goes on evenly from that of
-  /// the last call. So seams close as it sinks to 0, and are held closed by 0. The first call holds points from then on
-  /// as far apart as it says: begin with sewing_gap(). None: nothing is sewn, as of a new cloth, and seams that were come
-  /// apart.
+  /// 0..1e6, of what they are at rest (at least one spacing), and on the way there the share goes on evenly from that
+  /// of the last call. So seams close as it sinks to 0, and are held closed by 0. The first call holds points from then
+  /// on as far apart as it says: begin with sewing_gap(). None: nothing is sewn, as of a new cloth, and seams that were
+  /// come apart.
   void set_sewing(uint32_t cloth, std::optional<float> share);
-  /// The largest share of what they are apart at rest that points to be sewn are apart now; 0 without any. Waits for the
-  /// device and reads the positions.
+  /// The largest share of what they are apart at rest that points to be sewn are apart now; 0 without any. Waits for
+  /// the device and reads the positions.
   [[nodiscard]] float sewing_gap(uint32_t cloth);
 
   /// Makes a cloth of another material, from the next step on: it stays where it is and as fast as it is, also where it
