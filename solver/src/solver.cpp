@@ -476,6 +476,8 @@ void Solver::Impl::set_sewing(uint32_t cloth, std::optional<float> share) {
   if (share) check_sewing(*share, name_of(cloth));
   Cloth& c = cloths_[cloth];
   c.disturbed = c.disturbed || share != c.sewn_to;
+  if (share && (!c.sewn_from || *share < *c.sewn_from)) c.unruly_until = time_ + kUnruly;
+  if (share && !c.sewn_from) c.seen.reset();  // what is far apart may come together at once
   if (!share || !c.sewn_from) c.sewn_from = share;
   c.sewn_to = share;
 }

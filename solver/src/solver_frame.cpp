@@ -101,11 +101,10 @@ float Solver::Impl::stretch_limit(const Cloth& cloth) const {
 }
 
 void Solver::Impl::fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const {
-  const Vec3 gravity = cloth.gravity_scale * settings_.gravity;
-  frame.params = cloth_params(cloth.material, clock(), gravity, wind_, cloth.pressure);
+  frame.params = cloth_params(cloth.material, clock(), gravity_of(cloth), wind_, cloth.pressure);
   frame.params.gravity_step.w = static_cast<float>(clock().dt / cloth.displaced_in);
   frame.params.inverse_dt2 = static_cast<float>(1 / (cloth.compliance_step * cloth.compliance_step));
-  set_imperfection(settings_.imperfection, gravity, cloth.size, origin_, frame.params);
+  set_imperfection(settings_.imperfection, gravity_of(cloth), cloth.size, origin_, frame.params);
   frame.params.fine = fine_;
   frame.sewn = cloth.sewn_to.has_value();
   frame.params.sewing_before = cloth.sewn_from.value_or(0);
@@ -166,7 +165,7 @@ float Solver::Impl::pull_of_pins(const Cloth& cloth, float least) {
 /// Cloth falls past the lower ones and hangs from the upper ones, from whose way its attachments lead astray.
 bool Solver::Impl::has_pins_above(const Cloth& cloth) const {
   constexpr float kSteep = 0.25F;  // of the longest way to a pin
-  const Vec3& gravity = settings_.gravity;
+  const Vec3 gravity = gravity_of(cloth);
   if (!(length(gravity) > 0)) return false;
   const Vec3 down = normalized(gravity);
   float highest = std::numeric_limits<float>::max(), lowest = -highest;

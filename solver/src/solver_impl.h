@@ -224,6 +224,7 @@ class Solver::Impl {
   void take_inter(InterData inter, const Vec3& origin);
   [[nodiscard]] bool meets_others(const Cloth& cloth) const { return inter_.points > 0 && cloth.inter_collision; }
   [[nodiscard]] float stretch_limit(const Cloth& cloth) const;
+  [[nodiscard]] Vec3 gravity_of(const Cloth& cloth) const { return cloth.gravity_scale * settings_.gravity; }
   [[nodiscard]] FrameClock clock() const;
   [[nodiscard]] std::optional<ClothBox> box_of_pins(const Cloth& cloth) const;
   [[nodiscard]] uint32_t even_substeps();

@@ -27,13 +27,14 @@ std::optional<ClothBox> Solver::Impl::box_of_pins(const Cloth& cloth) const {
   return box;
 }
 
-/// [m/s] Nothing about a cloth is faster in this frame: colliders, wind and pins.
+/// [m/s] Nothing about a cloth is faster in this frame: colliders, wind, pins and what sews it.
 float Solver::Impl::fastest_about(const Cloth& cloth) const {
   const auto frame_time = static_cast<float>(settings_.frame_time);
   float way = 0;
   for (size_t i = 0; i < colliders_to_.size(); ++i)
     if (meets(cloth, i)) way = std::max(way, frame_.shapes[i].way * static_cast<float>(usual_substeps_));
   for (const auto& [pixel, pin] : cloth.pins) way = std::max(way, length(pin.target - pin.from));
+  if (cloth.sewn_from) way = std::max(way, (*cloth.sewn_from - *cloth.sewn_to) * cloth.size);
   const float wind = wind_ ? (1 + wind_->turbulence) * length(wind_->velocity) : 0;
   constexpr float kAnySpeed = 1e6F;  // planes that turn have no bound
   return std::min(std::max(way / frame_time, wind), kAnySpeed);
@@ -46,7 +47,7 @@ float Solver::Impl::way_from(const Cloth& cloth, float speed) const {
   constexpr float kThrown = 2, kStart = 1;  // [1], [m/s]
   const auto frame_time = static_cast<float>(settings_.frame_time);
   const float most = kThrown * std::max(speed, fastest_about(cloth)) + kStart;
-  return (most + length(settings_.gravity) * frame_time) * frame_time;
+  return (most + length(gravity_of(cloth)) * frame_time) * frame_time;
 }
 
 /// Where a cloth can be in this frame: as fast as it is where that is known, else as far from its pins as they let it.
@@ -120,7 +121,7 @@ void Solver::Impl::let_seen_go(Cloth& cloth) const {
   if (!cloth.seen) return;
   cloth.seen->box.grow(way_from(cloth, cloth.seen->speed));
   cloth.seen->speed = std::max(cloth.seen->speed, fastest_about(cloth)) +
-                      length(settings_.gravity) * static_cast<float>(settings_.frame_time);
+                      length(gravity_of(cloth)) * static_cast<float>(settings_.frame_time);
 }
 
 /// Whether a cloth without pins that tell where it is may meet a fast collider. It is looked at, which waits for the

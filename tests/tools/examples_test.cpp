@@ -130,6 +130,21 @@ TEST_P(Example, KeepsOutOfCollidersInEveryFrame) {
   EXPECT_LE(statistics.penetration, 1e-4);
 }
 
+TEST(Examples, ThePatternIsSewnShut) {
+  const TemporaryFolder folder;
+  const Scene scene = lay_out("dress_pattern", folder, "48");
+  SolverSettings settings;
+  settings.backend = Backend::cpu;
+  Simulation simulation(scene, settings, body_reader());
+  const ClothAsset& dress = *simulation.cloths()[0].asset;
+  EXPECT_GT(dress.sewing.size(), 100U);
+  for (int f = 0; f < 120; ++f) simulation.step();
+  std::vector<Vec3> position;
+  simulation.solver().read_positions(0, position);
+  for (const auto& [a, b] : dress.sewing) EXPECT_LT(length(position[b] - position[a]), 2e-3F) << a << " and " << b;
+  EXPECT_LT(measure_stretch(dress, 1, position).mean, 1.01);
+}
+
 class SmallExample : public VulkanTest, public testing::WithParamInterface<std::string> {
  protected:
   static void SetUpTestSuite() {
