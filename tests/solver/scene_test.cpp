@@ -843,6 +843,13 @@ TEST_F(Playing, ASewingPatternIsSewnWithoutItsWeight) {
   EXPECT_NEAR(apart, 0.3, 1e-3);
   EXPECT_LT(free, -0.03);
 
+  for (uint32_t p = 0; p < asset.pixel_count(); ++p)
+    if (asset.valid(p) && asset.chart[p] == 1) asset.rest_position[p].x -= 0.3F;
+  write_asset(asset, folder_ / "pattern.glb");
+  const auto [sewn, falls] = play("", 6);
+  EXPECT_LT(sewn, 1e-3);
+  EXPECT_LT(falls, -0.03) << "what begins sewn waits for nothing";
+
   asset.sewing.clear();
   write_asset(asset, folder_ / "pattern.glb");
   EXPECT_NO_THROW(play("", 1));

@@ -551,18 +551,19 @@ void Simulation::cut(double start) {
 void Simulation::sew(uint32_t cloth, double start) {
   const std::optional<SceneSewing>& sewing = scene_.cloths[cloth].sewing;
   if (!sewing || cloths_[cloth].asset->sewing.empty()) return;
-  const auto over_at = [&](double at) {
-    return sewing->duration > 0 ? std::clamp((at - sewing->start) / sewing->duration, 0.0, 1.0) : 1.0;
-  };
-  const bool has_begun = time() > sewing->start;
-  const auto over = static_cast<float>(has_begun ? over_at(time()) : 0);
-  if (sewing->weightless) solver_->set_gravity_scale(cloth, over_at(start) < 1 ? 0.F : 1.F);
-  if (!has_begun) return;
-  if (!gaps_[cloth]) {
-    gaps_[cloth] = solver_->sewing_gap(cloth);
-    solver_->set_sewing(cloth, *gaps_[cloth] * static_cast<float>(1 - over_at(start)));
+  std::optional<float>& gap = gaps_[cloth];
+  if (!gap && time() > sewing->start) {
+    gap = solver_->sewing_gap(cloth);
+    solver_->set_sewing(cloth, *gap);
   }
-  solver_->set_sewing(cloth, *gaps_[cloth] * (1 - over));
+  constexpr float kSewn = 0.02F;  // of what is apart at rest: it begins as it was sewn before
+  const double duration = gap && *gap < kSewn ? 0 : sewing->duration;
+  const auto share_over = [&](double at) {
+    if (!(duration > 0)) return at >= sewing->start ? 1.0 : 0.0;
+    return std::clamp((at - sewing->start) / duration, 0.0, 1.0);
+  };
+  if (sewing->weightless) solver_->set_gravity_scale(cloth, share_over(start) < 1 ? 0.F : 1.F);
+  if (gap) solver_->set_sewing(cloth, *gap * static_cast<float>(1 - share_over(time())));
 }
 
 void Simulation::step() {
