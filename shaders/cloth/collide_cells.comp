@@ -43,6 +43,12 @@ void main() {
   uvec2 p2 = p0 + uvec2(0u, 1u);
   uvec2 p3 = p0 + uvec2(1u, 1u);
   bool left = (bits & kCellDiagonalLeftBit) != 0u;
-  if ((bits & kCellFirstBit) != 0u) collide_triangle_at(p0, p2, left ? p1 : p3);
-  if ((bits & kCellSecondBit) != 0u) collide_triangle_at(left ? p1 : p0, left ? p2 : p3, left ? p3 : p1);
+  for (uint i = 0u; i < 2u; ++i) {
+    bool first = i == 0u;
+    if ((bits & (first ? kCellFirstBit : kCellSecondBit)) == 0u) continue;
+    uvec2 a = first || !left ? p0 : p1;
+    uvec2 b = first || left ? p2 : p3;
+    uvec2 c = first ? (left ? p1 : p3) : (left ? p3 : p1);
+    collide_triangle_at(a, b, c);
+  }
 }

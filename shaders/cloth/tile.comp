@@ -11,8 +11,8 @@
 layout(set = 1, binding = kBindingPositionOut, rgba32f) uniform writeonly image2D position_out;
 layout(set = 1, binding = kBindingPreviousOut, rgba32f) uniform writeonly image2D previous_out;
 layout(set = 1, binding = kBindingCarryOut, rgba32f) uniform writeonly image2D carry_out;
-layout(constant_id = 2) const uint kSide = 16u;   // of a tile
-layout(constant_id = 3) const uint kBorder = 2u;  // around it
+layout(constant_id = 3) const uint kSide = 16u;   // of a tile
+layout(constant_id = 4) const uint kBorder = 2u;  // around it
 
 #include "tile_points.glsl"
 

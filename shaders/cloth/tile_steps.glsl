@@ -80,16 +80,16 @@ void run_pixels(uint pass, bool pins_too) {
         if (is_kept(p)) limit_at(p);
         break;
       case kTileCollide:
-        if (is_kept(p)) collide_at(p);
+        if (kContacts && is_kept(p)) collide_at(p);
         break;
       case kTileHoldWay:
         if (is_kept(p)) hold_way_at(p);
         break;
       case kTileGiveWay:
-        if (is_kept(p)) give_way_at(p);
+        if (kContacts && is_kept(p)) give_way_at(p);
         break;
       case kTileCheckColliders:
-        check_colliders_at(p);
+        if (kContacts) check_colliders_at(p);
         break;
     }
   }

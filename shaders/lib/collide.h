@@ -41,17 +41,18 @@ const uint kDeformSteps = 2u;
 
 // Where what is at q of a deforming body's frame will be at the end of the frame: the x with x - left way(x) = q, for
 // the ways are those of points at the end. Iterated, as a point and its neighbours go nearly alike.
+// @param left  0: nothing deforms
 inline vec3 deformed(ColliderSet set, ColliderShape shape, float left, vec3 q) {
   vec3 x = q;
-  for (uint i = 0u; i < kDeformSteps; ++i) x = shifted(q, deforming_way(set, shape, x), left);
+  uint steps = left > 0.0f ? kDeformSteps : 0u;
+  for (uint i = 0u; i < steps; ++i) x = shifted(q, deforming_way(set, shape, x), left);
   return x;
 }
 
 inline vec3 to_local(ColliderSet set, ColliderShape shape, ColliderPose pose, vec3 p) {
   precise vec3 d = p - vec3(pose.row0.w, pose.row1.w, pose.row2.w);
   precise vec3 r = xyz(pose.row0) * d.x + xyz(pose.row1) * d.y + xyz(pose.row2) * d.z;
-  if (pose.deform.x > 0.0f) return deformed(set, shape, pose.deform.x, r);
-  return r;
+  return deformed(set, shape, pose.deform.x, r);
 }
 
 inline vec3 rotate_to_world(ColliderPose pose, vec3 v) {

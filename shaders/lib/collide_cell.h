@@ -4,6 +4,9 @@
 // it ends; it is then a point like a pixel, swept as in collide.h, and what pushes it out is shared by the corners by
 // their weights and masses.
 //
+// Loops that go round two or three times are there for shaders: compilers inline every call, and each of a shape's
+// distance is a hundred lines.
+//
 // A push stops a corner that moves into the collider, as seen from the collider; no corner is ever thrown. What else it
 // has to be moved by moves its place and leaves its velocity. Friction and the cloth's thickness are the pixels' own.
 #ifndef GEOCLOTH_LIB_COLLIDE_CELL_H
@@ -66,16 +69,26 @@ struct Corners {
   vec3 c;
 };
 
+inline vec3 corner_of(Corners t, uint i) {
+  return i == 0u ? t.a : (i == 1u ? t.b : t.c);
+}
+
+inline Corners with_corner(Corners t, uint i, vec3 p) {
+  Corners r = t;
+  if (i == 0u) r.a = p;
+  if (i == 1u) r.b = p;
+  if (i == 2u) r.c = p;
+  return r;
+}
+
 inline vec3 at_weights(Corners t, vec3 weights) {
   precise vec3 r = t.a * weights.x + t.b * weights.y + t.c * weights.z;
   return r;
 }
 
 inline Corners corners_to_local(ColliderSet set, ColliderShape shape, ColliderPose pose, Corners t) {
-  Corners r;
-  r.a = to_local(set, shape, pose, t.a);
-  r.b = to_local(set, shape, pose, t.b);
-  r.c = to_local(set, shape, pose, t.c);
+  Corners r = t;
+  for (uint i = 0u; i < 3u; ++i) r = with_corner(r, i, to_local(set, shape, pose, corner_of(t, i)));
   return r;
 }
 
@@ -173,6 +186,17 @@ inline Corners first_corners_of(MovedTriangle t) {
   return r;
 }
 
+inline MovedTriangle moved_triangle(Corners now, Corners start) {
+  MovedTriangle r;
+  r.a = now.a;
+  r.b = now.b;
+  r.c = now.c;
+  r.start_a = start.a;
+  r.start_b = start.b;
+  r.start_c = start.c;
+  return r;
+}
+
 struct MovedCorner {
   vec3 now;
   vec3 start;
@@ -212,17 +236,16 @@ inline MovedTriangle push_point(ColliderSet set, ClothParams params, ColliderSha
   precise float lifted = min(sum * (1.0f / least), 1.0f);
   precise float push = min(contact.depth, approach) * lifted * (1.0f / max(sum, least));
   vec3 n = rotate_to_world(after, contact.normal);
-  MovedCorner a = push_corner(set, shape, before, after, t.a, t.start_a, n, contact.normal, push * share.x);
-  MovedCorner b = push_corner(set, shape, before, after, t.b, t.start_b, n, contact.normal, push * share.y);
-  MovedCorner c = push_corner(set, shape, before, after, t.c, t.start_c, n, contact.normal, push * share.z);
-  MovedTriangle r;
-  r.a = a.now;
-  r.b = b.now;
-  r.c = c.now;
-  r.start_a = a.start;
-  r.start_b = b.start;
-  r.start_c = c.start;
-  return r;
+  Corners now = corners_of(t);
+  Corners began = first_corners_of(t);
+  for (uint i = 0u; i < 3u; ++i) {
+    float part = i == 0u ? share.x : (i == 1u ? share.y : share.z);
+    MovedCorner moved =
+        push_corner(set, shape, before, after, corner_of(now, i), corner_of(began, i), n, contact.normal, push * part);
+    now = with_corner(now, i, moved.now);
+    began = with_corner(began, i, moved.start);
+  }
+  return moved_triangle(now, began);
 }
 
 inline vec3 middle_of(Corners t) {
@@ -252,10 +275,13 @@ const float kShortWay = 0.25f;  // sides that it may have gone: a rod that it ha
 // @param near  of its middle
 inline bool is_flat_below(ColliderSet set, ColliderShape shape, Corners t, Nearest near, float side) {
   vec3 middle = middle_of(t);
-  precise float a = nearest_of_shape(set, shape, t.a).distance - dot3(t.a - middle, near.normal);
-  precise float b = nearest_of_shape(set, shape, t.b).distance - dot3(t.b - middle, near.normal);
-  precise float c = nearest_of_shape(set, shape, t.c).distance - dot3(t.c - middle, near.normal);
-  precise float bent = max(max(abs(a - near.distance), abs(b - near.distance)), abs(c - near.distance));
+  float bent = 0.0f;
+  for (uint i = 0u; i < 3u; ++i) {
+    vec3 corner = corner_of(t, i);
+    precise float level = nearest_of_shape(set, shape, corner).distance - dot3(corner - middle, near.normal);
+    precise float off = level - near.distance;
+    bent = max(bent, abs(off));
+  }
   return bent < kFlat * side;
 }
 
@@ -285,9 +311,12 @@ inline MovedTriangle collide_triangle(ColliderSet set, ClothParams params, uint 
     if (shape.kind == kShapeMesh && seen_way < kShortWay * side && is_flat_below(set, shape, last, near, side)) {
       continue;
     }
-    moved = push_point(set, params, shape, before, after, moved, first, w, deepest_weights(set, shape, first));
-    last = corners_to_local(set, shape, after, corners_of(moved));
-    moved = push_point(set, params, shape, before, after, moved, first, w, deepest_weights(set, shape, last));
+    // The point that was deepest when the substep began, then the one that is at its end.
+    Corners seen = first;
+    for (uint turn = 0u; turn < 2u; ++turn) {
+      moved = push_point(set, params, shape, before, after, moved, first, w, deepest_weights(set, shape, seen));
+      if (turn == 0u) seen = corners_to_local(set, shape, after, corners_of(moved));
+    }
     side = longest_side(corners_of(moved));
   }
   return moved;

@@ -63,8 +63,10 @@ inline bool is_left(ColliderSet set, ClothParams params, uint substep, vec3 star
     ColliderShape shape = collider_shape(set, i);
     if (!is_thin(params, shape)) continue;
     ColliderPose pose = collider_pose(set, substep + 1u, i);
-    if (nearest_of_shape(set, shape, to_local(set, shape, pose, start)).distance < reach) return true;
-    if (nearest_of_shape(set, shape, to_local(set, shape, pose, moved)).distance < reach) return true;
+    for (uint k = 0u; k < 2u; ++k) {
+      vec3 p = k == 0u ? start : moved;
+      if (nearest_of_shape(set, shape, to_local(set, shape, pose, p)).distance < reach) return true;
+    }
   }
   return false;
 }

@@ -63,9 +63,12 @@ inline Nearest nearest_box(vec3 half_extents, vec3 p) {
   return make_nearest(largest, n);
 }
 
+const uint kEllipsoidSteps = 12u;
+
 // Closest point by Eberly's equation sum (r y / (t + r^2))^2 = 1 in units of the largest radius: convex and falling
 // right of its last pole, so Newton's method from the left climbs to the root without a bracket.
-inline Nearest nearest_ellipsoid(vec3 radii, vec3 p) {
+// @param steps  kEllipsoidSteps; none where the result is not wanted
+inline Nearest nearest_ellipsoid(vec3 radii, vec3 p, uint steps) {
   float largest = max(radii.x, max(radii.y, radii.z));
   precise float scale = 1.0f / largest;
   precise vec3 r = radii * scale;
@@ -75,7 +78,7 @@ inline Nearest nearest_ellipsoid(vec3 radii, vec3 p) {
   precise vec3 ry = r * y;
   precise float t = max(ry.x - r2.x, max(ry.y - r2.y, ry.z - r2.z));
   precise vec3 s = vec3(0.0f, 0.0f, 0.0f);
-  for (uint i = 0u; i < 12u; ++i) {
+  for (uint i = 0u; i < steps; ++i) {
     s = vec3(1.0f / (t + r2.x), 1.0f / (t + r2.y), 1.0f / (t + r2.z));
     precise vec3 g = ry * s;
     precise float value = dot3(g, g) - 1.0f;
@@ -95,12 +98,14 @@ inline Nearest nearest_ellipsoid(vec3 radii, vec3 p) {
 }
 
 // For contacts: twice as far out as the ellipsoid is large, a lower bound of the distance will do.
-inline Nearest nearest_ellipsoid_in_reach(vec3 radii, vec3 p) {
+// Where shaders run in software every invocation goes through this, whatever shape there is; then without a step.
+inline Nearest nearest_ellipsoid_in_reach(ColliderShape shape, vec3 p) {
+  vec3 radii = xyz(shape.a);
   float largest = max(radii.x, max(radii.y, radii.z));
   vec4 outward = unit_and_length(p);
   precise float bound = outward.w - largest;
   if (bound > largest) return make_nearest(bound, xyz(outward));
-  return nearest_ellipsoid(radii, p);
+  return nearest_ellipsoid(radii, p, shape.kind == kShapeEllipsoid ? kEllipsoidSteps : 0u);
 }
 
 // The plane that the point is highest above: exact inside and beside a face.
@@ -221,7 +226,7 @@ inline Nearest nearest_of_shape(ColliderSet set, ColliderShape shape, vec3 p) {
   if (shape.kind == kShapeBox) return nearest_box(xyz(shape.a), p);
   if (shape.kind == kShapeConvex) return nearest_convex(set, shape, p);
   if (shape.kind == kShapeMesh) return nearest_mesh(set, shape, p);
-  return nearest_ellipsoid_in_reach(xyz(shape.a), p);
+  return nearest_ellipsoid_in_reach(shape, p);
 }
 
 #ifdef __cplusplus

@@ -34,7 +34,8 @@ float SignedDistance::operator()(const Vec3& point) const {
   const shader::ColliderShape& shape = impl_->shape;
   const Vec3 local = rotate(conjugate(impl_->frame.rotate), point - impl_->frame.translate);
   const shader::vec3 p{local.x, local.y, local.z};
-  if (shape.kind == shader::kShapeEllipsoid) return shader::nearest_ellipsoid(shader::xyz(shape.a), p).distance;
+  if (shape.kind == shader::kShapeEllipsoid)
+    return shader::nearest_ellipsoid(shader::xyz(shape.a), p, shader::kEllipsoidSteps).distance;
   const float* const numbers = impl_->field ? impl_->field->distance.data() : impl_->numbers.data();
   return shader::nearest_of_shape({&shape, nullptr, 1, numbers}, shape, p).distance;
 }

@@ -88,7 +88,6 @@ HWY_NOINLINE Nearest<D> nearest_box(D d, const shader::ColliderShape& shape, con
 /// Newton's method of nearest_ellipsoid().
 template <class D>
 HWY_INLINE Nearest<D> nearest_ellipsoid(D d, const shader::vec3& radii, const Points<D>& p) {
-  constexpr uint32_t kNewtonSteps = 12;
   const float largest = shader::max(radii.x, shader::max(radii.y, radii.z)), to_unit = 1.F / largest;
   const shader::vec3 r1 = radii * to_unit, r2 = r1 * r1;
   const auto one = hn::Set(d, 1.F), tiny = hn::Set(d, 1e-20F);
@@ -102,7 +101,7 @@ HWY_INLINE Nearest<D> nearest_ellipsoid(D d, const shader::vec3& radii, const Po
     return Points<D>{hn::Div(one, hn::Add(at, squares.x)), hn::Div(one, hn::Add(at, squares.y)),
                      hn::Div(one, hn::Add(at, squares.z))};
   };
-  for (uint32_t i = 0; i < kNewtonSteps; ++i) {
+  for (uint32_t i = 0; i < shader::kEllipsoidSteps; ++i) {
     const Points<D> s = inverses(t), g = mul(d, ry, s);
     const auto value = hn::Sub(dot(d, g, g), one);
     const auto slope = hn::Mul(hn::Set(d, 2.F), dot(d, mul(d, g, g), s));

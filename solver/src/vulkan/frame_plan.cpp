@@ -106,6 +106,12 @@ bool writes_history(Pass pass) {
   return pass == Pass::predict || pass == Pass::collide || pass == Pass::hold_way || pass == Pass::give_way;
 }
 
+/// In a step of a tile.
+bool meets_colliders(const shader::TileStep& step) {
+  return step.pass == shader::kTileCollide || step.pass == shader::kTileGiveWay ||
+         step.pass == shader::kTileCheckColliders;
+}
+
 bool starts_tile(Pass pass) {
   return pass == Pass::predict || pass == Pass::ties;
 }
@@ -146,6 +152,7 @@ class Planner {
   /// Of the steps since the last one.
   void add_tiny_dispatch() {
     plan_.dispatches.push_back({.kind = Dispatch::Kind::tiny,
+                                .contacts = contacts_since(dispatched_),
                                 .tile = {.first = dispatched_, .count = step_count() - dispatched_, .keep_history = 0},
                                 .name = "whole_frame"});
     dispatched_ = step_count();
@@ -174,6 +181,7 @@ class Planner {
       dispatch.name.append(name);
     }
     dispatch.tile.count = step_count() - dispatch.tile.first;
+    dispatch.contacts = contacts_since(dispatch.tile.first);
     dispatch.border = std::max(way.x, way.y);
     plan_.dispatches.push_back(std::move(dispatch));
   }
@@ -195,6 +203,9 @@ class Planner {
                            .pins = options_.pins ? 1U : 0U});
   }
 
+  [[nodiscard]] bool contacts_since(uint32_t step) const {
+    return std::any_of(plan_.steps.begin() + step, plan_.steps.end(), meets_colliders);
+  }
   [[nodiscard]] uint32_t step_count() const { return static_cast<uint32_t>(plan_.steps.size()); }
 
   const ScheduleOptions& options_;

@@ -51,6 +51,7 @@ struct Dispatch {
   uint32_t substep = 0;          ///< of a pass
   bool from_scratch = false;     ///< points are in the scratch images before it
   uint32_t border = 0;           ///< of a tile
+  bool contacts = false;         ///< of a tile or tiny: there are steps that meet colliders
   shader::TileConstants tile{};  ///< of the others
   std::string name = {};         ///< of its passes
 };

@@ -102,28 +102,32 @@ TileKernels::TileKernels(std::shared_ptr<const Context> context, vk::DescriptorS
       set_layout_(make_tile_set_layout(*context_)),
       pipeline_layout_(make_pipeline_layout(*context_, pass_set_layout, *set_layout_)) {}
 
-const Kernel& TileKernels::tile_kernel(uint32_t border) {
-  const auto found = tiles_.find(border);
+const Kernel& TileKernels::tile_kernel(uint32_t border, bool contacts) {
+  const std::pair key{border, contacts};
+  const auto found = tiles_.find(key);
   if (found != tiles_.end()) return found->second;
   const uint32_t side = tile_side(limits_, border), region = side + 2 * border;
-  const std::array specialization{invocations(limits_, kTileInvocations), region * region, side, border};
-  return tiles_.emplace(border, Kernel(context_, tile_comp, *pipeline_layout_, specialization)).first->second;
+  const std::array specialization{invocations(limits_, kTileInvocations), region * region, contacts ? 1U : 0U, side,
+                                  border};
+  return tiles_.emplace(key, Kernel(context_, tile_comp, *pipeline_layout_, specialization)).first->second;
 }
 
-const Kernel& TileKernels::tiny_kernel(uint32_t pixels) {
+const Kernel& TileKernels::tiny_kernel(uint32_t pixels, bool contacts) {
   const uint32_t most = limits_.shared_bytes / static_cast<uint32_t>(sizeof(shader::vec4));
   // Software takes ten seconds to compile one, and no less time to run one of fewer points.
   const uint32_t points = limits_.software ? most : std::min(divide_up(pixels, kTinyPoints) * kTinyPoints, most);
-  const auto found = tiny_.find(points);
+  const std::pair key{points, contacts};
+  const auto found = tiny_.find(key);
   if (found != tiny_.end()) return found->second;
-  const std::array specialization{invocations(limits_, std::min(points, kTinyInvocations)), points};
-  return tiny_.emplace(points, Kernel(context_, tiny_comp, *pipeline_layout_, specialization)).first->second;
+  const std::array specialization{invocations(limits_, std::min(points, kTinyInvocations)), points, contacts ? 1U : 0U};
+  return tiny_.emplace(key, Kernel(context_, tiny_comp, *pipeline_layout_, specialization)).first->second;
 }
 
 void TileKernels::dispatch(const vk::raii::CommandBuffer& commands, const ClothResources& cloth,
                            const Dispatch& dispatch, vk::DescriptorSet points, vk::DescriptorSet out) {
   const bool tiny = dispatch.kind == Dispatch::Kind::tiny;
-  const Kernel& kernel = tiny ? tiny_kernel(cloth.pixel_count()) : tile_kernel(dispatch.border);
+  const Kernel& kernel =
+      tiny ? tiny_kernel(cloth.pixel_count(), dispatch.contacts) : tile_kernel(dispatch.border, dispatch.contacts);
   commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *pipeline_layout_, 0, {points, out}, {});
   commands.bindPipeline(vk::PipelineBindPoint::eCompute, kernel.handle());
   commands.pushConstants<shader::TileConstants>(*pipeline_layout_, vk::ShaderStageFlagBits::eCompute, 0, dispatch.tile);

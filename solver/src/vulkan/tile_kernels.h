@@ -3,6 +3,7 @@
 
 #include <map>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "vulkan/cloth_resources.h"
@@ -27,15 +28,17 @@ class TileKernels {
                 vk::DescriptorSet points, vk::DescriptorSet out);
 
  private:
-  const Kernel& tile_kernel(uint32_t border);
-  const Kernel& tiny_kernel(uint32_t pixels);
+  const Kernel& tile_kernel(uint32_t border, bool contacts);
+  const Kernel& tiny_kernel(uint32_t pixels, bool contacts);
 
   std::shared_ptr<const Context> context_;
   TileLimits limits_;
   vk::raii::DescriptorSetLayout set_layout_;
   vk::raii::PipelineLayout pipeline_layout_;
-  std::map<uint32_t, Kernel> tiles_;  ///< by border
-  std::map<uint32_t, Kernel> tiny_;   ///< by number of points
+  /// Contacts are half of a kernel and want most registers: what meets no collider has kernels without.
+  using WithContacts = bool;
+  std::map<std::pair<uint32_t, WithContacts>, Kernel> tiles_;  ///< by border
+  std::map<std::pair<uint32_t, WithContacts>, Kernel> tiny_;   ///< by number of points
 };
 
 /// What one frame under way needs for the tiles of one cloth: the steps, and set 1 for both directions.
