@@ -306,6 +306,37 @@ TEST(Cost, ATinyClothIsOneDispatchForAFrame) {
   }
 }
 
+// Contacts are most of a kernel's code and registers: a dispatch that takes them along for nothing runs fewer groups at
+// once on a GPU, and one that lacks them would let cloth through its colliders.
+TEST(Cost, OnlyDispatchesThatMeetCollidersHoldContacts) {
+  for (const bool collider : {false, true}) {
+    const BackendScene scene = make_scene({.nx = 40, .ny = 40}, attached(), collider);
+    const ScheduleOptions options = schedule_options(scene.data, 0, scene.frame);
+    const ClothData& cloth = scene.data.cloths.front();
+    for (const SolverPath path : {SolverPath::tiled, SolverPath::tiny}) {
+      const vulkan::FramePlan plan =
+          vulkan::plan_frame(path, options, 2, {cloth.split_rows(), cloth.seam_color_offset});
+      size_t with = 0, tiles = 0;
+      for (const vulkan::Dispatch& dispatch : plan.dispatches) {
+        if (dispatch.kind == vulkan::Dispatch::Kind::pass) continue;
+        const auto steps = std::span(plan.steps).subspan(dispatch.tile.first, dispatch.tile.count);
+        const bool meets = std::ranges::any_of(steps, [](const shader::TileStep& step) {
+          return step.pass == shader::kTileCollide || step.pass == shader::kTileGiveWay ||
+                 step.pass == shader::kTileCheckColliders;
+        });
+        EXPECT_EQ(dispatch.contacts, meets) << dispatch.name;
+        with += dispatch.contacts ? 1U : 0U;
+        ++tiles;
+      }
+      ASSERT_GT(tiles, 0U);
+      // Of the tiles of a substep the second one alone: the first predicts and shears.
+      const size_t most = !collider ? 0 : path == SolverPath::tiny ? tiles : tiles / 2;
+      EXPECT_EQ(with > 0, collider);
+      EXPECT_LE(with, most);
+    }
+  }
+}
+
 TEST(Cost, PathsAreChosenByTheDeviceAndTheSize) {
   const auto chosen = [](const vulkan::TileLimits& limits, uint32_t side, SolverPath wish, uint32_t relaxation = 1,
                          bool fine = false) {
