@@ -5,7 +5,7 @@
 
 layout(local_size_x_id = 0) in;
 layout(constant_id = 1) const uint kPoints = 1024u;  // that a region has at most
-layout(constant_id = 2) const bool kContacts = true;   // some of the steps meet colliders
+layout(constant_id = 2) const bool kContacts = true;  // some of the steps meet colliders
 
 layout(set = 1, binding = kBindingTileSteps, std430) readonly buffer TileStepBlock { TileStep tile_steps[]; };
 layout(set = 1, binding = kBindingPinOfPixel, std430) readonly buffer PinOfPixelBlock { uint pin_of_pixel[]; };

@@ -4,8 +4,8 @@
 // it ends; it is then a point like a pixel, swept as in collide.h, and what pushes it out is shared by the corners by
 // their weights and masses.
 //
-// Loops that go round two or three times are there for shaders: compilers inline every call, and each of a shape's
-// distance is a hundred lines.
+// Loops of two or three turns keep shaders small: their compilers inline every call, and the distance to a shape is a
+// hundred lines.
 //
 // A push stops a corner that moves into the collider, as seen from the collider; no corner is ever thrown. What else it
 // has to be moved by moves its place and leaves its velocity. Friction and the cloth's thickness are the pixels' own.
