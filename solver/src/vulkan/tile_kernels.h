@@ -35,7 +35,7 @@ class TileKernels {
   TileLimits limits_;
   vk::raii::DescriptorSetLayout set_layout_;
   vk::raii::PipelineLayout pipeline_layout_;
-  /// Contacts are half of a kernel and want most registers: what meets no collider has kernels without.
+  /// Contacts are most of a kernel and want most registers: what meets no collider has kernels without.
   using WithContacts = bool;
   std::map<std::pair<uint32_t, WithContacts>, Kernel> tiles_;  ///< by border
   std::map<std::pair<uint32_t, WithContacts>, Kernel> tiny_;   ///< by number of points
