@@ -32,6 +32,7 @@ layout(set = 0, binding = kBindingInverseMass, std430) readonly buffer InverseMa
 layout(set = 0, binding = kBindingColliderNumbers, std430) readonly buffer NumberBlock { float collider_numbers[]; };
 layout(set = 0, binding = kBindingSelfPoints, std430) readonly buffer SelfPointBlock { SelfPoint self_points[]; };
 layout(set = 0, binding = kBindingSelfWords, std430) buffer SelfWordBlock { uint self_words[]; };
+layout(set = 0, binding = kBindingContacts, std430) buffer ContactBlock { uint contact_words[]; };
 
 bool in_image(uvec2 pixel) {
   return pixel.x < params.width && pixel.y < params.height;

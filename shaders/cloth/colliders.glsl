@@ -1,8 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // The colliders that the cloth meets, as lib/collide.h wants them.
+#include "../lib/contact_sum.h"
+
+layout(constant_id = 5) const uint kContactForces = 0u;  // 1: contacts are summed
+
 struct ColliderSet {
-  uint unused;
+  float mass_inverse;  // of the point that meets them
 };
+
+ColliderSet set_of_point(ColliderSet set, float mass_inverse) {
+  return ColliderSet(mass_inverse);
+}
 
 ColliderShape collider_shape(ColliderSet set, uint i) {
   return shapes[params.first_shape + i];
@@ -14,6 +22,23 @@ ColliderPose collider_pose(ColliderSet set, uint pose, uint i) {
 
 float collider_number(ColliderSet set, uint i) {
   return collider_numbers[i];
+}
+
+void add_fixed(uint word, float v) {
+  FixedPoint n = fixed_point(v);
+  uint before = atomicAdd(contact_words[word], n.low);
+  uint carry = before + n.low < before ? 1u : 0u;
+  atomicAdd(contact_words[word + 1u], n.high + carry);
+}
+
+void add_contact(ColliderSet set, uint i, vec3 way, vec3 position) {
+  if (kContactForces == 0u || set.mass_inverse <= 0.0f) return;
+  ContactShare share = contact_share(set.mass_inverse, way, position, params.contact_scale);
+  for (uint k = 0u; k < kContactValues; ++k) {
+    vec3 of = k < 3u ? share.impulse : share.moment;
+    uint axis = k % 3u;
+    add_fixed(kContactWords * i + 2u * k, axis == 0u ? of.x : (axis == 1u ? of.y : of.z));
+  }
 }
 
 #include "../lib/collide.h"

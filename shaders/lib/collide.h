@@ -3,9 +3,12 @@
 // "Unified Particle Physics for Real-Time Applications", section 6.1) on the displacement relative to the collider's.
 //
 // The includer defines before this file:
-//   struct ColliderSet (a handle), ColliderShape collider_shape(ColliderSet set, uint i),
+//   struct ColliderSet (a handle, of a point), ColliderSet set_of_point(ColliderSet set, float mass_inverse),
+//   ColliderShape collider_shape(ColliderSet set, uint i),
 //   ColliderPose collider_pose(ColliderSet set, uint pose, uint i)   with pose s before substep s and s + 1 after it,
-//   float collider_number(ColliderSet set, uint i).
+//   float collider_number(ColliderSet set, uint i),
+//   void add_contact(ColliderSet set, uint i, vec3 way, vec3 position)   sums what a contact did to a point that lies
+//                                                                        there then, see lib/contact_sum.h.
 #ifndef GEOCLOTH_LIB_COLLIDE_H
 #define GEOCLOTH_LIB_COLLIDE_H
 
@@ -346,7 +349,10 @@ inline PointState push_out(ColliderSet set, ClothParams params, uint substep, Po
         vec3 n = rotate_to_world(after, contact.normal);
         vec3 out_of_it = way_out(n, contact.depth, params.thickness, slides_out(round) ? last : vec3(0.0f, 0.0f, 0.0f));
         float grip = largest_grip(params, shape);
+        vec3 came = way_of(state);
         state = respond(set, shape, state, before, after, local, contact, n, out_of_it, friction, grip);
+        precise vec3 changed = way_of(state) - came;
+        add_contact(set, i, changed, state.position);
         last = n;
         way = length3(state.position - start);
         again = again || ((params.collider_count > 1u || shape.kind == kShapeMesh) && contact.depth > deep);

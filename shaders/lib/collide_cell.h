@@ -214,13 +214,21 @@ inline MovedCorner push_corner(ColliderSet set, ColliderShape shape, ColliderPos
   return r;
 }
 
+// By how much more a corner goes in the substep now than before. (A function, for glslang does not come to an end where
+// it follows what is precise through the structs.)
+inline vec3 change_of_way(vec3 now, vec3 start, vec3 moved, vec3 moved_start) {
+  precise vec3 r = (moved - moved_start) - (now - start);
+  return r;
+}
+
 const float kLargestLever = 4.0f;  // way of a corner against that of the point that it lifts; 1.4 where all are free
 
 // One contact of the point of these weights.
 // @param start  the corners when the substep began, in the collider's frame of then
 // @param w      inverse masses of the corners
-inline MovedTriangle push_point(ColliderSet set, ClothParams params, ColliderShape shape, ColliderPose before,
-                                ColliderPose after, MovedTriangle t, Corners start, vec3 w, vec3 weights) {
+inline MovedTriangle push_point(ColliderSet set, ClothParams params, uint collider, ColliderShape shape,
+                                ColliderPose before, ColliderPose after, MovedTriangle t, Corners start, vec3 w,
+                                vec3 weights) {
   vec3 p0 = at_weights(start, weights);
   vec3 p1 = to_local(set, shape, after, at_weights(corners_of(t), weights));
   bool swept = before.deform.x == 0.0f;
@@ -242,6 +250,8 @@ inline MovedTriangle push_point(ColliderSet set, ClothParams params, ColliderSha
     float part = i == 0u ? share.x : (i == 1u ? share.y : share.z);
     MovedCorner moved =
         push_corner(set, shape, before, after, corner_of(now, i), corner_of(began, i), n, contact.normal, push * part);
+    vec3 changed = change_of_way(corner_of(now, i), corner_of(began, i), moved.now, moved.start);
+    add_contact(set_of_point(set, i == 0u ? w.x : (i == 1u ? w.y : w.z)), collider, changed, moved.now);
     now = with_corner(now, i, moved.now);
     began = with_corner(began, i, moved.start);
   }
@@ -314,7 +324,7 @@ inline MovedTriangle collide_triangle(ColliderSet set, ClothParams params, uint 
     // The point that was deepest when the substep began, then the one that is at its end.
     Corners seen = first;
     for (uint turn = 0u; turn < 2u; ++turn) {
-      moved = push_point(set, params, shape, before, after, moved, first, w, deepest_weights(set, shape, seen));
+      moved = push_point(set, params, i, shape, before, after, moved, first, w, deepest_weights(set, shape, seen));
       if (turn == 0u) seen = corners_to_local(set, shape, after, corners_of(moved));
     }
     side = longest_side(corners_of(moved));

@@ -53,6 +53,7 @@ const uint kBindingInverseMass = 20u;       // buffer float[pixels], read when t
 const uint kBindingColliderNumbers = 21u;   // buffer float[], see ColliderShape::data
 const uint kBindingSelfPoints = 22u;        // buffer SelfPoint[self_points]
 const uint kBindingSelfWords = 23u;         // buffer uint[], see lib/self_words.h
+const uint kBindingContacts = 24u;          // buffer uint[kContactWords * colliders], see lib/contact_sum.h
 
 // Springs: component c = 0..5 in the order of SpringBit; the multiplier of component c at a pixel is at
 // c * pixels + pixel, that of seam bend i at kSpringComponents * pixels + i.
@@ -134,6 +135,10 @@ struct ClothParams {
   uint first_pose;           // of those before the first substep; see backend.h
   float sewing_before;       // share of their distance at rest that sewn points may have, at the frame's start
   float sewing_after;        // and at its end
+  float contact_scale;       // [1/(kg m)] of contact sums, a power of two; see lib/contact_sum.h
+  float unused1;
+  float unused2;
+  float unused3;
   FrameField whole;
   FrameField taken;
   FrameField carrier;  // the motion of a collider that may take the cloth along
@@ -247,7 +252,7 @@ struct PassConstants {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(ClothParams) == 416 && offsetof(ClothParams, whole) == 224 &&
+static_assert(sizeof(ClothParams) == 432 && offsetof(ClothParams, whole) == 240 &&
               offsetof(ClothParams, gravity_step) == 16 && offsetof(ClothParams, dt) == 96);
 static_assert(sizeof(Wave) == 32 && sizeof(Substep) == 16 + 32 * kWindWaves);
 static_assert(sizeof(PinTarget) == 96 && sizeof(Attachment) == 8 && sizeof(SeamSpring) == 44 &&

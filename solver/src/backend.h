@@ -10,6 +10,7 @@
 
 #include "colliders/reach.h"
 #include "geocloth/solver/solver.h"
+#include "lib/contact_sum.h"
 #include "lib/self_words.h"
 #include "pass.h"
 #include "shared/layout.h"
@@ -89,6 +90,10 @@ struct ClothData {
   }
 };
 
+/// What one collider did to a cloth in a frame, see lib/contact_sum.h: impulse and moment, by
+/// ClothParams::contact_scale.
+using ContactSum = std::array<int64_t, shader::kContactValues>;
+
 /// What looking up near points has left for the substeps to come.
 struct FoundPoints {
   uint32_t age = 0;             ///< as in lib/self_words.h; 0: nothing
@@ -108,9 +113,10 @@ struct SimulationData {
   std::vector<ClothData> cloths;
   InterData inter;
   uint32_t relaxation_steps = 1;
-  bool fine = false;     ///< ClothParams::fine is not kFineOff, in every frame
-  bool check = false;    ///< measure after every substep
-  bool timings = false;  ///< measure every pass
+  bool fine = false;            ///< ClothParams::fine is not kFineOff, in every frame
+  bool check = false;           ///< measure after every substep
+  bool timings = false;         ///< measure every pass
+  bool contact_forces = false;  ///< sum what colliders do to cloth
   SolverPath path = SolverPath::automatic;
 };
 
@@ -225,6 +231,10 @@ class SolverBackend {
   virtual float longest_way(uint32_t cloth, uint32_t word) = 0;
   /// Points of a cloth that are not pinned and went far beside ClothParams::carrier in that frame.
   virtual uint32_t left_behind(uint32_t cloth, uint32_t word) = 0;
+
+  /// What the colliders did to a cloth in the last frame in which it was not asleep, in the order in which it met them;
+  /// only with SimulationData::contact_forces. Waits.
+  virtual void read_contacts(uint32_t cloth, std::vector<ContactSum>& out) = 0;
 
   /// Fills backend, device, path, threads, passes, copy_gap and penetration; waits.
   virtual void fill_statistics(SolverStatistics& statistics) = 0;

@@ -149,6 +149,7 @@ Solver::Impl::Impl(std::span<const ClothDesc> cloths, const SolverSettings& sett
   data.relaxation_steps = settings.relaxation_steps;
   data.fine = fine_ != shader::kFineOff;
   data.check = settings.check_copies;
+  data.contact_forces = settings.contact_forces;
   data.timings = settings.timings;
   data.path = settings.path;
   for (const ClothDesc& desc : cloths)
@@ -268,6 +269,7 @@ void Solver::Impl::take_places(std::span<const Collider> asked_before) {
   std::vector<Vec3> expected = collider_ways_;
   for (size_t i = 0; i < expected.size(); ++i) expected[i] = frames_from_[i].translate + collider_ways_[i];
   const std::vector<std::optional<uint32_t>> before = match_colliders(asked_before, expected, colliders_to_);
+  follow_colliders(before);
   const std::vector<Transform> from = std::exchange(frames_from_, frames_of(colliders_to_));
   const std::vector<Vec3> ways = std::exchange(collider_ways_, std::vector<Vec3>(colliders_to_.size()));
   const std::vector<Vec3> seen = std::exchange(places_seen_, places_of(colliders_to_));
@@ -923,6 +925,12 @@ void Solver::read_velocities(uint32_t cloth, std::vector<Vec3>& out) {
 }
 void Solver::write_state(uint32_t cloth, std::span<const Vec3> positions, std::span<const Vec3> velocities) {
   impl_->write_state(impl_->index_of(cloth), positions, velocities);
+}
+std::vector<ContactForce> Solver::contact_forces() {
+  return impl_->contact_forces(std::nullopt);
+}
+std::vector<ContactForce> Solver::contact_forces(uint32_t cloth) {
+  return impl_->contact_forces(impl_->index_of(cloth));
 }
 bool Solver::asleep(uint32_t cloth) const {
   return impl_->asleep(impl_->index_of(cloth));

@@ -506,6 +506,7 @@ void Solver::Impl::run_group(uint32_t factor) {
     frame.params.collider_count = met.count;
     frame.params.first_shape = met.first_shape;
     frame.params.first_pose = met.first_pose;
+    sum_contacts(cloth, frame, met.first_shape == shared.first_shape && met.count == shared.count);
     frame.params.spacing = spacing;
     const bool leaves = cloth.collide_cells && !hasty;
     frame.params.leave_near = leaves ? shader::kLeaveNear * spacing : 0;

@@ -62,6 +62,8 @@ class Solver::Impl {
   void read_normals(uint32_t cloth, std::vector<Vec3>& out);
   void read_velocities(uint32_t cloth, std::vector<Vec3>& out);
   void write_state(uint32_t cloth, std::span<const Vec3> positions, std::span<const Vec3> velocities);
+  /// @param cloth  none: of all
+  [[nodiscard]] std::vector<ContactForce> contact_forces(std::optional<uint32_t> cloth);
   [[nodiscard]] SolverStatistics statistics();
   void save(std::vector<std::byte>& out);
   void restore(std::span<const std::byte> bytes);
@@ -102,6 +104,13 @@ class Solver::Impl {
   struct Seen {
     ClothBox box;     ///< [m] relative to the origin, at the start of the next frame
     float speed = 0;  ///< [m/s] of its points
+  };
+  /// Whose contacts a cloth's last frame has summed, in which it was awake.
+  struct Touched {
+    std::vector<std::optional<uint32_t>> colliders;  ///< in the order in which it met them; none: not there any more
+    std::vector<Vec3> about;                         ///< [m, world] where their torques turn
+    Vec3 origin;                                     ///< [m, world] where moments are summed about
+    double force = 0;                                ///< [N] of a sum of 1
   };
   struct Cloth {
     uint32_t number = 0;
@@ -160,6 +169,8 @@ class Solver::Impl {
     float reach = 0;                             ///< [m] of the longest attachment; without pins of the whole cloth
     uint64_t particles = 0, springs_per_sweep = 0;
     std::optional<uint64_t> mark;  ///< of what it was made with, once asked for
+
+    Touched touched;  ///< only with SolverSettings::contact_forces
 
     bool asleep = false;
     bool disturbed = true;                   ///< since the last step
@@ -246,6 +257,8 @@ class Solver::Impl {
   [[nodiscard]] Meets list_colliders(uint32_t groups, std::span<const uint32_t> colliders);
   [[nodiscard]] float longest_way(const Cloth& cloth) const;
   void run_group(uint32_t factor);
+  void sum_contacts(Cloth& cloth, ClothFrame& frame, bool all_in_groups) const;
+  void follow_colliders(std::span<const std::optional<uint32_t>> before);
   [[nodiscard]] const Ride* ride_of(uint32_t cloth);
   [[nodiscard]] float way_seen_from(const Ride* ride, uint32_t collider) const;
   void measure_ride(Cloth& cloth, ClothFrame& frame) const;

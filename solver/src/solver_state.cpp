@@ -726,6 +726,7 @@ void Solver::Impl::take_cloth(SavedCloth& saved, uint32_t index) {
   cloth.collide_cells = saved.collide_cells;
   cloth.teleport = saved.teleport;
   cloth.rides_on = saved.rides_on;
+  cloth.touched = {};
   cloth.asleep = saved.asleep;
   cloth.disturbed = saved.disturbed;
   cloth.placed_at = saved.placed_at;

@@ -41,6 +41,7 @@ class Recorder final : public SolverBackend {
   void replace_inter(InterData) override {}
   float longest_way(uint32_t, uint32_t) override { return 0; }
   uint32_t left_behind(uint32_t, uint32_t) override { return 0; }
+  void read_contacts(uint32_t, std::vector<ContactSum>&) override {}
   void fill_statistics(SolverStatistics&) override {}
 
  private:

@@ -47,6 +47,7 @@ class Counter final : public SolverBackend {
   void replace_inter(InterData inter) override { backend_->replace_inter(std::move(inter)); }
   float longest_way(uint32_t c, uint32_t word) override { return backend_->longest_way(c, word); }
   uint32_t left_behind(uint32_t c, uint32_t word) override { return backend_->left_behind(c, word); }
+  void read_contacts(uint32_t c, std::vector<ContactSum>& out) override { backend_->read_contacts(c, out); }
   void fill_statistics(SolverStatistics& statistics) override { backend_->fill_statistics(statistics); }
 
  private:

@@ -2,6 +2,7 @@
 #include "random_scene.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdlib>
 #include <optional>
@@ -248,6 +249,16 @@ void place_colliders(const RandomScene& scene, uint32_t frame, Solver& solver) {
   solver.set_colliders(colliders);
 }
 
+/// 0 where a cloth sleeps: how it presses is not in a state that is restored.
+uint64_t hash_forces(Solver& solver) {
+  if (std::ranges::any_of(solver.cloths(), [&](uint32_t c) { return solver.asleep(c); })) return 0;
+  uint64_t hash = 1;
+  for (const ContactForce& contact : solver.contact_forces())
+    for (const Vec3& v : {contact.force, contact.torque})
+      for (const float x : {v.x, v.y, v.z}) hash = hash * 0x9E3779B97F4A7C15U + std::bit_cast<uint32_t>(x);
+  return hash;
+}
+
 }  // namespace
 
 RandomScene make_random_scene(uint32_t seed, uint32_t frames) {
@@ -292,6 +303,7 @@ RandomScene make_random_scene(uint32_t seed, uint32_t frames) {
   for (uint32_t left = chance.below(8); left > 0; --left)
     scene.deeds.push_back({chance.below(frames), chance.below(kDeeds), chance.below(count), chance.below(1U << 31U)});
   std::ranges::stable_sort(scene.deeds, {}, &Deed::frame);
+  scene.settings.contact_forces = chance.happens(0.5F);
   return scene;
 }
 
@@ -320,6 +332,7 @@ std::vector<uint64_t> play_random_scene(const RandomScene& scene, uint32_t frame
       hashes.push_back(hash_state(*stage.cloths[c].asset, positions));
       hashes.push_back(hash_state(*stage.cloths[c].asset, velocities_of(*stage.solver, numbers[c])));
     }
+    if (scene.settings.contact_forces) hashes.push_back(hash_forces(*stage.solver));
   }
   return hashes;
 }

@@ -122,6 +122,7 @@ struct ClothState {
   std::array<std::vector<float>, shader::kSpringComponents> multiplier;  ///< only with several relaxation steps
   std::vector<float> seam_multiplier;
   std::vector<shader::Attachment> attachments;
+  std::vector<ContactSum> contacts;  ///< of the last frame, one for each collider that the cloth met; see backend.h
   std::vector<KeptInLine> kept_in_lines;  ///< as many as pixels, once the pass lines has run by itself
 
  private:

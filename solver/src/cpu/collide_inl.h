@@ -14,6 +14,7 @@
 #include <cmath>
 #include <type_traits>
 
+#include "cpu/collider_set.h"
 #include "cpu/lanes_inl.h"
 #include "cpu/shapes_inl.h"
 
@@ -144,6 +145,27 @@ HWY_INLINE Vec<D> fused_dot(D, const Points<D>& a, const Points<D>& b) {
   return hn::MulAdd(a.z, b.z, hn::MulAdd(a.y, b.y, hn::Mul(a.x, b.x)));
 }
 
+template <class D>
+HWY_INLINE Points<D> way_of(D, const PointStates<D>& point) {
+  return add(sub(point.position, point.previous), point.carry);
+}
+
+/// add_contact() of collider_set.h for some points.
+/// @param way  by which the contact has changed what they go
+template <class D>
+HWY_NOINLINE void add_contacts(D d, ContactSum& sum, float scale, Mask<D> lanes, Vec<D> mass_inverse,
+                               const Points<D>& way, const Points<D>& position) {
+  std::array<std::array<float, hn::MaxLanes(D())>, 7> v;
+  hn::StoreU(mass_inverse, d, v[0].data());
+  store(d, way, PointRow{v[1].data(), v[2].data(), v[3].data()});
+  store(d, position, PointRow{v[4].data(), v[5].data(), v[6].data()});
+  for_lanes(d, lanes, [&](size_t k) {
+    if (v[0][k] <= 0) return;
+    shader::add_contact(
+        sum, shader::contact_share(v[0][k], {v[1][k], v[2][k], v[3][k]}, {v[4][k], v[5][k], v[6][k]}, scale));
+  });
+}
+
 /// The colliders of a substep, from which most points are too far.
 struct Guards {
   const ColliderGuard* guards;
@@ -222,6 +244,7 @@ struct Meeting {
   MetColliders met;
   const shader::ColliderPose* poses;  ///< before the substep
   const float* numbers;
+  ContactSum* contacts;  ///< one for each collider; null: contacts are not summed
   Guards guards;
 
   Meeting(const SweepFrame& sweep, uint32_t substep)
@@ -231,6 +254,7 @@ struct Meeting {
         met(frame, params),
         poses(met.poses.data() + substep * met.shapes.size()),
         numbers(frame.collider_numbers ? frame.collider_numbers->data() : nullptr),
+        contacts(sweep.state->contacts.empty() ? nullptr : sweep.state->contacts.data()),
         guards(sweep, substep) {}
 
   /// A collider as it is when the substep begins, and when it has ended.
@@ -295,8 +319,10 @@ HWY_NOINLINE Points<D> out_of_cleft(D d, const Meeting& meeting, Mask<D> lanes, 
 constexpr float kRoomForRounding = 1.00001F;
 
 /// push_out() of lib/collide.h.
+/// @param inverse_mass  of the first point and those beside it
 template <bool kMayDeform, class D>
-HWY_INLINE void push_out(D d, const Meeting& meeting, Mask<D> lanes, PointStates<D>& points) {
+HWY_INLINE void push_out(D d, const Meeting& meeting, Mask<D> lanes, const float* inverse_mass,
+                         PointStates<D>& points) {
   const size_t count = meeting.met.shapes.size();
   const auto thickness = hn::Set(d, meeting.params.thickness), room = hn::Set(d, kRoomForRounding);
   const Points<D> start{points.previous.x, points.previous.y, points.previous.z};
@@ -330,8 +356,13 @@ HWY_INLINE void push_out(D d, const Meeting& meeting, Mask<D> lanes, PointStates
       const float friction = round == 0 ? std::sqrt(meeting.params.friction * shape.friction) : 0.F;
       const Points<D> n = rotate_to_world(d, after.pose, contact.normal);
       const Points<D> out_of_it = way_out(d, n, contact.depth, thickness, shader::slides_out(round) ? last : none);
+      const Points<D> came = way_of(d, points);
       respond(d, points, before, after, local, contact, n, out_of_it, hn::Set(d, friction),
               hn::Set(d, shader::largest_grip(meeting.params, shape)));
+      if (meeting.contacts != nullptr) {
+        add_contacts(d, meeting.contacts[i], meeting.params.contact_scale, contact.touches, hn::LoadU(d, inverse_mass),
+                     sub(way_of(d, points), came), points.position);
+      }
       replace(contact.touches, n, last);
       way = length(d, sub(points.position, start));
       if (count > 1 || shape.kind == shader::kShapeMesh)
@@ -340,7 +371,7 @@ HWY_INLINE void push_out(D d, const Meeting& meeting, Mask<D> lanes, PointStates
     again = touched;
   }
   if (hn::AllFalse(d, again)) return;
-  const Points<D> way = add(sub(points.position, points.previous), points.carry);
+  const Points<D> way = way_of(d, points);
   const Points<D> position = out_of_cleft(d, meeting, again, {start.x, start.y, start.z},
                                           {points.position.x, points.position.y, points.position.z});
   const Points<D> previous = sub(position, way);
@@ -377,7 +408,8 @@ HWY_INLINE Vec<D> at_most(D, const Points<D>& way) {  // its length; needs no ro
 
 /// collide() of lib/collide.h where points change without being touched: taken along by a parent.
 template <bool kMayDeform, class D>
-HWY_INLINE void collide_changed(D d, const Meeting& meeting, uint32_t substep, Mask<D> lanes, PointStates<D>& points) {
+HWY_INLINE void collide_changed(D d, const Meeting& meeting, uint32_t substep, Mask<D> lanes, const float* inverse_mass,
+                                PointStates<D>& points) {
   const shader::ClothParams& params = meeting.params;
   const Points<D> slow_previous = points.previous;
   if (params.moving != 0) {
@@ -386,7 +418,7 @@ HWY_INLINE void collide_changed(D d, const Meeting& meeting, uint32_t substep, M
   const Points<D> taken = sub(slow_previous, points.previous);
   const auto way = at_most(d, sub(points.position, points.previous));
   const auto near = hn::And(lanes, meeting.guards.near(d, points.position, way));
-  if (!hn::AllFalse(d, near)) push_out<kMayDeform>(d, meeting, near, points);
+  if (!hn::AllFalse(d, near)) push_out<kMayDeform>(d, meeting, near, inverse_mass, points);
   if (params.moving == 0) return;
   const Points<D> displacement = add(sub(sub(points.position, points.previous), taken), points.carry);
   points.previous = sub(points.position, displacement);
@@ -433,10 +465,10 @@ HWY_NOINLINE bool collide_from(D d, const Meeting& meeting, ClothState& state, u
   if (kChanged && meeting.params.max_step > 0) points = limit_speed(d, points, meeting.params.max_step);
   const Points<D> slowed{points.position.x, points.position.y, points.position.z};
   if constexpr (kChanged) {
-    collide_changed<kMayDeform>(d, meeting, substep, free, points);
+    collide_changed<kMayDeform>(d, meeting, substep, free, &state.inverse_mass[i], points);
     points = choose<D>(free, points, before);
   } else {
-    push_out<kMayDeform>(d, meeting, free, points);
+    push_out<kMayDeform>(d, meeting, free, &state.inverse_mass[i], points);
   }
   store(d, points.position, p);
   store(d, points.previous, pp);

@@ -223,6 +223,8 @@ class CpuBackend final : public SolverBackend {
   float longest_way(uint32_t cloth, uint32_t word) override { return cloths_[cloth]->measures.longest_way[word]; }
   uint32_t left_behind(uint32_t cloth, uint32_t word) override { return cloths_[cloth]->measures.left_behind[word]; }
 
+  void read_contacts(uint32_t cloth, std::vector<ContactSum>& out) override { out = cloths_[cloth]->state.contacts; }
+
   void fill_statistics(SolverStatistics& statistics) override {
     statistics.backend = "cpu";
     statistics.device = cpu::cpu_name();
@@ -357,6 +359,7 @@ class CpuBackend final : public SolverBackend {
     cloth.options = schedule_options(data_, c, frame);
     if (cloth.options.asleep) return false;
     state.has_yields = input.params.collider_count > 0;
+    if (data_.contact_forces) state.contacts.assign(input.params.collider_count, ContactSum{});
     cloth.sweeps = by_sweeps() && cloth.sweep.begin(frame, input, cloth.options, threads, state);
     if (!cloth.sweeps) cloth.schedules.make(options_of_substeps(cloth.options));
     return true;

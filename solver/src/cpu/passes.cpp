@@ -36,6 +36,14 @@ shader::ColliderSet colliders_of(const PassContext& context) {
           context.frame.collider_numbers ? context.frame.collider_numbers->data() : &kNoNumber};
 }
 
+/// The same where contacts are summed, if they are.
+shader::ColliderSet touched_colliders(const PassContext& context, ClothState& state) {
+  shader::ColliderSet set = colliders_of(context);
+  set.contacts = state.contacts.empty() ? nullptr : state.contacts.data();
+  set.contact_scale = context.cloth.params.contact_scale;
+  return set;
+}
+
 /// Calls body(pixel) for every pixel.
 template <class Body>
 void for_pixels(const Threads& threads, const ClothState& state, const Body& body) {
@@ -193,7 +201,7 @@ void collide_triangle(const PassContext& context, ClothState& state, const CellT
   const shader::ClothParams& params = context.cloth.params;
   const Vec3Array &position = state.position, &previous = state.previous;
   const shader::MovedTriangle moved = shader::collide_triangle(
-      colliders_of(context), params, context.substep,
+      touched_colliders(context, state), params, context.substep,
       {position.at(t.a), position.at(t.b), position.at(t.c), previous.at(t.a), previous.at(t.b), previous.at(t.c)},
       vec3(state.inverse_mass[t.a], state.inverse_mass[t.b], state.inverse_mass[t.c]));
   move_corner(params, state, t.a, moved.a, moved.start_a);
@@ -219,12 +227,13 @@ void collide_cells(const PassContext& context, ClothState& state, uint32_t group
 }
 
 void collide(const PassContext& context, ClothState& state) {
-  const shader::ColliderSet set = colliders_of(context);
+  const shader::ColliderSet set = touched_colliders(context, state);
   for_pixels(context.threads, state, [&](uint32_t i) {
     if (state.inverse_mass[i] == 0) return;
     const shader::ClothParams& params = context.cloth.params;
     const shader::PointState point = shader::slowed(params, state.point(i));
-    const shader::PointState after = shader::collide(set, params, context.substep, point);
+    const shader::PointState after =
+        shader::collide(shader::set_of_point(set, state.inverse_mass[i]), params, context.substep, point);
     state.set_point(i, after);
     state.set_yield(i, shader::next_yield(state.yield[i], after.position - point.position, params.spacing));
   });

@@ -116,9 +116,9 @@ struct ColliderWay {
 /// @param start    the corners when the substep began, in the collider's frame of then
 /// @return the lanes that were moved
 template <class D>
-HWY_NOINLINE Mask<D> push_points(D d, const Meeting& meeting, const shader::ColliderShape& shape,
-                                 const ColliderWay& poses, Mask<D> lanes, MovedTriangles<D>& t, const Corners<D>& start,
-                                 const Points<D>& weights) {
+HWY_NOINLINE Mask<D> push_points(D d, const Meeting& meeting, size_t collider, const ColliderWay& poses, Mask<D> lanes,
+                                 MovedTriangles<D>& t, const Corners<D>& start, const Points<D>& weights) {
+  const shader::ColliderShape& shape = meeting.met.shapes[collider];
   const auto zero = hn::Zero(d), one = hn::Set(d, 1.F);
   const Points<D> p0 = at_weights(d, start, weights);
   const Points<D> p1 = to_local(d, poses.after, at_weights(d, t.now, weights));
@@ -135,12 +135,17 @@ HWY_NOINLINE Mask<D> push_points(D d, const Meeting& meeting, const shader::Coll
   const auto lifted = min_of(d, hn::Mul(sum, hn::Div(one, least)), one);
   const auto push = hn::Mul(hn::Mul(min_of(d, contact.depth, approach), lifted), hn::Div(one, max_of(d, sum, least)));
   const Points<D> n = rotate_to_world(d, poses.after.pose, contact.normal);
-  const auto push_one = [&](Points<D>& now, Points<D>& began, Vec<D> of_it) GEOCLOTH_LANES {
+  const auto push_one = [&](Points<D>& now, Points<D>& began, Vec<D> of_it, Vec<D> mass) GEOCLOTH_LANES {
+    const Points<D> came = sub(now, began);
     push_corner(d, poses.before, poses.after, moved, now, began, n, contact.normal, hn::Mul(push, of_it));
+    if (meeting.contacts != nullptr) {
+      add_contacts(d, meeting.contacts[collider], meeting.params.contact_scale, moved, mass, sub(sub(now, began), came),
+                   now);
+    }
   };
-  push_one(t.now.a, t.start.a, share.x);
-  push_one(t.now.b, t.start.b, share.y);
-  push_one(t.now.c, t.start.c, share.z);
+  push_one(t.now.a, t.start.a, share.x, t.mass.x);
+  push_one(t.now.b, t.start.b, share.y, t.mass.y);
+  push_one(t.now.c, t.start.c, share.z, t.mass.z);
   return moved;
 }
 
@@ -203,7 +208,7 @@ HWY_NOINLINE Mask<D> collide_triangles(D d, const Meeting& meeting, Mask<D> lane
     }
     const auto push = [&](const Corners<D>& at) GEOCLOTH_LANES {
       const Points<D> weights = deepest_weights(d, meeting.numbers, shape, met, at);
-      moved = hn::Or(moved, push_points(d, meeting, shape, poses, met, t, first, weights));
+      moved = hn::Or(moved, push_points(d, meeting, i, poses, met, t, first, weights));
     };
     push(first);
     push(corners_to_local(d, poses.after, t.now));

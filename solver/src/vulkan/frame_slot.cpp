@@ -13,6 +13,10 @@ Buffer make_input(const std::shared_ptr<const Context>& context, size_t bytes) {
   return {context, bytes, vk::BufferUsageFlagBits::eStorageBuffer, Memory::upload};
 }
 
+Buffer make_contacts_read(const std::shared_ptr<const Context>& context, size_t bytes) {
+  return {context, bytes, vk::BufferUsageFlagBits::eTransferDst, Memory::readback};
+}
+
 vk::raii::DescriptorPool make_pool(const Context& context, uint32_t sets) {
   const std::array<vk::DescriptorPoolSize, 3> sizes{{
       {vk::DescriptorType::eUniformBuffer, sets * kUniformBuffers},
@@ -47,7 +51,7 @@ bool fill(const std::shared_ptr<const Context>& context, Buffer& buffer, const s
 }  // namespace
 
 FrameSlot::FrameSlot(std::shared_ptr<const Context> context, vk::DescriptorSetLayout layout,
-                     const std::vector<ClothResources>& cloths, const InterResources* inter)
+                     const std::vector<ClothResources>& cloths, const InterResources* inter, bool contact_forces)
     : context_(std::move(context)),
       shapes_(make_input(context_, 0)),
       poses_(make_input(context_, 0)),
@@ -55,13 +59,16 @@ FrameSlot::FrameSlot(std::shared_ptr<const Context> context, vk::DescriptorSetLa
       numbers_(make_input(context_, 0)),
       pool_(make_pool(*context_, 3 * static_cast<uint32_t>(cloths.size()) + 1)),
       inter_(inter),
+      contact_forces_(contact_forces),
       commands_(context_) {
   for (const ClothResources& cloth : cloths) {
     ClothInputs& inputs =
         cloths_.emplace_back(ClothInputs{.params = Buffer(context_, sizeof(shader::ClothParams),
                                                           vk::BufferUsageFlagBits::eUniformBuffer, Memory::upload),
                                          .pins = make_input(context_, 0),
-                                         .set = allocate_set(*context_, *pool_, layout)});
+                                         .set = allocate_set(*context_, *pool_, layout),
+                                         .contacts = storage_buffer(context_, 0),
+                                         .contacts_read = make_contacts_read(context_, 0)});
     if (cloth.scratch) inputs.scratch_set = allocate_set(*context_, *pool_, layout);
     if (cloth.inter.points > 0) inputs.inter_set = allocate_set(*context_, *pool_, layout);
     // Enough for the passes that run before the first frame.
@@ -86,9 +93,41 @@ bool FrameSlot::write(const FrameInput& frame, const std::vector<ClothResources>
     if (frame.cloths[c].asleep) continue;  // nothing was said of it, and passes between frames look at what there is
     cloths_[c].params.as<shader::ClothParams>().front() = frame.cloths[c].params;
     grown = fill(context_, cloths_[c].pins, frame.cloths[c].pins) || grown;
+    if (contact_forces_) grown = make_room(cloths_[c], frame.cloths[c].params.collider_count) || grown;
   }
   if (grown) write_sets(cloths);
   return grown;
+}
+
+/// @return whether buffers are other ones now
+bool FrameSlot::make_room(ClothInputs& inputs, uint32_t colliders) {
+  const size_t bytes = size_t{colliders} * shader::kContactWords * sizeof(uint32_t);
+  if (bytes <= inputs.contacts.size()) return false;
+  inputs.contacts = storage_buffer(context_, std::bit_ceil(bytes));
+  inputs.contacts_read = make_contacts_read(context_, std::bit_ceil(bytes));
+  return true;
+}
+
+void FrameSlot::clear_contacts(const vk::raii::CommandBuffer& commands, size_t cloth) const {
+  commands.fillBuffer(cloths_[cloth].contacts.handle(), 0, VK_WHOLE_SIZE, 0);
+}
+
+void FrameSlot::copy_contacts(const vk::raii::CommandBuffer& commands, size_t cloth) const {
+  const ClothInputs& inputs = cloths_[cloth];
+  commands.copyBuffer(inputs.contacts.handle(), inputs.contacts_read.handle(),
+                      vk::BufferCopy{.size = inputs.contacts.size()});
+}
+
+void FrameSlot::read_contacts(size_t cloth, uint32_t colliders, std::vector<ContactSum>& out) const {
+  const std::span<const uint32_t> words = cloths_[cloth].contacts_read.as<uint32_t>();
+  out.resize(colliders);
+  size_t w = 0;
+  for (ContactSum& sum : out) {
+    for (int64_t& value : sum) {
+      value = static_cast<int64_t>(uint64_t{words[w + 1]} << 32U | words[w]);
+      w += 2;
+    }
+  }
 }
 
 void FrameSlot::write_sets(const std::vector<ClothResources>& cloths) const {
@@ -130,7 +169,8 @@ void FrameSlot::write_set(vk::DescriptorSet set, const ClothResources& cloth, co
                                                            &cloth.inverse_mass,
                                                            &numbers_,
                                                            inter != nullptr ? &inter->points : &cloth.self_points,
-                                                           inter != nullptr ? &inter->words : &cloth.self_words};
+                                                           inter != nullptr ? &inter->words : &cloth.self_words,
+                                                           &inputs.contacts};
 
   std::array<vk::DescriptorImageInfo, kStorageImages> image_infos;
   std::array<vk::DescriptorBufferInfo, kUniformBuffers + kStorageBuffers> buffer_infos;

@@ -173,9 +173,10 @@ uint32_t list_count(const ClothResources& cloth, const PassStep& step, uint32_t 
 
 }  // namespace
 
-PassKernels::PassKernels(std::shared_ptr<const Context> context, bool may_be_fine)
+PassKernels::PassKernels(std::shared_ptr<const Context> context, bool may_be_fine, bool contact_forces)
     : context_(std::move(context)),
       may_be_fine_(may_be_fine),
+      contact_forces_(contact_forces),
       set_layout_(make_set_layout(*context_)),
       pipeline_layout_(make_pipeline_layout(*context_, *set_layout_)),
       inverse_mass_(context_, inverse_mass_comp, *pipeline_layout_) {}
@@ -183,8 +184,8 @@ PassKernels::PassKernels(std::shared_ptr<const Context> context, bool may_be_fin
 const Kernel& PassKernels::kernel(Pass pass) const {
   std::optional<Kernel>& kernel = kernels_[static_cast<size_t>(pass)];
   if (!kernel) {
-    const std::array<uint32_t, 3> specialization{family(pass), may_be_fine_ ? 1U : 0U,
-                                                 is_between_cloths(pass) ? 1U : 0U};
+    const std::array<uint32_t, 6> specialization{
+        family(pass), may_be_fine_ ? 1U : 0U, is_between_cloths(pass) ? 1U : 0U, 0, 0, contact_forces_ ? 1U : 0U};
     kernel.emplace(context_, spirv(pass), *pipeline_layout_, specialization);
   }
   return *kernel;

@@ -19,7 +19,8 @@ class PassKernels {
  public:
   /// @param may_be_fine  ClothParams::fine may be anything but kFineOff: else the passes have no code for it, which a
   ///                     software device would go through with nothing to do
-  PassKernels(std::shared_ptr<const Context> context, bool may_be_fine);
+  /// @param contact_forces  contacts are summed
+  PassKernels(std::shared_ptr<const Context> context, bool may_be_fine, bool contact_forces);
 
   [[nodiscard]] vk::DescriptorSetLayout set_layout() const { return *set_layout_; }
 
@@ -38,7 +39,7 @@ class PassKernels {
            uint32_t groups_x, uint32_t groups_y) const;
 
   std::shared_ptr<const Context> context_;
-  bool may_be_fine_;
+  bool may_be_fine_, contact_forces_;
   vk::raii::DescriptorSetLayout set_layout_;
   vk::raii::PipelineLayout pipeline_layout_;
   [[nodiscard]] const Kernel& kernel(Pass pass) const;

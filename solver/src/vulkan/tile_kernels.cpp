@@ -96,9 +96,11 @@ TileLimits tile_limits(const Context& context) {
           .software = context.info().type == "software"};
 }
 
-TileKernels::TileKernels(std::shared_ptr<const Context> context, vk::DescriptorSetLayout pass_set_layout)
+TileKernels::TileKernels(std::shared_ptr<const Context> context, vk::DescriptorSetLayout pass_set_layout,
+                         bool contact_forces)
     : context_(std::move(context)),
       limits_(tile_limits(*context_)),
+      contact_forces_(contact_forces ? 1U : 0U),
       set_layout_(make_tile_set_layout(*context_)),
       pipeline_layout_(make_pipeline_layout(*context_, pass_set_layout, *set_layout_)) {}
 
@@ -107,8 +109,8 @@ const Kernel& TileKernels::tile_kernel(uint32_t border, bool contacts) {
   const auto found = tiles_.find(key);
   if (found != tiles_.end()) return found->second;
   const uint32_t side = tile_side(limits_, border), region = side + 2 * border;
-  const std::array specialization{invocations(limits_, kTileInvocations), region * region, contacts ? 1U : 0U, side,
-                                  border};
+  const std::array specialization{
+      invocations(limits_, kTileInvocations), region * region, contacts ? 1U : 0U, side, border, contact_forces_};
   return tiles_.emplace(key, Kernel(context_, tile_comp, *pipeline_layout_, specialization)).first->second;
 }
 
@@ -119,7 +121,8 @@ const Kernel& TileKernels::tiny_kernel(uint32_t pixels, bool contacts) {
   const std::pair key{points, contacts};
   const auto found = tiny_.find(key);
   if (found != tiny_.end()) return found->second;
-  const std::array specialization{invocations(limits_, std::min(points, kTinyInvocations)), points, contacts ? 1U : 0U};
+  const std::array specialization{
+      invocations(limits_, std::min(points, kTinyInvocations)), points, contacts ? 1U : 0U, 0U, 0U, contact_forces_};
   return tiny_.emplace(key, Kernel(context_, tiny_comp, *pipeline_layout_, specialization)).first->second;
 }
 

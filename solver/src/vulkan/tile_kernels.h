@@ -19,7 +19,8 @@ namespace geocloth::vulkan {
 class TileKernels {
  public:
   /// @param pass_set_layout  set 0
-  TileKernels(std::shared_ptr<const Context> context, vk::DescriptorSetLayout pass_set_layout);
+  /// @param contact_forces  contacts are summed
+  TileKernels(std::shared_ptr<const Context> context, vk::DescriptorSetLayout pass_set_layout, bool contact_forces);
 
   [[nodiscard]] vk::DescriptorSetLayout set_layout() const { return *set_layout_; }
 
@@ -33,6 +34,7 @@ class TileKernels {
 
   std::shared_ptr<const Context> context_;
   TileLimits limits_;
+  uint32_t contact_forces_;  ///< 1: contacts are summed
   vk::raii::DescriptorSetLayout set_layout_;
   vk::raii::PipelineLayout pipeline_layout_;
   /// Contacts are most of a kernel and want most registers: what meets no collider has kernels without.

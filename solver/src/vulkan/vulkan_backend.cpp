@@ -101,8 +101,8 @@ void drop_uploaded(ClothData& cloth) {
 
 VulkanBackend::Slot::Slot(const std::shared_ptr<const Context>& context, const PassKernels& kernels,
                           const TileKernels& tile_kernels, const std::vector<ClothResources>& cloths,
-                          const InterResources* inter)
-    : frame(context, kernels.set_layout(), cloths, inter), timer(context) {
+                          const InterResources* inter, bool contact_forces)
+    : frame(context, kernels.set_layout(), cloths, inter, contact_forces), timer(context) {
   for (const ClothResources& cloth : cloths) {
     tiles.push_back(cloth.path == SolverPath::plain
                         ? nullptr
@@ -114,8 +114,8 @@ VulkanBackend::VulkanBackend(std::shared_ptr<const Context> context, SimulationD
     : context_(std::move(context)),
       data_(std::move(data)),
       limits_(tile_limits(*context_)),
-      kernels_(context_, data_.fine),
-      tile_kernels_(context_, kernels_.set_layout()) {
+      kernels_(context_, data_.fine, data_.contact_forces),
+      tile_kernels_(context_, kernels_.set_layout(), data_.contact_forces) {
   cloths_.reserve(data_.cloths.size());
   if (!data_.inter.parts.empty()) inter_ = std::make_unique<InterResources>(context_, data_.inter);
   data_.inter = {};
@@ -131,6 +131,7 @@ void VulkanBackend::make_cloth(ClothData& data) {
   const SolverPath path = choose_path(limits_, {data_.path, data.width, data.height, data_.relaxation_steps, data_.fine,
                                                 data.self.numbers.points > 0 || data.may_meet_others});
   cloths_.emplace_back(context_, data, data_.relaxation_steps > 1, data_.fine, path);
+  contacts_.emplace_back();
   drop_uploaded(data);
 }
 
@@ -138,7 +139,8 @@ void VulkanBackend::make_cloth(ClothData& data) {
 void VulkanBackend::make_slots() {
   slots_.clear();
   for (size_t i = 0; i < kSlots; ++i)
-    slots_.push_back(std::make_unique<Slot>(context_, kernels_, tile_kernels_, cloths_, inter_.get()));
+    slots_.push_back(
+        std::make_unique<Slot>(context_, kernels_, tile_kernels_, cloths_, inter_.get(), data_.contact_forces));
 }
 
 VulkanBackend::Recipe VulkanBackend::recipe_of(const FrameInput& frame) const {
@@ -170,6 +172,9 @@ void VulkanBackend::run_frame(const FrameInput& frame) {
     }
     slot.frame.commands().submit();
     slot.timed = data_.timings;
+    if (!data_.contact_forces) return;
+    for (const ClothFrame& cloth : frame.cloths)
+      slot.colliders.push_back(cloth.asleep ? std::nullopt : std::optional(cloth.params.collider_count));
   });
 }
 
@@ -184,14 +189,30 @@ void VulkanBackend::record(Slot& slot) {
   std::vector<Batch> batches = side_by_side(plans);
   if (data_.timings) batches = one_by_one(batches);
   begin_barrier(commands);
+  if (data_.contact_forces) clear_contacts(slot, commands);
   if (data_.timings) slot.timer.begin(commands, batches.size());
   for (const Batch& batch : batches) {
     for (const Item& item : batch) record_dispatch(slot, commands, item.cloth, *item.dispatch);
     pass_barrier(commands);
     if (data_.timings) slot.timer.mark(commands, batch.front().dispatch->name);
   }
+  if (data_.contact_forces) copy_contacts(slot, commands);
   end_barrier(commands);
   slot.frame.commands().end();
+}
+
+void VulkanBackend::clear_contacts(const Slot& slot, const vk::raii::CommandBuffer& commands) {
+  for (size_t c = 0; c < slot.recipe.schedules.size(); ++c)
+    if (!slot.recipe.schedules[c].asleep) slot.frame.clear_contacts(commands, c);
+  memory_barrier(commands, Stage::eTransfer, Access::eTransferWrite, Stage::eComputeShader,
+                 Access::eShaderRead | Access::eShaderWrite);
+}
+
+void VulkanBackend::copy_contacts(const Slot& slot, const vk::raii::CommandBuffer& commands) {
+  memory_barrier(commands, Stage::eComputeShader, Access::eShaderWrite, Stage::eTransfer, Access::eTransferRead);
+  for (size_t c = 0; c < slot.recipe.schedules.size(); ++c)
+    if (!slot.recipe.schedules[c].asleep) slot.frame.copy_contacts(commands, c);
+  memory_barrier(commands, Stage::eTransfer, Access::eTransferWrite, Stage::eHost, Access::eHostRead);
 }
 
 void VulkanBackend::record_dispatch(const Slot& slot, const vk::raii::CommandBuffer& commands, size_t cloth,
@@ -214,11 +235,14 @@ void VulkanBackend::finish(Slot& slot) {
   slot.frame.commands().wait();
   if (slot.timed) slot.timer.collect(seconds_);
   slot.timed = false;
+  for (uint32_t c = 0; c < slot.colliders.size(); ++c)
+    if (slot.colliders[c]) slot.frame.read_contacts(c, *slot.colliders[c], contacts_[c]);
+  slot.colliders.clear();
 }
 
 void VulkanBackend::wait() {
   guarded("finish a frame", [&] {
-    for (const std::unique_ptr<Slot>& slot : slots_) finish(*slot);
+    for (size_t k = 0; k < slots_.size(); ++k) finish(*slots_[(next_slot_ + k) % slots_.size()]);  // the older first
   });
 }
 
@@ -396,6 +420,7 @@ void VulkanBackend::remove_cloth(uint32_t cloth) {
     for (size_t k = 0; k < measures.size(); ++k) past_measures_[k] = std::max(past_measures_[k], measures[k]);
     slots_.clear();  // their commands use what goes
     cloths_.erase(cloths_.begin() + cloth);
+    contacts_.erase(contacts_.begin() + cloth);
     data_.cloths.erase(data_.cloths.begin() + cloth);
     if (inter_) renumber_parts(inter_->parts, cloth);
     take_parts();
@@ -456,6 +481,11 @@ uint32_t VulkanBackend::left_behind(uint32_t cloth, uint32_t word) {
     finish(*slots_[next_slot_]);
     return cloths_[cloth].measures.as<uint32_t>()[shader::kMeasureLeft + word];
   });
+}
+
+void VulkanBackend::read_contacts(uint32_t cloth, std::vector<ContactSum>& out) {
+  wait();
+  out = contacts_[cloth];
 }
 
 void VulkanBackend::fill_statistics(SolverStatistics& statistics) {

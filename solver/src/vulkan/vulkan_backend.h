@@ -3,6 +3,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "backend.h"
@@ -44,6 +45,7 @@ class VulkanBackend final : public SolverBackend {
   void replace_inter(InterData inter) override;
   float longest_way(uint32_t cloth, uint32_t word) override;
   uint32_t left_behind(uint32_t cloth, uint32_t word) override;
+  void read_contacts(uint32_t cloth, std::vector<ContactSum>& out) override;
   void fill_statistics(SolverStatistics& statistics) override;
 
   [[nodiscard]] const Context& context() const { return *context_; }
@@ -58,12 +60,14 @@ class VulkanBackend final : public SolverBackend {
   };
   struct Slot {
     Slot(const std::shared_ptr<const Context>& context, const PassKernels& kernels, const TileKernels& tile_kernels,
-         const std::vector<ClothResources>& cloths, const InterResources* inter);
+         const std::vector<ClothResources>& cloths, const InterResources* inter, bool contact_forces);
     std::vector<std::unique_ptr<TileSets>> tiles;  ///< of each cloth; none on the plain path. Before the commands
     FrameSlot frame;
     PassTimer timer;
     Recipe recipe;
     bool timed = false;  ///< its last frame's times are still to be collected
+    /// That each cloth met in it, if its contacts are still to be collected; empty if nobody's are.
+    std::vector<std::optional<uint32_t>> colliders;
   };
 
   [[nodiscard]] Recipe recipe_of(const FrameInput& frame) const;
@@ -72,6 +76,8 @@ class VulkanBackend final : public SolverBackend {
   void record(Slot& slot);
   void record_dispatch(const Slot& slot, const vk::raii::CommandBuffer& commands, size_t cloth,
                        const Dispatch& dispatch);
+  static void clear_contacts(const Slot& slot, const vk::raii::CommandBuffer& commands);
+  static void copy_contacts(const Slot& slot, const vk::raii::CommandBuffer& commands);
   void compute_normals(const std::vector<uint32_t>& cloths);
   void take_parts();
   void change_pins(uint32_t cloth, const ClothFrame& frame);
@@ -91,6 +97,7 @@ class VulkanBackend final : public SolverBackend {
   std::vector<std::unique_ptr<Slot>> slots_;
   size_t next_slot_ = 0;
   PassSeconds seconds_{};
+  std::vector<std::vector<ContactSum>> contacts_;                ///< of each cloth, of the last frame that is finished
   std::array<uint32_t, shader::kMeasureCount> past_measures_{};  ///< the largest of cloths that have been removed
 };
 

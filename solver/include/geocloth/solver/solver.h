@@ -93,8 +93,9 @@ struct SolverSettings {
   /// to, or anything is set to another value (a substep's length to one that differs by a quarter). Wind keeps cloth
   /// awake. 0: never. Speeds are known two frames late.
   float sleep_speed = 0;
-  float sleep_time = 0.5F;    ///< [s] >= 0
-  bool check_copies = false;  ///< measure the copy gap and the penetration after every substep (slower)
+  float sleep_time = 0.5F;      ///< [s] >= 0
+  bool check_copies = false;    ///< measure the copy gap and the penetration after every substep (slower)
+  bool contact_forces = false;  ///< sum what cloth does to colliders, for Solver::contact_forces()
 };
 
 /// What a point that is free within a distance of its target must not get behind, such as the skin that it lies on: a
@@ -130,6 +131,12 @@ struct SolverStatistics {
   std::vector<PassTiming> passes;  ///< with SolverSettings::timings
   double copy_gap = 0;             ///< [m] largest distance between copies after any substep, with check_copies
   double penetration = 0;  ///< [m] largest depth below a collider's surface after any substep, with check_copies
+};
+
+/// What cloth did to a collider in a frame, or one cloth: by contact and friction, not by pins that follow it.
+struct ContactForce {
+  Vec3 force;   ///< [N] mean over the frame; times SolverSettings::frame_time it is the impulse [N s]
+  Vec3 torque;  ///< [N m] the same, about the collider's Collider::pose.translate at the frame's end
 };
 
 /// What a cut has severed, or several.
@@ -283,6 +290,16 @@ class Solver {
   /// checked in full: those that are damaged or come from elsewhere are refused or give a state that is safe, if wrong.
   /// @throws Error(invalid_data) for bytes that do not fit, and leaves the solver as it is
   void restore(std::span<const std::byte> state);
+
+  /// What all cloths did to the colliders in the last step, in the order of the last set_colliders(): to let a body
+  /// give way, as an engine moves it, or to read how hard cloth presses and pulls. A collider that has come since then
+  /// has felt nothing. A cloth that is asleep goes on pressing as it did when it fell asleep. Forces are those of
+  /// substeps: with few of them they tremble where cloth rests, and are right in the mean. The same bits with any path
+  /// and any number of threads. Waits for the device. Not of a state that was restored, before the next step.
+  /// @throws Error(invalid_argument) without SolverSettings::contact_forces
+  [[nodiscard]] std::vector<ContactForce> contact_forces();
+  /// The same of one cloth.
+  [[nodiscard]] std::vector<ContactForce> contact_forces(uint32_t cloth);
 
   [[nodiscard]] uint32_t cloth_count() const;
   /// Whether the last step left the cloth as it was, see SolverSettings::sleep_speed.
