@@ -188,7 +188,10 @@ void play(const SimulateArguments& options, Simulation& simulation) {
     step(options, simulation);
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     recorder.add_frame_time(simulation, seconds.count());
-    if (report_file != nullptr) recorder.add_energy(simulation);
+    if (report_file != nullptr) {
+      recorder.add_energy(simulation);
+      recorder.add_contact_forces(simulation);
+    }
   }
 
   for (const auto& more : {played_warnings(simulation), contact.warnings(simulation)})

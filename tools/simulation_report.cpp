@@ -59,6 +59,23 @@ std::string state_hash(const Simulation& simulation, std::span<const ClothSnapsh
   return fmt::format("{:016x}", hash);
 }
 
+/// Over the frames, of each collider.
+nlohmann::ordered_json mean_forces(const Scene& scene, const std::deque<std::vector<ContactForce>>& frames) {
+  nlohmann::ordered_json forces = nlohmann::ordered_json::array();
+  const float share = 1 / std::max(1.F, static_cast<float>(frames.size()));
+  for (std::size_t i = 0; i < scene.colliders.size(); ++i) {
+    Vec3 mean;
+    float largest = 0;
+    for (const std::vector<ContactForce>& frame : frames) {
+      mean = mean + share * frame[i].force;
+      largest = std::max(largest, length(frame[i].force));
+    }
+    forces.push_back(
+        {{"collider", scene.colliders[i].collider.name}, {"force", {mean.x, mean.y, mean.z}}, {"largest", largest}});
+  }
+  return forces;
+}
+
 }  // namespace
 
 double sewing_gap(const ClothAsset& asset, std::span<const Vec3> positions) {
@@ -105,6 +122,13 @@ void SimulationRecorder::add_energy(Simulation& simulation) {
   energy_.push_back(sum);
 }
 
+void SimulationRecorder::add_contact_forces(Simulation& simulation) {
+  const Scene& scene = simulation.scene();
+  if (!scene.contact_forces) return;
+  contact_forces_.push_back(simulation.solver().contact_forces());
+  if (static_cast<double>(contact_forces_.size()) > std::max(1.0, scene.frame_rate)) contact_forces_.pop_front();
+}
+
 std::string SimulationRecorder::report(Simulation& simulation, std::span<const ClothSnapshot> cloths,
                                        const ContactCheck& contact, std::span<const std::string> warnings) const {
   const SolverStatistics statistics = simulation.solver().statistics();
@@ -128,30 +152,31 @@ std::string SimulationRecorder::report(Simulation& simulation, std::span<const C
     non_finite += count_non_finite(*simulation.cloths()[i].asset, cloths[i].position);
   }
 
-  const nlohmann::ordered_json report{{"backend", statistics.backend},
-                                      {"device", statistics.device},
-                                      {"path", statistics.path},
-                                      {"threads", statistics.threads},
-                                      {"frames", frame_seconds_.size()},
-                                      {"substeps", scene.substeps},
-                                      {"particles", statistics.particles},
-                                      {"springs", statistics.springs},
-                                      {"asleep", statistics.asleep},
-                                      {"torn_springs", torn_springs(simulation)},
-                                      {"ms_per_frame",
-                                       {{"median", percentile(frame_seconds_, 0.5) / kMillisecond},
-                                        {"p95", percentile(frame_seconds_, 0.95) / kMillisecond}}},
-                                      {"passes_ms", passes},
-                                      {"springs_per_second", total_seconds > 0 ? projections / total_seconds : 0},
-                                      {"stretch", {{"max", stretch.max}, {"p99", stretch.p99}, {"mean", stretch.mean}}},
-                                      {"copy_gap", statistics.copy_gap},
-                                      {"sewing_gap", gap},
-                                      {"penetration", statistics.penetration},
-                                      {"drawn_penetration", contact.depth_between_vertices()},
-                                      {"energy", energy},
-                                      {"non_finite", non_finite},
-                                      {"state_hash", state_hash(simulation, cloths)},
-                                      {"warnings", std::vector(warnings.begin(), warnings.end())}};
+  nlohmann::ordered_json report{{"backend", statistics.backend},
+                                {"device", statistics.device},
+                                {"path", statistics.path},
+                                {"threads", statistics.threads},
+                                {"frames", frame_seconds_.size()},
+                                {"substeps", scene.substeps},
+                                {"particles", statistics.particles},
+                                {"springs", statistics.springs},
+                                {"asleep", statistics.asleep},
+                                {"torn_springs", torn_springs(simulation)},
+                                {"ms_per_frame",
+                                 {{"median", percentile(frame_seconds_, 0.5) / kMillisecond},
+                                  {"p95", percentile(frame_seconds_, 0.95) / kMillisecond}}},
+                                {"passes_ms", passes},
+                                {"springs_per_second", total_seconds > 0 ? projections / total_seconds : 0},
+                                {"stretch", {{"max", stretch.max}, {"p99", stretch.p99}, {"mean", stretch.mean}}},
+                                {"copy_gap", statistics.copy_gap},
+                                {"sewing_gap", gap},
+                                {"penetration", statistics.penetration},
+                                {"drawn_penetration", contact.depth_between_vertices()},
+                                {"energy", energy},
+                                {"non_finite", non_finite},
+                                {"state_hash", state_hash(simulation, cloths)},
+                                {"warnings", std::vector(warnings.begin(), warnings.end())}};
+  if (scene.contact_forces) report["contact_forces"] = mean_forces(scene, contact_forces_);
   return report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <deque>
 #include <memory>
 #include <optional>
 #include <span>
@@ -26,6 +27,9 @@ class SimulationRecorder {
   /// Reads positions and velocities back and adds the energy of all cloths at this frame.
   void add_energy(Simulation& simulation);
 
+  /// Adds what cloth did to colliders in this frame, where the scene asks for that.
+  void add_contact_forces(Simulation& simulation);
+
   /// The report as JSON text with the keys that users rely on.
   /// @param cloths    the state after the last frame
   /// @param contact   of all frames
@@ -48,6 +52,7 @@ class SimulationRecorder {
   double check_seconds_ = 0;  ///< of all frames so far
   std::vector<CutMeter> meters_;
   std::vector<Energy> energy_;
+  std::deque<std::vector<ContactForce>> contact_forces_;  ///< of each collider, in the frames of the last second
 };
 
 }  // namespace geocloth

@@ -189,7 +189,7 @@ inline vec3 way_out(vec3 normal, float depth, float thickness, vec3 last) {
 // @param n          the contact's normal in the world
 // @param out_of_it  [m] how the point is moved out
 // @param grip       [m] see largest_grip()
-inline PointState respond(ColliderSet set, ColliderShape shape, PointState point, ColliderPose before,
+inline PointState respond(ColliderSet set, uint collider, ColliderShape shape, PointState point, ColliderPose before,
                           ColliderPose after, vec3 local, Contact contact, vec3 n, vec3 out_of_it, float friction,
                           float grip) {
   precise vec3 on_surface = local + contact.normal * contact.depth;
@@ -204,6 +204,8 @@ inline PointState respond(ColliderSet set, ColliderShape shape, PointState point
 
   precise vec3 position = point.position + out_of_it - sliding * held;
   precise vec3 kept = carried + sliding * (1.0f - held) + n * max(along, 0.0f);
+  precise vec3 changed = kept - displacement;
+  add_contact(set, collider, changed, position);
   return arrived(position, kept);
 }
 
@@ -349,10 +351,7 @@ inline PointState push_out(ColliderSet set, ClothParams params, uint substep, Po
         vec3 n = rotate_to_world(after, contact.normal);
         vec3 out_of_it = way_out(n, contact.depth, params.thickness, slides_out(round) ? last : vec3(0.0f, 0.0f, 0.0f));
         float grip = largest_grip(params, shape);
-        vec3 came = way_of(state);
-        state = respond(set, shape, state, before, after, local, contact, n, out_of_it, friction, grip);
-        precise vec3 changed = way_of(state) - came;
-        add_contact(set, i, changed, state.position);
+        state = respond(set, i, shape, state, before, after, local, contact, n, out_of_it, friction, grip);
         last = n;
         way = length3(state.position - start);
         again = again || ((params.collider_count > 1u || shape.kind == kShapeMesh) && contact.depth > deep);

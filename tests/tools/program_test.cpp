@@ -294,6 +294,26 @@ TEST(Simulate, ReportHasEveryKey) {
   EXPECT_GT(report["springs_per_second"].get<double>(), 0);
 }
 
+TEST(Simulate, ReportsHowHardClothPressesWhereTheSceneAsks) {
+  const TemporaryFolder folder;
+  const auto report_of = [&](const std::string& more) {
+    const std::string scene = folder.write("scene.json", scene_text(more));
+    const ProgramResult result = run_program(
+        {"simulate", scene, "--backend", "cpu", "--frames", "30", "--report", folder / "report.json", "-q"});
+    EXPECT_EQ(result.status, 0) << result.err;
+    return json::parse(read_text(folder / "report.json"));
+  };
+  EXPECT_FALSE(report_of("").contains("contact_forces"));
+  const json forces = report_of(R"(, "contact_forces": true)").at("contact_forces");
+  ASSERT_EQ(forces.size(), 1U);
+  EXPECT_EQ(forces[0]["collider"], "ball");
+  ASSERT_EQ(forces[0]["force"].size(), 3U);
+  EXPECT_GT(forces[0]["largest"].get<double>(), std::abs(forces[0]["force"][1].get<double>()));
+  expect_one_line(
+      run_program({"simulate", folder.write("bad.json", scene_text(R"(, "contact_forces": 1)")), "--check"}),
+      "contact_forces");
+}
+
 TEST(Simulate, TheStateDoesNotDependOnThreads) {
   const TemporaryFolder folder;
   const std::string scene = folder.write("scene.json", scene_text());

@@ -114,11 +114,36 @@ HWY_INLINE Points<D> way_out(D d, const Points<D>& normal, Vec<D> depth, Vec<D> 
                    scale(d, normal, depth), slid);
 }
 
+/// Where contacts with a collider are summed.
+struct ContactSums {
+  ContactSum* sum;  ///< null: they are not
+  float scale;
+  const float* inverse_mass;  ///< [1/kg] of the first of a vector's points and those beside it
+};
+
+/// add_contact() of collider_set.h for some points.
+/// @param way  by which the contact has changed what they go
+template <class D>
+HWY_NOINLINE void add_contacts(D d, const ContactSums& to, Mask<D> lanes, Vec<D> mass_inverse, const Points<D>& way,
+                               const Points<D>& position) {
+  std::array<std::array<float, hn::MaxLanes(D())>, 7> v;
+  hn::StoreU(mass_inverse, d, v[0].data());
+  store(d, way, PointRow{v[1].data(), v[2].data(), v[3].data()});
+  store(d, position, PointRow{v[4].data(), v[5].data(), v[6].data()});
+  ContactSum added{};
+  for_lanes(d, lanes, [&](size_t k) {
+    if (v[0][k] <= 0) return;
+    shader::add_share(
+        added, shader::contact_share(v[0][k], {v[1][k], v[2][k], v[3][k]}, {v[4][k], v[5][k], v[6][k]}, to.scale));
+  });
+  shader::add_sum(*to.sum, added);
+}
+
 /// respond() of lib/collide.h, for the lanes that touch.
 template <class D, class At>
 HWY_INLINE void respond(D d, PointStates<D>& point, const At& before, const At& after, const Points<D>& local,
                         const Contacts<D>& contact, const Points<D>& n, const Points<D>& out_of_it, Vec<D> friction,
-                        Vec<D> grip) {
+                        Vec<D> grip, const ContactSums& sums) {
   const auto one = hn::Set(d, 1.F), zero = hn::Zero(d);
   const Points<D> on_surface = add(local, scale(d, contact.normal, contact.depth));
   const Points<D> carried = carried_by(d, before, after, on_surface);
@@ -133,6 +158,8 @@ HWY_INLINE void respond(D d, PointStates<D>& point, const At& before, const At& 
   const Points<D> position = sub(add(point.position, out_of_it), scale(d, sliding, held));
   const Points<D> kept = add(add(carried, scale(d, sliding, hn::Sub(one, held))),
                              scale(d, n, hn::IfThenElse(hn::Lt(along, zero), zero, along)));
+  if (sums.sum != nullptr)
+    add_contacts(d, sums, contact.touches, hn::LoadU(d, sums.inverse_mass), sub(kept, displacement), position);
   const Points<D> previous = sub(position, kept);
   replace(contact.touches, position, point.position);
   replace(contact.touches, previous, point.previous);
@@ -143,27 +170,6 @@ HWY_INLINE void respond(D d, PointStates<D>& point, const At& before, const At& 
 template <class D>
 HWY_INLINE Vec<D> fused_dot(D, const Points<D>& a, const Points<D>& b) {
   return hn::MulAdd(a.z, b.z, hn::MulAdd(a.y, b.y, hn::Mul(a.x, b.x)));
-}
-
-template <class D>
-HWY_INLINE Points<D> way_of(D, const PointStates<D>& point) {
-  return add(sub(point.position, point.previous), point.carry);
-}
-
-/// add_contact() of collider_set.h for some points.
-/// @param way  by which the contact has changed what they go
-template <class D>
-HWY_NOINLINE void add_contacts(D d, ContactSum& sum, float scale, Mask<D> lanes, Vec<D> mass_inverse,
-                               const Points<D>& way, const Points<D>& position) {
-  std::array<std::array<float, hn::MaxLanes(D())>, 7> v;
-  hn::StoreU(mass_inverse, d, v[0].data());
-  store(d, way, PointRow{v[1].data(), v[2].data(), v[3].data()});
-  store(d, position, PointRow{v[4].data(), v[5].data(), v[6].data()});
-  for_lanes(d, lanes, [&](size_t k) {
-    if (v[0][k] <= 0) return;
-    shader::add_contact(
-        sum, shader::contact_share(v[0][k], {v[1][k], v[2][k], v[3][k]}, {v[4][k], v[5][k], v[6][k]}, scale));
-  });
 }
 
 /// The colliders of a substep, from which most points are too far.
@@ -257,6 +263,10 @@ struct Meeting {
         contacts(sweep.state->contacts.empty() ? nullptr : sweep.state->contacts.data()),
         guards(sweep, substep) {}
 
+  /// @param inverse_mass  of the points that meet it
+  [[nodiscard]] ContactSums sum_of(size_t collider, const float* inverse_mass) const {
+    return {contacts == nullptr ? nullptr : contacts + collider, params.contact_scale, inverse_mass};
+  }
   /// A collider as it is when the substep begins, and when it has ended.
   template <bool kMayDeform = true>
   [[nodiscard]] PosedAs<kMayDeform> begun(size_t collider) const {
@@ -356,13 +366,8 @@ HWY_INLINE void push_out(D d, const Meeting& meeting, Mask<D> lanes, const float
       const float friction = round == 0 ? std::sqrt(meeting.params.friction * shape.friction) : 0.F;
       const Points<D> n = rotate_to_world(d, after.pose, contact.normal);
       const Points<D> out_of_it = way_out(d, n, contact.depth, thickness, shader::slides_out(round) ? last : none);
-      const Points<D> came = way_of(d, points);
       respond(d, points, before, after, local, contact, n, out_of_it, hn::Set(d, friction),
-              hn::Set(d, shader::largest_grip(meeting.params, shape)));
-      if (meeting.contacts != nullptr) {
-        add_contacts(d, meeting.contacts[i], meeting.params.contact_scale, contact.touches, hn::LoadU(d, inverse_mass),
-                     sub(way_of(d, points), came), points.position);
-      }
+              hn::Set(d, shader::largest_grip(meeting.params, shape)), meeting.sum_of(i, inverse_mass));
       replace(contact.touches, n, last);
       way = length(d, sub(points.position, start));
       if (count > 1 || shape.kind == shader::kShapeMesh)
@@ -371,7 +376,7 @@ HWY_INLINE void push_out(D d, const Meeting& meeting, Mask<D> lanes, const float
     again = touched;
   }
   if (hn::AllFalse(d, again)) return;
-  const Points<D> way = way_of(d, points);
+  const Points<D> way = add(sub(points.position, points.previous), points.carry);
   const Points<D> position = out_of_cleft(d, meeting, again, {start.x, start.y, start.z},
                                           {points.position.x, points.position.y, points.position.z});
   const Points<D> previous = sub(position, way);

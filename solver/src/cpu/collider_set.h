@@ -36,11 +36,12 @@ inline float collider_number(ColliderSet set, uint i) {
   return set.numbers[i];
 }
 
-inline void add_contact(ContactSum& sum, const ContactShare& share) {
+inline void add_share(ContactSum& sum, const ContactShare& share) {
+  const auto whole = [](float v) {  // fixed_point(), in one instruction
+    return static_cast<uint64_t>(abs(v) < kLargestContact ? static_cast<int64_t>(v) : 0);
+  };
   const auto add = [&](uint k, float v) {
-    const FixedPoint n = fixed_point(v);
-    const auto whole = static_cast<int64_t>(uint64_t{n.high} << 32U | n.low);
-    std::atomic_ref(sum[k]).fetch_add(whole, std::memory_order_relaxed);
+    sum[k] = static_cast<int64_t>(static_cast<uint64_t>(sum[k]) + whole(v));  // beyond its ends it goes on
   };
   add(0, share.impulse.x);
   add(1, share.impulse.y);
@@ -50,9 +51,16 @@ inline void add_contact(ContactSum& sum, const ContactShare& share) {
   add(5, share.moment.z);
 }
 
+/// To what several threads add to.
+inline void add_sum(ContactSum& sum, const ContactSum& more) {
+  for (size_t k = 0; k < sum.size(); ++k) std::atomic_ref(sum[k]).fetch_add(more[k], std::memory_order_relaxed);
+}
+
 inline void add_contact(const ColliderSet& set, uint i, vec3 way, vec3 position) {
   if (set.contacts == nullptr || set.mass_inverse <= 0) return;
-  add_contact(set.contacts[i], contact_share(set.mass_inverse, way, position, set.contact_scale));
+  ContactSum one{};
+  add_share(one, contact_share(set.mass_inverse, way, position, set.contact_scale));
+  add_sum(set.contacts[i], one);
 }
 
 }  // namespace geocloth::shader

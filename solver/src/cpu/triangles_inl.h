@@ -139,8 +139,7 @@ HWY_NOINLINE Mask<D> push_points(D d, const Meeting& meeting, size_t collider, c
     const Points<D> came = sub(now, began);
     push_corner(d, poses.before, poses.after, moved, now, began, n, contact.normal, hn::Mul(push, of_it));
     if (meeting.contacts != nullptr) {
-      add_contacts(d, meeting.contacts[collider], meeting.params.contact_scale, moved, mass, sub(sub(now, began), came),
-                   now);
+      add_contacts(d, meeting.sum_of(collider, nullptr), moved, mass, sub(sub(now, began), came), now);
     }
   };
   push_one(t.now.a, t.start.a, share.x, t.mass.x);

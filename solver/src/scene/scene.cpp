@@ -611,7 +611,7 @@ Scene parse_scene(std::string_view text, const std::filesystem::path& path) {
   const nlohmann::json document = JsonReader::parse(text, path.string());
   const JsonReader json(document, path.string());
   json.expect_object({"version", "frame_rate", "frames", "substeps", "relaxation_steps", "keep_momentum", "gravity",
-                      "imperfection", "cloths", "colliders", "wind", "sleep"});
+                      "imperfection", "cloths", "colliders", "contact_forces", "wind", "sleep"});
   if (const double version = json.at("version").number(); version != 1) {
     json.at("version").fail("only version 1 is known", ErrorCode::unsupported);
   }
@@ -634,6 +634,7 @@ Scene parse_scene(std::string_view text, const std::filesystem::path& path) {
       scene.colliders.push_back(read_collider(collider, path.parent_path()));
     }
   }
+  if (json.has("contact_forces")) scene.contact_forces = json.at("contact_forces").boolean();
   if (json.has("wind")) {
     const JsonReader wind = json.at("wind");
     scene.wind = read_wind(wind);

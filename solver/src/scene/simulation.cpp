@@ -162,6 +162,7 @@ Simulation::Simulation(Scene scene, SolverSettings settings, const BodyReader& b
   settings.keep_momentum = scene_.keep_momentum;
   settings.gravity = scene_.gravity;
   settings.imperfection = scene_.imperfection;
+  settings.contact_forces = scene_.contact_forces;
   settings.sleep_speed = scene_.sleep_speed;
   settings.sleep_time = scene_.sleep_time;
 

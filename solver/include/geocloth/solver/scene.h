@@ -234,6 +234,7 @@ struct Scene {
   float imperfection = 0;  ///< see SolverSettings
   std::vector<SceneCloth> cloths;
   std::vector<SceneCollider> colliders;
+  bool contact_forces = false;       ///< see SolverSettings
   float sleep_speed = 0;             ///< [m/s] see SolverSettings
   float sleep_time = 0.5F;           ///< [s]
   std::optional<Wind> wind;          ///< not set: no air at all; set: the air also brakes cloth when it stands still
