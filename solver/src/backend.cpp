@@ -49,7 +49,8 @@ ScheduleOptions schedule_options(const SimulationData& data, uint32_t cloth, con
           .seam_tie_colors = c.seam_tie_colors,
           .whole_tie_colors = c.whole_tie_colors,
           .sewing_colors = f.sewn ? c.sewing_colors : 0,
-          .more_sewing_colors = f.sewn ? c.more_sewing_colors : 0};
+          .more_sewing_colors = f.sewn ? c.more_sewing_colors : 0,
+          .sewn_bend_colors = f.sewn && f.seams_closed ? c.sewn_bend_colors : 0};
 }
 
 }  // namespace geocloth

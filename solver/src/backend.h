@@ -68,11 +68,12 @@ struct ClothData {
   std::vector<shader::vec4> position;                ///< start; w = inverse mass without pins, 0 where not valid
   std::array<std::vector<shader::vec4>, 3> springs;  ///< structural, shear, bending
   std::vector<uint32_t> cell;
-  std::vector<shader::SeamSpring> seam_springs;  ///< over seams, by colour: bends, spans, ties, whole ties, threads
+  std::vector<shader::SeamSpring> seam_springs;  ///< over seams, by colour: bends, spans, ties, whole ties,
+                                                 ///< threads, bends over what is sewn
   size_t most_seam_springs = 0;                  ///< after any cut: one may make room for some that are left out
   std::vector<uint32_t> seam_color_offset;       ///< colours + 1 entries; empty without any
   uint32_t seam_bend_colors = 0, seam_span_colors = 0, seam_tie_colors = 0, whole_tie_colors = 0, sewing_colors = 0,
-           more_sewing_colors = 0;
+           more_sewing_colors = 0, sewn_bend_colors = 0;
   std::vector<uint32_t> split_offset;  ///< rows + 1 entries; empty without rows
   std::vector<uint32_t> split_pixel;
   SelfData self;
@@ -128,6 +129,7 @@ struct ClothFrame {
   uint32_t cell_rounds = 0;   ///< see ScheduleOptions
   bool asleep = false;        ///< nothing is done: everything stays as it is
   bool sewn = false;          ///< sewing threads hold
+  bool seams_closed = false;  ///< and have drawn seams together
   bool held_open = false;     ///< a fast collider may open cells, which ties at the frame's end would draw over it
   bool pulled_apart = false;  ///< two of its pins are farther from each other than the cloth may stretch
   bool slack_pins = false;    ///< attachments to its pins are slack: they lie one above the other, as a flag's on its

@@ -27,12 +27,20 @@ void add_normals(std::vector<PassStep>& steps, const ScheduleOptions& options) {
   if (options.splits) steps.push_back({Pass::normals_stitch});
 }
 
+/// Of the threads, in the list over seams.
+uint32_t first_sewing_color(const ScheduleOptions& options) {
+  return options.seam_bend_colors + options.seam_span_colors + options.seam_tie_colors + options.whole_tie_colors;
+}
+
 void add_seam_bends(std::vector<PassStep>& steps, const ScheduleOptions& options, uint32_t relaxation) {
   if (options.bending == Bending::none) return;
   const bool springs = options.bending == Bending::springs;
-  for (uint32_t color = 0; color < options.seam_bend_colors; ++color) {
-    steps.push_back({springs ? Pass::seam_bends : Pass::seam_curvature, color, relaxation});
-  }
+  const auto add = [&](uint32_t first, uint32_t colors) {
+    for (uint32_t color = first; color < first + colors; ++color)
+      steps.push_back({springs ? Pass::seam_bends : Pass::seam_curvature, color, relaxation});
+  };
+  add(0, options.seam_bend_colors);
+  add(first_sewing_color(options) + options.sewing_colors + options.more_sewing_colors, options.sewn_bend_colors);
 }
 
 void add_curvatures(std::vector<PassStep>& steps, const ScheduleOptions& options, uint32_t relaxation) {
@@ -54,8 +62,7 @@ void add_curvatures(std::vector<PassStep>& steps, const ScheduleOptions& options
 
 void add_sewing(std::vector<PassStep>& steps, const ScheduleOptions& options, bool more, uint32_t relaxation) {
   const uint32_t colors = options.sewing_colors + (more ? options.more_sewing_colors : 0);
-  const uint32_t first =
-      options.seam_bend_colors + options.seam_span_colors + options.seam_tie_colors + options.whole_tie_colors;
+  const uint32_t first = first_sewing_color(options);
   for (uint32_t color = 0; color < colors; ++color) steps.push_back({Pass::sew, first + color, relaxation});
 }
 

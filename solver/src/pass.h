@@ -186,6 +186,7 @@ struct ScheduleOptions {
   uint32_t seam_bend_colors = 0, seam_span_colors = 0, seam_tie_colors = 0, whole_tie_colors = 0;
   /// Of the threads, and of more rounds of some, after the others where they come last; 0 while none of them hold.
   uint32_t sewing_colors = 0, more_sewing_colors = 0;
+  uint32_t sewn_bend_colors = 0;  ///< behind these, while what is sewn is closed
 
   bool operator==(const ScheduleOptions&) const = default;
 };

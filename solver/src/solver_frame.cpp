@@ -107,6 +107,7 @@ void Solver::Impl::fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const {
   set_imperfection(settings_.imperfection, gravity_of(cloth), cloth.size, origin_, frame.params);
   frame.params.fine = fine_;
   frame.sewn = cloth.sewn_to.has_value();
+  frame.seams_closed = cloth.sewn_from == 0.F && cloth.sewn_to == 0.F;
   frame.params.sewing_before = cloth.sewn_from.value_or(0);
   frame.params.sewing_after = cloth.sewn_to.value_or(0);
   frame.params.stretch_limit = stretch_limit(cloth);

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -21,6 +22,7 @@
 #include "lib/yield.h"
 #include "rest/bend_directions.h"
 #include "rest/seam_list.h"
+#include "rest/turned_bend.h"
 
 namespace geocloth {
 namespace {
@@ -32,9 +34,6 @@ constexpr double kLargestPull = 0.005;
 /// Nor where it turns by more than this [rad]: among grid lines that turn so sharply, as those of a button or beside a
 /// ragged outline do, what pulls at the sheet does not cancel, and free pieces would shake and spin.
 constexpr double kLargestTurn = 0.2;
-
-/// Of a bend with a fourth point: the least share of its curvature that it still sees, and of either end in the chord.
-constexpr double kLeastSeen = 0.5, kLeastChord = 0.1;
 
 /// Diagonals with less than this share of the material's rigidity are left out.
 constexpr double kLeastShare = 0.01;
@@ -209,16 +208,16 @@ class BendBuilder {
     const bool turns = within > out_of_plane;
     const bool straighten = turns && pull <= kLargestPull * softest && turned <= kLargestTurn;
     const Turn turn = turns && !straighten ? take_up_turn(a, middle, b) : Turn{};
-    const bool taken_up = turn.weight != 0;
-    const double seen = taken_up ? scale * scale * turn.seen : 0.5 * h1 * h2;
+    const bool taken_up = turn.bend.weight != 0;
+    const double seen = taken_up ? scale * scale * turn.bend.seen : 0.5 * h1 * h2;
     const double compliance = seen * seen / (rigidity * area);
-    bend.rest = static_cast<float>(straighten ? out_of_plane : taken_up ? scale * turn.rest : whole);
+    bend.rest = static_cast<float>(straighten ? out_of_plane : taken_up ? scale * turn.bend.rest : whole);
     bend.compliance = static_cast<float>(
         std::clamp(compliance, static_cast<double>(std::numeric_limits<float>::min()), kLargestCompliance));
-    bend.chord = static_cast<float>(taken_up ? turn.chord : h1 / (h1 + h2));
+    bend.chord = static_cast<float>(taken_up ? turn.bend.chord : h1 / (h1 + h2));
     bend.middle_share = 1;
     if (taken_up) {
-      bend.turn = static_cast<float>(turn.weight);
+      bend.turn = static_cast<float>(turn.bend.weight);
       bend.beside = turn.beside;
     }
     return bend;
@@ -227,37 +226,27 @@ class BendBuilder {
   /// The fourth point of a bend, see lib/bend.h; lengths without the cloth's scale.
   struct Turn {
     uint32_t beside = 0;
-    double chord = 0, weight = 0;  ///< f and g; weight 0: no neighbour can take the turn up
-    double seen = 0;               ///< [m^2] u
-    double rest = 0;               ///< [m]
+    TurnedBend bend;  ///< weight 0: no neighbour can take the turn up
   };
   [[nodiscard]] Turn take_up_turn(uint32_t a, uint32_t middle, uint32_t b) const {
     const Vec3 x = normalized(within_sheet(a, middle, b)), y = cross(normal_[middle], x);
     const Vec3& at = asset_.rest_position[middle];
-    struct Flat {
-      double x, y, out, square;
-    };
     const auto seen_from_middle = [&](uint32_t p) {
       const Vec3 d = asset_.rest_position[p] - at;
-      return Flat{dot(d, x), dot(d, y), dot(d, normal_[middle]), dot(d, d)};
+      return SeenPoint{dot(d, x), dot(d, y), dot(d, normal_[middle]), dot(d, d)};
     };
-    const Flat pa = seen_from_middle(a), pb = seen_from_middle(b);
+    const SeenPoint pa = seen_from_middle(a), pb = seen_from_middle(b);
     Turn best;
     double most = 0;
     for_neighbors(middle, [&](uint32_t p) {
       if (p == a || p == b) return;
-      const Flat c = seen_from_middle(p);
+      const SeenPoint c = seen_from_middle(p);
       const double along = std::abs(c.x) / std::sqrt(c.square);
-      const double determinant = c.x * (pb.y - pa.y) - c.y * (pb.x - pa.x);
-      if (!(along > most) || determinant == 0) return;
-      Turn turn{p, (pa.x * c.y - c.x * pa.y) / determinant, (pa.x * pb.y - pb.x * pa.y) / determinant, 0, 0};
-      const double f = turn.chord, g = turn.weight;
-      turn.seen = 0.5 * ((1 - f) * pa.square + f * pb.square - g * c.square);
-      turn.rest = std::abs((1 - f) * pa.out + f * pb.out - g * c.out);
-      if (!(turn.seen >= 0.5 * kLeastSeen * std::sqrt(pa.square * pb.square))) return;
-      if (!(f >= kLeastChord && f <= 1 - kLeastChord)) return;
+      if (!(along > most)) return;
+      const std::optional<TurnedBend> turned = turned_bend(pa, pb, c);
+      if (!turned) return;
       most = along;
-      best = turn;
+      best = {p, *turned};
     });
     return best;
   }

@@ -26,6 +26,7 @@
 #include "rest/seam_ties.h"
 #include "rest/self_points.h"
 #include "rest/sewing.h"
+#include "rest/sewn_bends.h"
 #include "rest/short_seams.h"
 #include "rest/surface_graph.h"
 #include "rest/whole_ties.h"
@@ -180,6 +181,7 @@ ClothData make_cloth_data(const ClothDesc& cloth, const Vec3& origin, const Clot
     add_whole_ties(asset, rest, short_seams, data);
   }
   add_sewing(asset, cloth.transform.scale, data);
+  add_sewn_bends(cloth, fabrics, rest, data);
   if (cloth.self_collision) add_self_points(cloth, data);
   return data;
 }
