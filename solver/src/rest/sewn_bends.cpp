@@ -20,6 +20,7 @@ namespace {
 
 constexpr uint32_t kDirections = 4;  ///< of structural and shear springs
 constexpr float kFarthestPair = 4;   ///< spacings from one pair of a seam to the next, on the side that is gathered
+constexpr float kBorder = 0.5F;      ///< spacings that a border's neighbours lie inwards by, all together, at least
 constexpr float kInwards = 0.7F;     ///< least cosine between the pixel behind another one and straight inwards
 constexpr double kStraight = 0.02;   ///< of a bend's length: a turn that straightening takes no notice of
 
@@ -78,12 +79,12 @@ class SewnBends {
     return length(along_a) > 0 && length(along_b) > 0;
   }
 
-  /// @return nothing where a pixel has no cloth behind it
+  /// @return nothing where a pixel has no cloth behind it, or cloth on all sides, as where a pocket is sewn on
   [[nodiscard]] std::optional<Side> side_of(uint32_t p, const Vec3& along) const {
     Side side{normalized(along), {}};
     for_neighbors(p, [&](uint32_t next) { side.inwards = side.inwards + way(p, next); });
     side.inwards = side.inwards - dot(side.inwards, side.along) * side.along;
-    if (!(length(side.inwards) > 0)) return std::nullopt;
+    if (!(length(side.inwards) > kBorder * asset_.spacing)) return std::nullopt;
     side.inwards = normalized(side.inwards);
     return side;
   }
