@@ -26,7 +26,7 @@ void collide_triangle_at(uvec2 pa, uvec2 pb, uvec2 pc) {
   t.start_b = load_previous(pb).xyz;
   t.start_c = load_previous(pc).xyz;
   vec3 w = vec3(inverse_mass_of(a.w), inverse_mass_of(b.w), inverse_mass_of(c.w));
-  MovedTriangle moved = collide_triangle(ColliderSet(0.0f), params, constants.substep, t, w);
+  MovedTriangle moved = collide_triangle(ColliderSet(0.0f, 1.0f), params, constants.substep, t, w);
   store_position(pa, moved_corner(a, moved.a));
   store_position(pb, moved_corner(b, moved.b));
   store_position(pc, moved_corner(c, moved.c));

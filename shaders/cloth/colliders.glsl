@@ -6,10 +6,11 @@ layout(constant_id = 5) const uint kContactForces = 0u;  // 1: contacts are summ
 
 struct ColliderSet {
   float mass_inverse;  // of the point that meets them
+  float yield;         // that counts for contact sums
 };
 
-ColliderSet set_of_point(ColliderSet set, float mass_inverse) {
-  return ColliderSet(mass_inverse);
+ColliderSet set_of_point(ColliderSet set, float mass_inverse, float yield) {
+  return ColliderSet(mass_inverse, yield);
 }
 
 ColliderShape collider_shape(ColliderSet set, uint i) {
@@ -31,9 +32,10 @@ void add_fixed(uint word, float v) {
   atomicAdd(contact_words[word + 1u], n.high + carry);
 }
 
-void add_contact(ColliderSet set, uint i, vec3 way, vec3 position) {
+void add_contact(ColliderSet set, uint i, vec3 way, vec3 n, vec3 position) {
   if (kContactForces == 0u || set.mass_inverse <= 0.0f) return;
-  ContactShare share = contact_share(set.mass_inverse, way, position, params.contact_scale);
+  vec3 borne = borne_way(way, n, params.gravity_step.xyz, set.yield);
+  ContactShare share = contact_share(set.mass_inverse, borne, position, params.contact_scale);
   for (uint k = 0u; k < kContactValues; ++k) {
     vec3 of = k < 3u ? share.impulse : share.moment;
     uint axis = k % 3u;

@@ -10,7 +10,8 @@ void collide_at(uvec2 p) {
   float w = load_position(p).w;
   if (w == 0.0f) return;
   PointState point = slowed(params, load_state(p));
-  PointState after = collide(ColliderSet(inverse_mass_of(w)), params, constants.substep, point);
+  float counts = yield_counts(params) ? yield_of(w) : 1.0f;
+  PointState after = collide(ColliderSet(inverse_mass_of(w), counts), params, constants.substep, point);
   float yield = next_yield(yield_of(w), after.position - point.position, params.spacing);
   store_state(p, after, with_yield(w, yield));
 }
@@ -22,13 +23,13 @@ void hold_way_at(uvec2 p) {
 
 void give_way_at(uvec2 p) {
   float w = load_position(p).w;
-  if (w != 0.0f) store_state(p, way_given(ColliderSet(0.0f), params, constants.substep, load_state(p)), w);
+  if (w != 0.0f) store_state(p, way_given(ColliderSet(0.0f, 1.0f), params, constants.substep, load_state(p)), w);
 }
 
 // Pinned points go where the user puts them and are left out.
 void check_colliders_at(uvec2 p) {
   vec4 position = load_position(p);
   if (position.w == 0.0f) return;
-  float depth = depth_in_colliders(ColliderSet(0.0f), params.collider_count, constants.substep, position.xyz);
+  float depth = depth_in_colliders(ColliderSet(0.0f, 1.0f), params.collider_count, constants.substep, position.xyz);
   if (depth > 0.0f) atomicMax(measures[kMeasurePenetration], floatBitsToUint(depth));
 }

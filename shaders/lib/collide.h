@@ -3,12 +3,13 @@
 // "Unified Particle Physics for Real-Time Applications", section 6.1) on the displacement relative to the collider's.
 //
 // The includer defines before this file:
-//   struct ColliderSet (a handle, of a point), ColliderSet set_of_point(ColliderSet set, float mass_inverse),
+//   struct ColliderSet (a handle, of a point), ColliderSet set_of_point(ColliderSet set, float mass_inverse, float
+//   yield),
 //   ColliderShape collider_shape(ColliderSet set, uint i),
 //   ColliderPose collider_pose(ColliderSet set, uint pose, uint i)   with pose s before substep s and s + 1 after it,
 //   float collider_number(ColliderSet set, uint i),
-//   void add_contact(ColliderSet set, uint i, vec3 way, vec3 position)   sums what a contact did to a point that lies
-//                                                                        there then, see lib/contact_sum.h.
+//   void add_contact(ColliderSet set, uint i, vec3 way, vec3 n, vec3 position)   sums by how much a contact with this
+//     normal has changed the way of a point that lies there then, see lib/contact_sum.h.
 #ifndef GEOCLOTH_LIB_COLLIDE_H
 #define GEOCLOTH_LIB_COLLIDE_H
 
@@ -205,7 +206,7 @@ inline PointState respond(ColliderSet set, uint collider, ColliderShape shape, P
   precise vec3 position = point.position + out_of_it - sliding * held;
   precise vec3 kept = carried + sliding * (1.0f - held) + n * max(along, 0.0f);
   precise vec3 changed = kept - displacement;
-  add_contact(set, collider, changed, position);
+  add_contact(set, collider, changed, n, position);
   return arrived(position, kept);
 }
 

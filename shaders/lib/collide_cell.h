@@ -251,7 +251,7 @@ inline MovedTriangle push_point(ColliderSet set, ClothParams params, uint collid
     MovedCorner moved =
         push_corner(set, shape, before, after, corner_of(now, i), corner_of(began, i), n, contact.normal, push * part);
     vec3 changed = change_of_way(corner_of(now, i), corner_of(began, i), moved.now, moved.start);
-    add_contact(set_of_point(set, i == 0u ? w.x : (i == 1u ? w.y : w.z)), collider, changed, moved.now);
+    add_contact(set_of_point(set, i == 0u ? w.x : (i == 1u ? w.y : w.z), 1.0f), collider, changed, n, moved.now);
     now = with_corner(now, i, moved.now);
     began = with_corner(began, i, moved.start);
   }

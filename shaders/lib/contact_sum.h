@@ -5,6 +5,7 @@
 #ifndef GEOCLOTH_LIB_CONTACT_SUM_H
 #define GEOCLOTH_LIB_CONTACT_SUM_H
 
+#include "../shared/layout.h"
 #include "../shared/types.h"
 #include "vector.h"
 
@@ -15,6 +16,7 @@ namespace geocloth::shader {
 const uint kContactValues = 6u;                  // of a collider: x, y, z of the impulse, then of its moment
 const uint kContactWords = 2u * kContactValues;  // each of them the low and the high half
 const float kLargestContact = 4e18f;             // below 2^62
+const float kMostBorne = 64.0f;  // times: garments at rest have no more, and what is thrown at cloth would be felt so
 
 struct FixedPoint {
   uint low;
@@ -35,6 +37,24 @@ inline FixedPoint fixed_point(float v) {
     r.low = ~r.low + 1u;
     r.high = ~r.high + (r.low == 0u ? 1u : 0u);
   }
+  return r;
+}
+
+// Whether what points give way counts: where they are pushed by other points as well, nobody knows by how much springs
+// drew on them.
+inline bool yield_counts(ClothParams params) {
+  return params.self_points == 0u && params.inter_points == 0u;
+}
+
+// What a contact would have changed of a point's way if the point gave way to its springs as its mass has it: where it
+// gives way less (lib/yield.h) its neighbours move instead, and the collider feels all that they are held by. The point
+// lies on the collider, so what presses it there in a substep is its weight and springs, and springs count in full.
+// @param n             the contact's normal
+// @param gravity_step  ClothParams::gravity_step [m]
+inline vec3 borne_way(vec3 changed, vec3 n, vec3 gravity_step, float yield) {
+  precise float times = min(1.0f / yield, kMostBorne);
+  precise float weight = min(dot3(gravity_step, n), 0.0f);
+  precise vec3 r = changed * times + n * ((times - 1.0f) * weight);
   return r;
 }
 

@@ -117,24 +117,29 @@ HWY_INLINE Points<D> way_out(D d, const Points<D>& normal, Vec<D> depth, Vec<D> 
 /// Where contacts with a collider are summed.
 struct ContactSums {
   ContactSum* sum;  ///< null: they are not
-  float scale;
+  const shader::ClothParams& params;
   const float* inverse_mass;  ///< [1/kg] of the first of a vector's points and those beside it
+  const float* yield;         ///< of the same
 };
 
 /// add_contact() of collider_set.h for some points.
 /// @param way  by which the contact has changed what they go
+/// @param n    its normals
 template <class D>
-HWY_NOINLINE void add_contacts(D d, const ContactSums& to, Mask<D> lanes, Vec<D> mass_inverse, const Points<D>& way,
+HWY_NOINLINE void add_contacts(D d, const ContactSums& to, Mask<D> lanes, const Points<D>& way, const Points<D>& n,
                                const Points<D>& position) {
-  std::array<std::array<float, hn::MaxLanes(D())>, 7> v;
-  hn::StoreU(mass_inverse, d, v[0].data());
-  store(d, way, PointRow{v[1].data(), v[2].data(), v[3].data()});
-  store(d, position, PointRow{v[4].data(), v[5].data(), v[6].data()});
+  std::array<std::array<float, hn::MaxLanes(D())>, 9> v;
+  store(d, way, PointRow{v[0].data(), v[1].data(), v[2].data()});
+  store(d, n, PointRow{v[3].data(), v[4].data(), v[5].data()});
+  store(d, position, PointRow{v[6].data(), v[7].data(), v[8].data()});
+  const shader::vec3 gravity_step = shader::xyz(to.params.gravity_step);
   ContactSum added{};
   for_lanes(d, lanes, [&](size_t k) {
-    if (v[0][k] <= 0) return;
+    if (to.inverse_mass[k] <= 0) return;
+    const shader::vec3 borne =
+        shader::borne_way({v[0][k], v[1][k], v[2][k]}, {v[3][k], v[4][k], v[5][k]}, gravity_step, to.yield[k]);
     shader::add_share(
-        added, shader::contact_share(v[0][k], {v[1][k], v[2][k], v[3][k]}, {v[4][k], v[5][k], v[6][k]}, to.scale));
+        added, shader::contact_share(to.inverse_mass[k], borne, {v[6][k], v[7][k], v[8][k]}, to.params.contact_scale));
   });
   shader::add_sum(*to.sum, added);
 }
@@ -158,8 +163,7 @@ HWY_INLINE void respond(D d, PointStates<D>& point, const At& before, const At& 
   const Points<D> position = sub(add(point.position, out_of_it), scale(d, sliding, held));
   const Points<D> kept = add(add(carried, scale(d, sliding, hn::Sub(one, held))),
                              scale(d, n, hn::IfThenElse(hn::Lt(along, zero), zero, along)));
-  if (sums.sum != nullptr)
-    add_contacts(d, sums, contact.touches, hn::LoadU(d, sums.inverse_mass), sub(kept, displacement), position);
+  if (sums.sum != nullptr) add_contacts(d, sums, contact.touches, sub(kept, displacement), n, position);
   const Points<D> previous = sub(position, kept);
   replace(contact.touches, position, point.position);
   replace(contact.touches, previous, point.previous);
@@ -263,9 +267,9 @@ struct Meeting {
         contacts(sweep.state->contacts.empty() ? nullptr : sweep.state->contacts.data()),
         guards(sweep, substep) {}
 
-  /// @param inverse_mass  of the points that meet it
-  [[nodiscard]] ContactSums sum_of(size_t collider, const float* inverse_mass) const {
-    return {contacts == nullptr ? nullptr : contacts + collider, params.contact_scale, inverse_mass};
+  /// @param inverse_mass, yield  of the points that meet it
+  [[nodiscard]] ContactSums sum_of(size_t collider, const float* inverse_mass, const float* yield) const {
+    return {contacts == nullptr ? nullptr : contacts + collider, params, inverse_mass, yield};
   }
   /// A collider as it is when the substep begins, and when it has ended.
   template <bool kMayDeform = true>
@@ -328,10 +332,21 @@ HWY_NOINLINE Points<D> out_of_cleft(D d, const Meeting& meeting, Mask<D> lanes, 
 
 constexpr float kRoomForRounding = 1.00001F;
 
+/// What contact sums want of a vector's points, in memory.
+struct PointMasses {
+  const float* inverse_mass;
+  const float* yield;
+};
+/// Yields of one, where those of the points do not count.
+alignas(64) inline constexpr std::array<float, 16> kFullYields{1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1};
+
+HWY_INLINE PointMasses masses_of(const Meeting& meeting, const ClothState& state, uint32_t i) {
+  return {&state.inverse_mass[i], shader::yield_counts(meeting.params) ? &state.yield[i] : kFullYields.data()};
+}
+
 /// push_out() of lib/collide.h.
-/// @param inverse_mass  of the first point and those beside it
 template <bool kMayDeform, class D>
-HWY_INLINE void push_out(D d, const Meeting& meeting, Mask<D> lanes, const float* inverse_mass,
+HWY_INLINE void push_out(D d, const Meeting& meeting, Mask<D> lanes, const PointMasses& masses,
                          PointStates<D>& points) {
   const size_t count = meeting.met.shapes.size();
   const auto thickness = hn::Set(d, meeting.params.thickness), room = hn::Set(d, kRoomForRounding);
@@ -367,7 +382,8 @@ HWY_INLINE void push_out(D d, const Meeting& meeting, Mask<D> lanes, const float
       const Points<D> n = rotate_to_world(d, after.pose, contact.normal);
       const Points<D> out_of_it = way_out(d, n, contact.depth, thickness, shader::slides_out(round) ? last : none);
       respond(d, points, before, after, local, contact, n, out_of_it, hn::Set(d, friction),
-              hn::Set(d, shader::largest_grip(meeting.params, shape)), meeting.sum_of(i, inverse_mass));
+              hn::Set(d, shader::largest_grip(meeting.params, shape)),
+              meeting.sum_of(i, masses.inverse_mass, masses.yield));
       replace(contact.touches, n, last);
       way = length(d, sub(points.position, start));
       if (count > 1 || shape.kind == shader::kShapeMesh)
@@ -413,7 +429,7 @@ HWY_INLINE Vec<D> at_most(D, const Points<D>& way) {  // its length; needs no ro
 
 /// collide() of lib/collide.h where points change without being touched: taken along by a parent.
 template <bool kMayDeform, class D>
-HWY_INLINE void collide_changed(D d, const Meeting& meeting, uint32_t substep, Mask<D> lanes, const float* inverse_mass,
+HWY_INLINE void collide_changed(D d, const Meeting& meeting, uint32_t substep, Mask<D> lanes, const PointMasses& masses,
                                 PointStates<D>& points) {
   const shader::ClothParams& params = meeting.params;
   const Points<D> slow_previous = points.previous;
@@ -423,7 +439,7 @@ HWY_INLINE void collide_changed(D d, const Meeting& meeting, uint32_t substep, M
   const Points<D> taken = sub(slow_previous, points.previous);
   const auto way = at_most(d, sub(points.position, points.previous));
   const auto near = hn::And(lanes, meeting.guards.near(d, points.position, way));
-  if (!hn::AllFalse(d, near)) push_out<kMayDeform>(d, meeting, near, inverse_mass, points);
+  if (!hn::AllFalse(d, near)) push_out<kMayDeform>(d, meeting, near, masses, points);
   if (params.moving == 0) return;
   const Points<D> displacement = add(sub(sub(points.position, points.previous), taken), points.carry);
   points.previous = sub(points.position, displacement);
@@ -470,10 +486,10 @@ HWY_NOINLINE bool collide_from(D d, const Meeting& meeting, ClothState& state, u
   if (kChanged && meeting.params.max_step > 0) points = limit_speed(d, points, meeting.params.max_step);
   const Points<D> slowed{points.position.x, points.position.y, points.position.z};
   if constexpr (kChanged) {
-    collide_changed<kMayDeform>(d, meeting, substep, free, &state.inverse_mass[i], points);
+    collide_changed<kMayDeform>(d, meeting, substep, free, masses_of(meeting, state, i), points);
     points = choose<D>(free, points, before);
   } else {
-    push_out<kMayDeform>(d, meeting, free, &state.inverse_mass[i], points);
+    push_out<kMayDeform>(d, meeting, free, masses_of(meeting, state, i), points);
   }
   store(d, points.position, p);
   store(d, points.previous, pp);

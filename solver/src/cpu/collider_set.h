@@ -19,10 +19,13 @@ struct ColliderSet {
   const float* numbers;            ///< see ColliderShape::data
   ContactSum* contacts = nullptr;  ///< one for each collider; null: contacts are not summed
   float contact_scale = 0;
+  vec3 gravity_step{0, 0, 0};
   float mass_inverse = 0;  ///< [1/kg] of the point that meets them
+  float yield = 1;         ///< of it, as far as that counts for contact sums
 };
-inline ColliderSet set_of_point(ColliderSet set, float mass_inverse) {
+inline ColliderSet set_of_point(ColliderSet set, float mass_inverse, float yield) {
   set.mass_inverse = mass_inverse;
+  set.yield = yield;
   return set;
 }
 inline ColliderShape collider_shape(ColliderSet set, uint i) {
@@ -56,10 +59,11 @@ inline void add_sum(ContactSum& sum, const ContactSum& more) {
   for (size_t k = 0; k < sum.size(); ++k) std::atomic_ref(sum[k]).fetch_add(more[k], std::memory_order_relaxed);
 }
 
-inline void add_contact(const ColliderSet& set, uint i, vec3 way, vec3 position) {
+inline void add_contact(const ColliderSet& set, uint i, vec3 way, vec3 n, vec3 position) {
   if (set.contacts == nullptr || set.mass_inverse <= 0) return;
   ContactSum one{};
-  add_share(one, contact_share(set.mass_inverse, way, position, set.contact_scale));
+  const vec3 borne = borne_way(way, n, set.gravity_step, set.yield);
+  add_share(one, contact_share(set.mass_inverse, borne, position, set.contact_scale));
   add_sum(set.contacts[i], one);
 }
 

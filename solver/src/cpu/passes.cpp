@@ -41,6 +41,7 @@ shader::ColliderSet touched_colliders(const PassContext& context, ClothState& st
   shader::ColliderSet set = colliders_of(context);
   set.contacts = state.contacts.empty() ? nullptr : state.contacts.data();
   set.contact_scale = context.cloth.params.contact_scale;
+  set.gravity_step = shader::xyz(context.cloth.params.gravity_step);
   return set;
 }
 
@@ -232,8 +233,9 @@ void collide(const PassContext& context, ClothState& state) {
     if (state.inverse_mass[i] == 0) return;
     const shader::ClothParams& params = context.cloth.params;
     const shader::PointState point = shader::slowed(params, state.point(i));
-    const shader::PointState after =
-        shader::collide(shader::set_of_point(set, state.inverse_mass[i]), params, context.substep, point);
+    const float counts = shader::yield_counts(params) ? state.yield[i] : 1.F;
+    const shader::ColliderSet own = shader::set_of_point(set, state.inverse_mass[i], counts);
+    const shader::PointState after = shader::collide(own, params, context.substep, point);
     state.set_point(i, after);
     state.set_yield(i, shader::next_yield(state.yield[i], after.position - point.position, params.spacing));
   });

@@ -8,6 +8,7 @@
 #define GEOCLOTH_CPU_TRIANGLES_INL_H
 #endif
 
+#include <array>
 #include <cstdint>
 
 #include "cpu/collide_inl.h"
@@ -139,7 +140,10 @@ HWY_NOINLINE Mask<D> push_points(D d, const Meeting& meeting, size_t collider, c
     const Points<D> came = sub(now, began);
     push_corner(d, poses.before, poses.after, moved, now, began, n, contact.normal, hn::Mul(push, of_it));
     if (meeting.contacts != nullptr) {
-      add_contacts(d, meeting.sum_of(collider, nullptr), moved, mass, sub(sub(now, began), came), now);
+      std::array<float, hn::MaxLanes(D())> masses;
+      hn::StoreU(mass, d, masses.data());
+      add_contacts(d, meeting.sum_of(collider, masses.data(), kFullYields.data()), moved, sub(sub(now, began), came), n,
+                   now);
     }
   };
   push_one(t.now.a, t.start.a, share.x, t.mass.x);
