@@ -16,7 +16,7 @@ namespace geocloth::shader {
 const uint kContactValues = 6u;                  // of a collider: x, y, z of the impulse, then of its moment
 const uint kContactWords = 2u * kContactValues;  // each of them the low and the high half
 const float kLargestContact = 4e18f;             // below 2^62
-const float kMostBorne = 64.0f;  // times: garments at rest have no more, and what is thrown at cloth would be felt so
+const float kMostBorne = 64.0f;  // times: no garment at rest has more, and what is thrown at cloth would feel it
 
 struct FixedPoint {
   uint low;

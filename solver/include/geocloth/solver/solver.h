@@ -294,8 +294,10 @@ class Solver {
   /// What all cloths did to the colliders in the last step, in the order of the last set_colliders(): to let a body
   /// give way, as an engine moves it, or to read how hard cloth presses and pulls. A collider that has come since then
   /// has felt nothing. A cloth that is asleep goes on pressing as it did when it fell asleep. Forces are those of
-  /// substeps: with few of them they tremble where cloth rests, and are right in the mean. The same bits with any path
-  /// and any number of threads. Waits for the device. Not of a state that was restored, before the next step.
+  /// substeps: with few of them they tremble where cloth rests, and are right in the mean. They are estimates where
+  /// something hits cloth, and up to a third too small where cloth that collides with itself or with other cloth hangs
+  /// from few points of it (solver/README.md). The same bits with any path and any number of threads. Waits for the
+  /// device. Not of a state that was restored, before the next step.
   /// @throws Error(invalid_argument) without SolverSettings::contact_forces
   [[nodiscard]] std::vector<ContactForce> contact_forces();
   /// The same of one cloth.
