@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "geocloth/asset/error.h"
+#include "geocloth/asset/vec3d.h"
 #include "solver_impl.h"
 
 namespace geocloth {
@@ -15,18 +16,6 @@ double free_mass(const std::vector<float>& inverse_mass) {
   for (const float w : inverse_mass)
     if (w > 0) mass += 1.0 / double{w};
   return mass;
-}
-
-struct Exact {
-  double x = 0, y = 0, z = 0;
-};
-
-Exact cross_of(const Exact& a, const Exact& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
-Vec3 rounded(const Exact& sum) {
-  return {static_cast<float>(sum.x), static_cast<float>(sum.y), static_cast<float>(sum.z)};
 }
 
 }  // namespace
@@ -71,7 +60,7 @@ std::vector<ContactForce> Solver::Impl::contact_forces(std::optional<uint32_t> o
   if (!settings_.contact_forces) {
     throw Error(ErrorCode::invalid_argument, "solver: it was made without contact_forces");
   }
-  std::vector<Exact> forces(colliders_to_.size()), torques(forces.size());
+  std::vector<Vec3d> forces(colliders_to_.size()), torques(forces.size());
   std::vector<ContactSum> sums;
   for (uint32_t c = 0; c < cloths_.size(); ++c) {
     const Touched& touched = cloths_[c].touched;
@@ -81,22 +70,15 @@ std::vector<ContactForce> Solver::Impl::contact_forces(std::optional<uint32_t> o
       if (!touched.colliders[k]) continue;
       // What the cloth did to the collider, and not the other way round.
       const auto value = [&](size_t n) { return -touched.force * static_cast<double>(sums[k][n]); };
-      const Exact force{value(0), value(1), value(2)}, about_origin{value(3), value(4), value(5)};
-      const Vec3& o = touched.origin;
-      const Vec3& p = touched.about[k];
-      const Exact lever{double{p.x} - double{o.x}, double{p.y} - double{o.y}, double{p.z} - double{o.z}};
-      const Exact moved = cross_of(lever, force);
-      const auto add = [](Exact& to, const Exact& by, double times) {
-        to = {to.x + times * by.x, to.y + times * by.y, to.z + times * by.z};
-      };
-      add(forces[*touched.colliders[k]], force, 1);
-      add(torques[*touched.colliders[k]], about_origin, 1);
-      add(torques[*touched.colliders[k]], moved, -1);
+      const Vec3d force{value(0), value(1), value(2)}, about_origin{value(3), value(4), value(5)};
+      const Vec3d lever = to_double(touched.about[k]) - to_double(touched.origin);
+      forces[*touched.colliders[k]] += force;
+      torques[*touched.colliders[k]] += about_origin - cross(lever, force);
     }
   }
   std::vector<ContactForce> result;
   result.reserve(forces.size());
-  for (size_t i = 0; i < forces.size(); ++i) result.push_back({rounded(forces[i]), rounded(torques[i])});
+  for (size_t i = 0; i < forces.size(); ++i) result.push_back({to_float(forces[i]), to_float(torques[i])});
   return result;
 }
 

@@ -173,7 +173,7 @@ TEST_P(ContactForces, FrictionDragsASlopeAlong) {
 
 // An engine's loop: it moves a ball by its weight and by what the cloth does to it.
 TEST_P(ContactForces, ANetCarriesABallThatFallsIntoIt) {
-  if (machine().slow()) GTEST_SKIP() << "two seconds of four times as many frames";
+  if (machine().slow()) GTEST_SKIP() << "four seconds of 240 frames";
   const test::SheetOptions sheet{.nx = 24, .ny = 24, .horizontal = true};
   ClothDesc cloth = test::describe(test::make_sheet(sheet), find_material_preset("cotton")->material);
   cloth.material.damping = 6;

@@ -114,12 +114,17 @@ HWY_INLINE Points<D> way_out(D d, const Points<D>& normal, Vec<D> depth, Vec<D> 
                    scale(d, normal, depth), slid);
 }
 
+/// What contact sums want of a vector's points, in memory: of the first one and those beside it.
+struct PointMasses {
+  const float* inverse_mass;  ///< [1/kg]
+  const float* yield;
+};
+
 /// Where contacts with a collider are summed.
 struct ContactSums {
   ContactSum* sum;  ///< null: they are not
   const shader::ClothParams& params;
-  const float* inverse_mass;  ///< [1/kg] of the first of a vector's points and those beside it
-  const float* yield;         ///< of the same
+  const PointMasses& of;
 };
 
 /// add_contact() of collider_set.h for some points.
@@ -135,11 +140,11 @@ HWY_NOINLINE void add_contacts(D d, const ContactSums& to, Mask<D> lanes, const 
   const shader::vec3 gravity_step = shader::xyz(to.params.gravity_step);
   ContactSum added{};
   for_lanes(d, lanes, [&](size_t k) {
-    if (to.inverse_mass[k] <= 0) return;
+    if (to.of.inverse_mass[k] <= 0) return;
     const shader::vec3 borne =
-        shader::borne_way({v[0][k], v[1][k], v[2][k]}, {v[3][k], v[4][k], v[5][k]}, gravity_step, to.yield[k]);
-    shader::add_share(
-        added, shader::contact_share(to.inverse_mass[k], borne, {v[6][k], v[7][k], v[8][k]}, to.params.contact_scale));
+        shader::borne_way({v[0][k], v[1][k], v[2][k]}, {v[3][k], v[4][k], v[5][k]}, gravity_step, to.of.yield[k]);
+    shader::add_share(added, shader::contact_share(to.of.inverse_mass[k], borne, {v[6][k], v[7][k], v[8][k]},
+                                                   to.params.contact_scale));
   });
   shader::add_sum(*to.sum, added);
 }
@@ -267,9 +272,9 @@ struct Meeting {
         contacts(sweep.state->contacts.empty() ? nullptr : sweep.state->contacts.data()),
         guards(sweep, substep) {}
 
-  /// @param inverse_mass, yield  of the points that meet it
-  [[nodiscard]] ContactSums sum_of(size_t collider, const float* inverse_mass, const float* yield) const {
-    return {contacts == nullptr ? nullptr : contacts + collider, params, inverse_mass, yield};
+  /// @param masses  of the points that meet it
+  [[nodiscard]] ContactSums sum_of(size_t collider, const PointMasses& masses) const {
+    return {contacts == nullptr ? nullptr : contacts + collider, params, masses};
   }
   /// A collider as it is when the substep begins, and when it has ended.
   template <bool kMayDeform = true>
@@ -332,11 +337,6 @@ HWY_NOINLINE Points<D> out_of_cleft(D d, const Meeting& meeting, Mask<D> lanes, 
 
 constexpr float kRoomForRounding = 1.00001F;
 
-/// What contact sums want of a vector's points, in memory.
-struct PointMasses {
-  const float* inverse_mass;
-  const float* yield;
-};
 /// Yields of one, where those of the points do not count.
 alignas(64) inline constexpr std::array<float, 16> kFullYields{1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1};
 
@@ -382,8 +382,7 @@ HWY_INLINE void push_out(D d, const Meeting& meeting, Mask<D> lanes, const Point
       const Points<D> n = rotate_to_world(d, after.pose, contact.normal);
       const Points<D> out_of_it = way_out(d, n, contact.depth, thickness, shader::slides_out(round) ? last : none);
       respond(d, points, before, after, local, contact, n, out_of_it, hn::Set(d, friction),
-              hn::Set(d, shader::largest_grip(meeting.params, shape)),
-              meeting.sum_of(i, masses.inverse_mass, masses.yield));
+              hn::Set(d, shader::largest_grip(meeting.params, shape)), meeting.sum_of(i, masses));
       replace(contact.touches, n, last);
       way = length(d, sub(points.position, start));
       if (count > 1 || shape.kind == shader::kShapeMesh)

@@ -142,8 +142,8 @@ HWY_NOINLINE Mask<D> push_points(D d, const Meeting& meeting, size_t collider, c
     if (meeting.contacts != nullptr) {
       std::array<float, hn::MaxLanes(D())> masses;
       hn::StoreU(mass, d, masses.data());
-      add_contacts(d, meeting.sum_of(collider, masses.data(), kFullYields.data()), moved, sub(sub(now, began), came), n,
-                   now);
+      add_contacts(d, meeting.sum_of(collider, {masses.data(), kFullYields.data()}), moved, sub(sub(now, began), came),
+                   n, now);
     }
   };
   push_one(t.now.a, t.start.a, share.x, t.mass.x);

@@ -22,6 +22,7 @@
 #include "lib/yield.h"
 #include "rest/bend_directions.h"
 #include "rest/seam_list.h"
+#include "rest/spring_neighbors.h"
 #include "rest/turned_bend.h"
 
 namespace geocloth {
@@ -141,10 +142,7 @@ class BendBuilder {
     return spread_rigidity(material, {a, b, std::acos(std::clamp(cosine, -kLargestCosine, kLargestCosine))});
   }
   /// Pixels from one to the next.
-  [[nodiscard]] uint32_t way(uint32_t direction) const {
-    return static_cast<uint32_t>(kSpringOffset[direction][0] +
-                                 static_cast<int32_t>(asset_.width) * kSpringOffset[direction][1]);
-  }
+  [[nodiscard]] uint32_t way(uint32_t direction) const { return step_in(asset_, direction); }
   [[nodiscard]] bool runs_through(uint32_t p, uint32_t direction) const {
     const auto bit = static_cast<uint8_t>(1U << direction);
     return p >= way(direction) && (asset_.spring_mask[p] & asset_.spring_mask[p - way(direction)] & bit) != 0;
@@ -210,10 +208,8 @@ class BendBuilder {
     const Turn turn = turns && !straighten ? take_up_turn(a, middle, b) : Turn{};
     const bool taken_up = turn.bend.weight != 0;
     const double seen = taken_up ? scale * scale * turn.bend.seen : 0.5 * h1 * h2;
-    const double compliance = seen * seen / (rigidity * area);
     bend.rest = static_cast<float>(straighten ? out_of_plane : taken_up ? scale * turn.bend.rest : whole);
-    bend.compliance = static_cast<float>(
-        std::clamp(compliance, static_cast<double>(std::numeric_limits<float>::min()), kLargestCompliance));
+    bend.compliance = bend_compliance(seen, rigidity, area);
     bend.chord = static_cast<float>(taken_up ? turn.bend.chord : h1 / (h1 + h2));
     bend.middle_share = 1;
     if (taken_up) {
@@ -238,7 +234,7 @@ class BendBuilder {
     const SeenPoint pa = seen_from_middle(a), pb = seen_from_middle(b);
     Turn best;
     double most = 0;
-    for_neighbors(middle, [&](uint32_t p) {
+    for_spring_neighbors(asset_, middle, [&](uint32_t p) {
       if (p == a || p == b) return;
       const SeenPoint c = seen_from_middle(p);
       const double along = std::abs(c.x) / std::sqrt(c.square);
@@ -249,16 +245,6 @@ class BendBuilder {
       best = {p, *turned};
     });
     return best;
-  }
-
-  /// Pixels that a structural or a shear spring joins to p.
-  template <class Visit>
-  void for_neighbors(uint32_t p, const Visit& visit) const {
-    for (uint32_t direction = 0; direction < kBendDirections; ++direction) {
-      const auto bit = static_cast<uint8_t>(1U << direction);
-      if ((asset_.spring_mask[p] & bit) != 0) visit(p + way(direction));
-      if (p >= way(direction) && (asset_.spring_mask[p - way(direction)] & bit) != 0) visit(p - way(direction));
-    }
   }
 
   void add_seam_springs() {

@@ -13,16 +13,16 @@
 #include <vector>
 
 #include "rest/seam_list.h"
+#include "rest/spring_neighbors.h"
 #include "rest/turned_bend.h"
 
 namespace geocloth {
 namespace {
 
-constexpr uint32_t kDirections = 4;  ///< of structural and shear springs
-constexpr float kFarthestPair = 4;   ///< spacings from one pair of a seam to the next, on the side that is gathered
-constexpr float kBorder = 0.5F;      ///< spacings that a border's neighbours lie inwards by, all together, at least
-constexpr float kInwards = 0.7F;     ///< least cosine between the pixel behind another one and straight inwards
-constexpr double kStraight = 0.02;   ///< of a bend's length: a turn that straightening takes no notice of
+constexpr float kFarthestPair = 4;  ///< spacings from one pair of a seam to the next, on the side that is gathered
+constexpr float kBorder = 0.5F;     ///< spacings that a border's neighbours lie inwards by, all together, at least
+constexpr float kInwards = 0.7F;    ///< least cosine between the pixel behind another one and straight inwards
+constexpr double kStraight = 0.02;  ///< of a bend's length: a turn that straightening takes no notice of
 
 /// One side of a seam at a pair: unit vectors along it and into its panel.
 struct Side {
@@ -47,17 +47,6 @@ class SewnBends {
   }
 
  private:
-  template <class Visit>
-  void for_neighbors(uint32_t p, const Visit& visit) const {
-    for (uint32_t direction = 0; direction < kDirections; ++direction) {
-      const auto bit = static_cast<uint8_t>(1U << direction);
-      const auto way = static_cast<uint32_t>(kSpringOffset[direction][0] +
-                                             static_cast<int32_t>(asset_.width) * kSpringOffset[direction][1]);
-      if ((asset_.spring_mask[p] & bit) != 0) visit(p + way);
-      if (p >= way && (asset_.spring_mask[p - way] & bit) != 0) visit(p - way);
-    }
-  }
-
   [[nodiscard]] Vec3 way(uint32_t from, uint32_t to) const {
     return asset_.rest_position[to] - asset_.rest_position[from];
   }
@@ -66,7 +55,7 @@ class SewnBends {
   /// there are some
   bool follow(uint32_t a, uint32_t b, Vec3& along_a, Vec3& along_b) const {
     along_a = along_b = {};
-    for_neighbors(a, [&](uint32_t next) {
+    for_spring_neighbors(asset_, a, [&](uint32_t next) {
       for (const uint32_t partner : partners_[next]) {
         const Vec3 of_a = way(a, next), of_b = way(b, partner);
         const float far = length(of_b);
@@ -82,7 +71,7 @@ class SewnBends {
   /// @return nothing where a pixel has no cloth behind it, or cloth on all sides, as where a pocket is sewn on
   [[nodiscard]] std::optional<Side> side_of(uint32_t p, const Vec3& along) const {
     Side side{normalized(along), {}};
-    for_neighbors(p, [&](uint32_t next) { side.inwards = side.inwards + way(p, next); });
+    for_spring_neighbors(asset_, p, [&](uint32_t next) { side.inwards = side.inwards + way(p, next); });
     side.inwards = side.inwards - dot(side.inwards, side.along) * side.along;
     if (!(length(side.inwards) > kBorder * asset_.spacing)) return std::nullopt;
     side.inwards = normalized(side.inwards);
@@ -93,7 +82,7 @@ class SewnBends {
   [[nodiscard]] std::optional<uint32_t> behind(uint32_t p, const Side& side) const {
     std::optional<uint32_t> best;
     float most = kInwards;
-    for_neighbors(p, [&](uint32_t next) {
+    for_spring_neighbors(asset_, p, [&](uint32_t next) {
       const Vec3 d = way(p, next);
       const float cosine = dot(d, side.inwards) / length(d);
       if (!(cosine > most)) return;
@@ -126,7 +115,7 @@ class SewnBends {
     TurnedBend numbers{straight, 0, 0.5 * h1 * h2, 0};
     if (std::abs((1 - straight) * pa.y + straight * pb.y) > kStraight * (h1 + h2)) {
       double most = 0;
-      for_neighbors(a, [&](uint32_t p) {
+      for_spring_neighbors(asset_, a, [&](uint32_t p) {
         const SeenPoint c = seen_on(*side_a, way(a, p), 1);
         const double along = std::abs(c.y) / std::sqrt(c.square);
         if (p == bend.a || !(along > most)) return;
@@ -144,8 +133,7 @@ class SewnBends {
     if (!(rigidity > 0 && area > 0)) return std::nullopt;
     bend.chord = static_cast<float>(numbers.chord);
     bend.turn = static_cast<float>(numbers.weight);
-    bend.compliance = static_cast<float>(std::clamp(
-        seen * seen / (rigidity * area), static_cast<double>(std::numeric_limits<float>::min()), kLargestCompliance));
+    bend.compliance = bend_compliance(seen, rigidity, area);
     return bend;
   }
 
@@ -153,7 +141,7 @@ class SewnBends {
   [[nodiscard]] double rigidity_of(uint32_t p, const Vec3& direction) const {
     const Material material = fabrics_.bending_at(p);
     double warp = 0, weft = 0;
-    for_neighbors(p, [&](uint32_t next) {
+    for_spring_neighbors(asset_, p, [&](uint32_t next) {
       const double cosine = static_cast<double>(dot(normalized(way(p, next)), direction));
       const bool in_row = next == p + 1 || next + 1 == p,
                  in_column = next == p + asset_.width || next + asset_.width == p;

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
+
+#include "rest/rest_shape.h"
 
 namespace geocloth {
 
@@ -30,6 +34,12 @@ struct TurnedBend {
   if (!(seen >= 0.5 * kLeastSeen * std::sqrt(a.square * b.square))) return std::nullopt;
   if (!(f >= kLeastChord && f <= 1 - kLeastChord)) return std::nullopt;
   return TurnedBend{f, g, seen, std::abs((1 - f) * a.out + f * b.out - g * c.out)};
+}
+
+/// [m/N] Of a bend that sees the curvature of an area [m^2] with a rigidity [N m] by so much [m^2]; above 0.
+[[nodiscard]] inline float bend_compliance(double seen, double rigidity, double area) {
+  return static_cast<float>(std::clamp(seen * seen / (rigidity * area),
+                                       static_cast<double>(std::numeric_limits<float>::min()), kLargestCompliance));
 }
 
 }  // namespace geocloth
