@@ -22,6 +22,7 @@
 #include "geocloth/asset/grid_mesh.h"
 #include "geocloth/asset/output_file.h"
 #include "geocloth/solver/scene.h"
+#include "layer_check.h"
 #include "options.h"
 #include "progress.h"
 #include "render/picture_options.h"
@@ -175,6 +176,7 @@ void play(const SimulateArguments& options, Simulation& simulation) {
   std::vector<ClothSnapshot> state;
   SimulationRecorder recorder;
   ContactCheck contact(simulation);
+  const LayerCheck layers(simulation);
   std::vector<std::string> warnings = scene_warnings(simulation);
   for (uint32_t frame = 0;; ++frame) {
     if (read_every_frame || frame == frames) {
@@ -194,7 +196,8 @@ void play(const SimulateArguments& options, Simulation& simulation) {
     }
   }
 
-  for (const auto& more : {played_warnings(simulation), contact.warnings(simulation)})
+  for (const auto& more : {played_warnings(simulation), contact.warnings(simulation), layers.warnings(simulation),
+                           layers.played_warnings(simulation)})
     warnings.insert(warnings.end(), more.begin(), more.end());
   if (report_file != nullptr) report_file->write(recorder.report(simulation, state, contact, warnings));
   if (last_state_file != nullptr) last_state_file->write(to_obj(last_state_mesh(simulation, state), false));
@@ -223,6 +226,7 @@ void run(const SimulateArguments& options) {
     print_check(options, simulation);
     print_warnings(options, scene_warnings(simulation));
     print_warnings(options, ContactCheck(simulation).warnings(simulation));
+    print_warnings(options, LayerCheck(simulation).warnings(simulation));
   } else {
     play(options, simulation);
   }

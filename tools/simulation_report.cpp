@@ -9,6 +9,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "geocloth/solver/intersections.h"
+
 namespace geocloth {
 namespace {
 
@@ -147,10 +149,13 @@ std::string SimulationRecorder::report(Simulation& simulation, std::span<const C
   }
   uint64_t non_finite = 0;
   double gap = 0;
+  std::vector<PosedCloth> posed;
   for (std::size_t i = 0; i < cloths.size(); ++i) {
     gap = std::max(gap, sewing_gap(*simulation.cloths()[i].asset, cloths[i].position));
+    posed.push_back({*simulation.cloths()[i].asset, cloths[i].position});
     non_finite += count_non_finite(*simulation.cloths()[i].asset, cloths[i].position);
   }
+  const Intersections cuts = count_intersections(posed);
 
   nlohmann::ordered_json report{{"backend", statistics.backend},
                                 {"device", statistics.device},
@@ -172,6 +177,7 @@ std::string SimulationRecorder::report(Simulation& simulation, std::span<const C
                                 {"sewing_gap", gap},
                                 {"penetration", statistics.penetration},
                                 {"drawn_penetration", contact.depth_between_vertices()},
+                                {"intersections", {{"within", cuts.within}, {"between", cuts.between}}},
                                 {"energy", energy},
                                 {"non_finite", non_finite},
                                 {"state_hash", state_hash(simulation, cloths)},

@@ -90,6 +90,26 @@ TEST_F(ContactWarnings, TellThatAGarmentBeginsInsideACollider) {
   EXPECT_THAT(touching.warnings, IsEmpty());
 }
 
+/// Two squares, the second one upright amid the first, or held so that it goes through it.
+TEST_F(ContactWarnings, TellThatClothsLieOrGetThroughEachOther) {
+  const std::string meets = R"("inter_collision":true,"pins":[{"where":{"top":1})";
+  const auto second = [&](const char* pose, const char* pin) {
+    return fmt::format(R"({0},"follow":"world"}}]}},{{"asset":"square.glb","transform":{{{1}}},{0}{2}}}])", meets, pose,
+                       pin);
+  };
+  const Run tangled = simulate(second(R"("rotate_deg":[90,0,0])", ""), "");
+  ASSERT_THAT(tangled.warnings, ElementsAre(HasSubstr("cut through each other, which it does not draw apart")));
+  const Run apart = simulate(second(R"("translate":[0,0.3,0])", ""), "");
+  EXPECT_THAT(apart.warnings, IsEmpty());
+  const Run driven =
+      simulate(second(R"("translate":[0,0.5,0],"rotate_deg":[90,0,0])",
+                      R"(,"motion":[{"time":0,"translate":[0,0,0]},{"time":0.1,"translate":[0,-0.5,0]}])"),
+               "");
+  EXPECT_THAT(driven.warnings, ElementsAre(HasSubstr("they got through each other")));
+  const Run once = simulate(R"("self_collision":true,"pins":[{"where":{"top":1}}])", "");
+  EXPECT_THAT(once.warnings, IsEmpty()) << "one that lies flat";
+}
+
 /// Garments are made for the pose that the file opens with.
 TEST_F(ContactWarnings, TellThatAnAnimationMayBeginInAnotherPose) {
   folder_.write("body.gltf", kSlidingTetrahedron);

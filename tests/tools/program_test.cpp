@@ -282,7 +282,7 @@ TEST(Simulate, ReportHasEveryKey) {
   const json report = json::parse(read_text(folder / "report.json"));
   for (const char* key : {"backend", "device", "path", "threads", "frames", "substeps", "particles", "springs",
                           "ms_per_frame", "passes_ms", "springs_per_second", "stretch", "copy_gap", "penetration",
-                          "drawn_penetration", "energy", "non_finite", "state_hash", "warnings"}) {
+                          "drawn_penetration", "intersections", "energy", "non_finite", "state_hash", "warnings"}) {
     EXPECT_TRUE(report.contains(key)) << key;
   }
   EXPECT_EQ(report["backend"], "cpu");
