@@ -280,9 +280,26 @@ TEST(Simulate, ReportHasEveryKey) {
   const std::string scene = folder.write("scene.json", scene_text());
   ASSERT_EQ(run_program({"simulate", scene, "--backend", "cpu", "--report", folder / "report.json", "-q"}).status, 0);
   const json report = json::parse(read_text(folder / "report.json"));
-  for (const char* key : {"backend", "device", "path", "threads", "frames", "substeps", "particles", "springs",
-                          "ms_per_frame", "passes_ms", "springs_per_second", "stretch", "copy_gap", "penetration",
-                          "drawn_penetration", "intersections", "energy", "non_finite", "state_hash", "warnings"}) {
+  for (const char* key : {"backend",
+                          "device",
+                          "path",
+                          "threads",
+                          "frames",
+                          "substeps",
+                          "particles",
+                          "springs",
+                          "ms_per_frame",
+                          "passes_ms",
+                          "springs_per_second",
+                          "stretch",
+                          "copy_gap",
+                          "penetration",
+                          "drawn_penetration",
+                          "intersections",
+                          "energy",
+                          "non_finite",
+                          "state_hash",
+                          "warnings"}) {
     EXPECT_TRUE(report.contains(key)) << key;
   }
   EXPECT_EQ(report["backend"], "cpu");
