@@ -47,7 +47,8 @@ std::vector<ClothTriangle> triangles_of(std::span<const PosedCloth> cloths) {
   std::vector<ClothTriangle> triangles;
   uint32_t first = 0;
   for (uint32_t c = 0; c < cloths.size(); ++c) {
-    const auto& [asset, position] = cloths[c];
+    const ClothAsset& asset = cloths[c].asset;
+    const std::span<const Vec3> position = cloths[c].position;
     const std::vector<uint32_t> point = points_of(asset);
     for (const Triangle& t : pixel_triangles(asset)) {
       if (!std::ranges::all_of(t, [&](uint32_t p) { return is_finite(position[p]); })) continue;
