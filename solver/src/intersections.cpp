@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <tbb/blocked_range.h>
@@ -26,10 +27,6 @@ struct ClothTriangle {
   std::array<uint32_t, 3> point{};  // numbers that no two points of all cloths share
   uint32_t cloth = 0;
   friend const TriangleCorners& corners_in(const ClothTriangle& t) { return t.corners; }
-};
-
-struct BoxNode : HalvedNode {
-  Box3d box;
 };
 
 /// For every pixel the least one of those that are the same point, or are to be.
@@ -93,13 +90,8 @@ bool overlap(const Box3d& a, const Box3d& b) {
 
 class IntersectionCounter {
  public:
-  explicit IntersectionCounter(std::vector<ClothTriangle> triangles) : triangles_(std::move(triangles)) {
-    halve(triangles_, 0, static_cast<uint32_t>(triangles_.size()), nodes_, [](std::span<const ClothTriangle> own) {
-      BoxNode node;
-      node.box = box_around(own);
-      return node;
-    });
-  }
+  explicit IntersectionCounter(std::vector<ClothTriangle> triangles)
+      : triangles_(std::move(triangles)), nodes_(tree_of_boxes(triangles_)) {}
 
   /// Those of a triangle with others behind it in the tree's order, so that each pair counts once.
   void count(uint32_t triangle, Intersections& sum) const {
@@ -124,7 +116,7 @@ class IntersectionCounter {
 
  private:
   std::vector<ClothTriangle> triangles_;
-  std::vector<BoxNode> nodes_;  // the root first
+  std::vector<BoxNode> nodes_;
 };
 
 }  // namespace

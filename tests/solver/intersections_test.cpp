@@ -3,9 +3,8 @@
 
 #include "geocloth/solver/intersections.h"
 
-#include <cmath>
+#include <array>
 #include <limits>
-#include <memory>
 #include <vector>
 
 #include <gtest/gtest.h>

@@ -67,4 +67,21 @@ uint32_t halve(std::vector<Item>& items, uint32_t first, uint32_t last, std::vec
   return index;
 }
 
+/// A node of a tree of boxes.
+struct BoxNode : HalvedNode {
+  Box3d box;  ///< around its triangles
+};
+/// A tree of boxes over triangles, which it puts in order; the root first. None over none.
+template <class Item>
+[[nodiscard]] std::vector<BoxNode> tree_of_boxes(std::vector<Item>& items) {
+  std::vector<BoxNode> nodes;
+  if (items.empty()) return nodes;
+  halve(items, 0, static_cast<uint32_t>(items.size()), nodes, [](std::span<const Item> own) {
+    BoxNode node;
+    node.box = box_around(own);
+    return node;
+  });
+  return nodes;
+}
+
 }  // namespace geocloth

@@ -24,12 +24,7 @@ TriangleTree::TriangleTree(std::span<const TriangleCorners> triangles) {
     const Vec3d normal = cross(t.b - t.a, t.c - t.a);
     if (dot(normal, normal) > 0) triangles_.push_back({t, i});
   }
-  if (triangles_.empty()) return;
-  halve(triangles_, 0, static_cast<uint32_t>(triangles_.size()), nodes_, [](std::span<const Indexed> own) {
-    Node node;
-    node.box = box_around(own);
-    return node;
-  });
+  nodes_ = tree_of_boxes(triangles_);
 }
 
 std::optional<uint32_t> TriangleTree::nearest(const Vec3d& p) const {
@@ -38,13 +33,13 @@ std::optional<uint32_t> TriangleTree::nearest(const Vec3d& p) const {
 
 std::optional<uint32_t> TriangleTree::nearest(const Vec3d& p, const MayTake& may_take) const {
   if (nodes_.empty()) return {};
-  const auto away = [&](const Node& node) { return outside(node.box, p); };
+  const auto away = [&](const BoxNode& node) { return outside(node.box, p); };
   double least = std::numeric_limits<double>::infinity();
   std::optional<uint32_t> found;
   std::array<uint32_t, 64> stack{};
   size_t top = 1;
   while (top > 0) {
-    const Node& node = nodes_[stack[--top]];
+    const BoxNode& node = nodes_[stack[--top]];
     if (away(node) > least) continue;
     for (uint32_t i = node.first; i < node.first + node.count; ++i) {
       const Indexed& t = triangles_[i];

@@ -29,12 +29,9 @@ class TriangleTree {
     uint32_t index;
     friend const TriangleCorners& corners_in(const Indexed& t) { return t.corners; }
   };
-  struct Node : HalvedNode {
-    Box3d box;
-  };
 
   std::vector<Indexed> triangles_;
-  std::vector<Node> nodes_;  ///< the root first
+  std::vector<BoxNode> nodes_;
 };
 
 }  // namespace geocloth
