@@ -15,6 +15,7 @@ namespace {
 constexpr double kNearGoal = 0.97;  // of the goal, where samples are pulled to
 constexpr int kIterations = 25, kMostInVain = 4;
 constexpr int kIterationsInAll = 1000;
+constexpr int kSearchesInAll = 1'000'000;  // for the surface's nearest place: garments need a sixth at most
 constexpr double kLongestStep = 1.3, kShortestStep = 0.05, kShorter = 0.5;
 constexpr double kShortest = 0.35, kLongest = 1.85;  // [spacing] springs, as everywhere in the image
 constexpr double kLeastArea = 0.2;                   // of a triangle, beside what it was
@@ -54,6 +55,11 @@ std::vector<Point3> middles_and_edges() {
   return result;
 }
 
+Ball ball_around(const std::array<Point3, 3>& corner) {
+  const Point3 middle = (corner[0] + corner[1] + corner[2]) * (1.0 / 3);
+  return {middle, std::max({distance(middle, corner[0]), distance(middle, corner[1]), distance(middle, corner[2])})};
+}
+
 std::vector<std::array<uint32_t, 2>> structural_springs(const ClothAsset& asset, std::span<const uint32_t> first) {
   std::vector<std::array<uint32_t, 2>> spring;
   for_structural_springs(asset, [&](uint32_t a, uint32_t b) { spring.push_back({first[a], first[b]}); });
@@ -68,6 +74,7 @@ PlaceMender::PlaceMender(ImageSurface& image, const Raster& raster, const Triang
       surface_(surface),
       goal_(goal),
       iterations_left_(kIterationsInAll),
+      searches_left_(kSearchesInAll),
       is_hem_(points_on_border(image.asset, image.first)),
       spring_(structural_springs(image.asset, image.first)),
       triangles_of_(image.asset.pixel_count(), image.points),
@@ -151,6 +158,7 @@ void PlaceMender::sample_surface() {
 /// and then no nearer one is looked for.
 /// @returns the largest distance of all; 0: all are as near as is wanted
 double PlaceMender::find_misses(std::vector<Miss>& misses) {
+  constexpr double kRoundedUp = 1 + 1e-9;
   misses.clear();
   double farthest = 0;
   const double wanted = kNearGoal * goal_;
@@ -160,6 +168,8 @@ double PlaceMender::find_misses(std::vector<Miss>& misses) {
     farthest = std::max(farthest, d);
     misses.push_back({image_.points[t], weight, way * (1 - wanted / d)});
   };
+  ball_.clear();
+  for (const uint32_t t : region_) ball_.push_back(ball_around(image_.corners(t)));
   const auto miss_of = [&](uint32_t t, const Point3& s) -> Miss {
     const std::array<Point3, 3> corner = image_.corners(t);
     const Point3 weight = nearest_weights(corner[0], corner[1], corner[2], s);
@@ -167,15 +177,19 @@ double PlaceMender::find_misses(std::vector<Miss>& misses) {
   };
   for (std::size_t k = 0; k < sample_.size(); ++k) {
     const Point3& s = sample_[k];
-    if (length(miss_of(near_sample_[k], s).way) <= wanted) continue;
-    double least = std::numeric_limits<double>::infinity();
+    const double last = length(miss_of(near_sample_[k], s).way);
+    if (last <= wanted) continue;
+    double least = std::numeric_limits<double>::infinity(), within = last * kRoundedUp;
     Miss nearest{};
-    for (const uint32_t t : region_) {
-      const Miss miss = miss_of(t, s);
-      if (dot(miss.way, miss.way) >= least) continue;
-      least = dot(miss.way, miss.way);
+    for (std::size_t i = 0; i < region_.size(); ++i) {
+      if (distance(ball_[i].middle, s) - ball_[i].radius > within) continue;
+      const Miss miss = miss_of(region_[i], s);
+      const double squared = dot(miss.way, miss.way);
+      if (squared >= least) continue;
+      least = squared;
+      within = std::sqrt(squared) * kRoundedUp;
       nearest = miss;
-      near_sample_[k] = t;
+      near_sample_[k] = region_[i];
     }
     count(near_sample_[k], nearest.weight, nearest.way);
   }
@@ -187,6 +201,7 @@ double PlaceMender::find_misses(std::vector<Miss>& misses) {
       const Point3 p = at(corner, weight);
       std::optional<Point3>& last = *near++;
       if (last && distance(*last, p) <= wanted) continue;
+      --searches_left_;
       found = surface_.nearest(p, found);
       last = found->point;
       count(t, weight, found->point - p);
@@ -282,7 +297,7 @@ bool PlaceMender::mend_around(uint32_t point, int rings) {
   std::vector<Point3> best = moving_places();
   std::vector<Miss> of_best = misses;
   int in_vain = 0;
-  for (int k = 0; k < kIterations && iterations_left_ > 0 && step > kShortestStep && least > goal_; ++k) {
+  for (int k = 0; k < kIterations && !is_exhausted() && step > kShortestStep && least > goal_; ++k) {
     --iterations_left_;
     pull(misses, step);
     limit_lengths();

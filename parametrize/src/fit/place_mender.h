@@ -37,6 +37,12 @@ class Users {
   std::vector<uint32_t> first_, user_;  // rows and entries
 };
 
+/// Around a triangle.
+struct Ball {
+  Point3 middle;
+  double radius;
+};
+
 /// Moves the few points around a place of an image so that it comes as near to the surface as the goal. Around the
 /// place both surfaces are sampled, and every sample farther from the other surface than the goal pulls the points of
 /// its triangle, as constraints are projected in position based dynamics (Mueller et al. 2007); springs are kept
@@ -58,7 +64,7 @@ class PlaceMender {
   [[nodiscard]] bool is_tried(uint32_t point) const { return is_tried_[point] != 0; }  ///< in this pass
   [[nodiscard]] bool is_moved(uint32_t point) const { return is_moved_[point] != 0; }  ///< ever
   /// Where much is far, mending a part of it is of little use.
-  [[nodiscard]] bool is_exhausted() const { return iterations_left_ == 0; }
+  [[nodiscard]] bool is_exhausted() const { return iterations_left_ <= 0 || searches_left_ <= 0; }
 
  private:
   /// A place of the image that is too far from the surface, or too far from a place of the surface.
@@ -85,7 +91,7 @@ class PlaceMender {
   const Raster& raster_;
   const TriangleTree& surface_;
   double goal_;
-  int iterations_left_;
+  int iterations_left_, searches_left_;
   std::optional<TriangleTree> image_tree_;  // the image as it was when the pass began
   std::vector<uint8_t> is_hem_;
   std::vector<std::array<uint32_t, 2>> spring_;
@@ -94,6 +100,7 @@ class PlaceMender {
   std::vector<std::unique_ptr<PlaneLocator>> locator_;  // per chart
   std::vector<uint8_t> is_tried_, is_moved_;            // per point
   std::vector<uint32_t> region_, moving_;               // triangles and points around the place
+  std::vector<Ball> ball_;                              // around the region's triangles
   std::vector<Point3> sample_;
   std::vector<uint32_t> near_sample_;               // per sample a triangle of the image near it
   std::vector<std::optional<Point3>> near_place_;   // per place of the region's triangles one of the surface near it
