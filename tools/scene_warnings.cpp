@@ -49,11 +49,15 @@ std::optional<uint32_t> vertex_of(const ClothAsset& asset, const Part& part) {
   return std::nullopt;
 }
 
+bool falls(const Scene& scene, const SceneCloth& cloth) {
+  return length(scene.gravity) > 0 && cloth.gravity_scale > 0;
+}
+
 /// Where other parts of a cloth hang by pins and these by none.
 void warn_of_loose_parts(const Simulation& simulation, size_t index, std::vector<std::string>& warnings) {
   const Scene& scene = simulation.scene();
   const ClothDesc& cloth = simulation.cloths()[index];
-  if (!(length(scene.gravity) > 0)) return;
+  if (!falls(scene, scene.cloths[index])) return;
   std::map<uint32_t, Part> parts = parts_of(*cloth.asset);
   if (parts.size() < 2) return;
   std::vector<uint32_t> held;
@@ -372,7 +376,7 @@ void warn_of_idle_settings(const Scene& scene, size_t index, std::vector<std::st
   const bool meets_cloth = cloth.inter_collision && meeting > 1;
   const bool meets_collider =
       std::ranges::any_of(scene.colliders, [&](const SceneCollider& c) { return meets(cloth.meets, c.collider); });
-  if (cloth.pins.empty() && !meets_collider && !meets_cloth && length(scene.gravity) > 0 && scene.frames > 0) {
+  if (cloth.pins.empty() && !meets_collider && !meets_cloth && falls(scene, cloth) && scene.frames > 0) {
     warnings.push_back(fmt::format("{}: it has no pins, and {}: it only falls; give it \"pins\", or {}", name,
                                    scene.colliders.empty() ? "there are no colliders" : "it meets no collider",
                                    scene.colliders.empty() ? "the scene a floor" : "a collider to meet"));

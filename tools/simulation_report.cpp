@@ -115,8 +115,9 @@ void SimulationRecorder::add_energy(Simulation& simulation) {
       meter = {cloth.asset, cloth.material, cloth.fabrics, EnergyMeter(cloth)};
     simulation.solver().read_positions(i, positions);
     simulation.solver().read_velocities(i, velocities);
-    const Energy one =
-        meter.meter->measure(simulation.scene().gravity, positions, velocities, simulation.solver().held_pixels(i));
+    const Scene& scene = simulation.scene();
+    const Energy one = meter.meter->measure(gravity_of(scene, scene.cloths[i]), positions, velocities,
+                                            simulation.solver().held_pixels(i));
     sum.kinetic += one.kinetic;
     sum.potential += one.potential;
     sum.elastic += one.elastic;

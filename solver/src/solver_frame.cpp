@@ -96,7 +96,7 @@ FrameClock Solver::Impl::clock() const {
 }
 
 float Solver::Impl::stretch_limit(const Cloth& cloth) const {
-  const float stretch = largest_stretch(cloth.weakest, settings_.gravity, wind_, cloth.pressure, cloth.reach);
+  const float stretch = largest_stretch(cloth.weakest, gravity_of(cloth), wind_, cloth.pressure, cloth.reach);
   return stretch > 0 ? 1 + stretch : 0;
 }
 

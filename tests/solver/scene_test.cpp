@@ -31,7 +31,7 @@ constexpr const char* kFull = R"({ "version": 1, "frame_rate": 30, "frames": 10,
                   "bend_weft": 1e-5, "damping": 0.5, "thickness": 0.004, "friction": 0.2, "max_speed": 9,
                   "max_stretch": 0.05, "stiffness": 0.9, "bend_stiffness": 0.1, "verlet_damping": 0.99 },
     "transform": { "translate": [0, 1, 0], "rotate_deg": [0, 90, 0], "scale": 2 },
-    "inertia_scale": [1, 1, 1], "motion": [ { "time": 0, "translate": [0, 0, 0], "rotate_deg": [0, 0, 0] } ],
+    "inertia_scale": [1, 1, 1], "gravity_scale": -0.5, "motion": [ { "time": 0, "translate": [0, 0, 0], "rotate_deg": [0, 0, 0] } ],
     "pins": [ { "where": { "top": 0.02 }, "follow": "cloth" }, { "where": { "boundary": 1 }, "follow": "world" },
               { "where": { "boundary": "highest" }, "follow": "ball", "motion": [ { "time": 1, "translate": [0, 1, 0] } ] },
               { "where": { "box": [[0, 0, 0], [1, 1, 1]] } }, { "where": { "sphere": { "center": [0, 0, 0], "radius": 1 } } },
@@ -57,6 +57,8 @@ TEST(Scene, EveryKeyIsRead) {
   ASSERT_EQ(scene.cloths.size(), 1U);
   const SceneCloth& cloth = scene.cloths[0];
   EXPECT_EQ(cloth.asset, std::filesystem::path("folder/shirt.glb"));
+  EXPECT_EQ(cloth.gravity_scale, -0.5F);
+  EXPECT_EQ(gravity_of(scene, cloth), (Vec3{0, 0.5F, 0}));
   EXPECT_EQ(cloth.material.areal_density, 0.3F);
   EXPECT_EQ(cloth.material.verlet_damping, 0.99F);
   EXPECT_EQ(cloth.transform.scale, 2);
@@ -356,6 +358,8 @@ INSTANTIATE_TEST_SUITE_P(
                  "\"cuts\": [{ \"time\": 1, \"triangle\": [[0, 0, 0], [1, 0, 0], [2, 0, 0]] }]",
                  "cuts[0]: the triangle has no area"},
         BadScene{"Inertia", "\"inertia_scale\": [1, 1, 1]", "\"inertia_scale\": [0, 2, 1]", "between 0 and 1"},
+        BadScene{"GravityScale", "\"gravity_scale\": -0.5", "\"gravity_scale\": 101",
+                 "cloths[0].gravity_scale: gravity_scale is 101; it must be between -100 and 100"},
         BadScene{"Convex", "\"shape\": \"box\"", "\"shape\": \"convex\"", "center"},
         BadScene{"HullOfANumber",
                  "\"shape\": \"box\", \"center\": [0, 1, 0], \"half_extents\": [1, 2, 3], \"rotate_deg\": [0, 0, 45]",
@@ -640,6 +644,29 @@ TEST_F(Playing, PinsFollowWhatTheySay) {
   EXPECT_LT(length(point(simulation, 8, 0) - Vec3{0.5F, 2.5F, 0}), 1e-6F);
   EXPECT_LT(length(point(simulation, 0, 8) - Vec3{-0.5F, 2, 0}), 1e-6F);
   EXPECT_LT(length(point(simulation, 8, 8) - Vec3{0.75F, 1.5F, 0}), 1e-6F);
+}
+
+TEST_F(Playing, EachClothFallsByItsShareOfGravity) {
+  Simulation simulation =
+      play(R"(,"material":{"damping":0},"gravity_scale":0.5},{"asset":"sheet.glb","material":{"damping":0}},
+    {"asset":"sheet.glb","material":{"damping":0},"gravity_scale":-1)");
+  const auto heights = [&] {
+    std::array<float, 3> height{};
+    std::vector<Vec3> position;
+    for (uint32_t c = 0; c < 3; ++c) {
+      simulation.solver().read_positions(c, position);
+      height.at(c) = position[0].y;
+    }
+    return height;
+  };
+  const std::array<float, 3> before = heights();
+  for (int f = 0; f < 30; ++f) simulation.step();
+  const std::array<float, 3> after = heights();
+  std::array<float, 3> fallen{};
+  for (size_t c = 0; c < 3; ++c) fallen.at(c) = before.at(c) - after.at(c);
+  EXPECT_NEAR(fallen[1], 0.5 * 9.81 * 0.5 * 0.5, 0.01);
+  EXPECT_NEAR(fallen[0], 0.5F * fallen[1], 1e-4F) << "half the weight falls half as far";
+  EXPECT_NEAR(fallen[2], -fallen[1], 1e-4F) << "what is lifted rises as others fall";
 }
 
 TEST_F(Playing, APinTurnsWithWhatItFollows) {

@@ -132,6 +132,12 @@ TEST_F(SceneWarnings, TellThatOnlySomePinsJump) {
               ElementsAre(HasSubstr("its pins jump at 0.2 s, but apart")));
 }
 
+TEST_F(SceneWarnings, SayThatClothOnlyFallsUnlessNothingDrawsItDown) {
+  EXPECT_THAT(warnings(R"({"asset":"sheet.glb"})"), ElementsAre(HasSubstr("it only falls")));
+  for (const std::string scale : {"0", "-0.1"})
+    EXPECT_THAT(warnings(R"({"asset":"sheet.glb","gravity_scale":)" + scale + "}"), IsEmpty()) << scale;
+}
+
 TEST_F(SceneWarnings, TellWhatHasNoEffect) {
   const auto sheet = [](const std::string& more) {
     return R"({"asset":"sheet.glb","pins":[{"where":{"vertex_group":"top"}}])" + more + "}";

@@ -371,8 +371,8 @@ SceneFabric read_fabric(const JsonReader& json, const SceneCloth& cloth) {
 SceneCloth read_cloth(const JsonReader& json, const std::filesystem::path& folder) {
   expect_no_placing(json);
   json.expect_object({"asset", "material", "fabrics", "transform", "inertia_scale", "motion", "pins", "skin", "start",
-                      "cuts", "tear", "pressure", "sewing", "self_collision", "inter_collision", "collides_with",
-                      "ignores"});
+                      "cuts", "tear", "gravity_scale", "pressure", "sewing", "self_collision", "inter_collision",
+                      "collides_with", "ignores"});
   SceneCloth cloth;
   const std::string asset = json.at("asset").text();
   if (asset.empty()) json.at("asset").fail("must name an asset file");
@@ -398,6 +398,10 @@ SceneCloth read_cloth(const JsonReader& json, const std::filesystem::path& folde
   if (json.has("tear")) {
     json.read("tear", cloth.tear);
     checked([&] { check_tear(cloth.tear, json.at("tear").where()); });
+  }
+  if (json.has("gravity_scale")) {
+    json.read("gravity_scale", cloth.gravity_scale);
+    checked([&] { check_gravity_scale(cloth.gravity_scale, json.at("gravity_scale").where()); });
   }
   if (json.has("pressure")) read_pressure(json.at("pressure"), cloth);
   if (json.has("sewing")) {
@@ -682,6 +686,10 @@ Material material_at(const SceneCloth& cloth, double time) {
 }
 Material material_at(const SceneFabric& fabric, double time) {
   return material_of(fabric, time);
+}
+
+Vec3 gravity_of(const Scene& scene, const SceneCloth& cloth) {
+  return cloth.gravity_scale * scene.gravity;
 }
 
 float pressure_at(const SceneCloth& cloth, double time) {

@@ -213,6 +213,7 @@ Simulation::Simulation(Scene scene, SolverSettings settings, const BodyReader& b
   for (uint32_t c = 0; c < scene_.cloths.size(); ++c) {
     const SceneCloth& cloth = scene_.cloths[c];
     if (!cloth.motion.empty()) solver_->set_parent(c, pose_at(cloth.motion, 0), cloth.inertia_scale);
+    solver_->set_gravity_scale(c, cloth.gravity_scale);
     solver_->set_pressure(c, pressure_at(cloth, 0));
   }
 }
@@ -563,7 +564,8 @@ void Simulation::sew(uint32_t cloth, double start) {
     if (!(duration > 0)) return at >= sewing->start ? 1.0 : 0.0;
     return std::clamp((at - sewing->start) / duration, 0.0, 1.0);
   };
-  if (sewing->weightless) solver_->set_gravity_scale(cloth, share_over(start) < 1 ? 0.F : 1.F);
+  if (sewing->weightless)
+    solver_->set_gravity_scale(cloth, share_over(start) < 1 ? 0 : scene_.cloths[cloth].gravity_scale);
   if (gap) solver_->set_sewing(cloth, *gap * static_cast<float>(1 - share_over(time())));
 }
 

@@ -173,6 +173,7 @@ struct SceneCloth {
   std::optional<SceneSewing> sewing = SceneSewing{};
   bool names_sewing = false;  ///< the scene says that it is sewn: there has to be something to sew
   std::vector<SceneCut> cuts;
+  float gravity_scale = 1;                   ///< see Solver::set_gravity_scale
   float pressure = 0;                        ///< [Pa] see Solver::set_pressure
   std::vector<PressureKey> pressure_motion;  ///< in place of `pressure`; empty: it stays
   float tear = 0;                            ///< above 1: the stretch that it tears at, see Solver::tear; 0: never
@@ -255,6 +256,9 @@ struct Scene {
 
 /// [Pa] What presses on a cloth at a time [s].
 [[nodiscard]] float pressure_at(const SceneCloth& cloth, double time);
+
+/// [m/s^2] What a cloth of a scene falls by, once its panels are sewn.
+[[nodiscard]] Vec3 gravity_of(const Scene& scene, const SceneCloth& cloth);
 
 /// The wind of a scene that has one, at a time [s].
 [[nodiscard]] Wind wind_at(const Scene& scene, double time);
