@@ -669,6 +669,19 @@ TEST_F(Playing, EachClothFallsByItsShareOfGravity) {
   EXPECT_NEAR(fallen[2], -fallen[1], 1e-4F) << "what is lifted rises as others fall";
 }
 
+TEST_F(Playing, AHeavierClothHangsAsUnderAsMuchMoreGravity) {
+  const auto hung = [&](const std::string& scale, const std::string& gravity) {
+    Simulation simulation =
+        play(R"(,"pins":[{"where":{"top":0.02}}],"gravity_scale":)" + scale, R"(,"gravity":[0,)" + gravity + ",0]");
+    for (int f = 0; f < 30; ++f) simulation.step();
+    std::vector<Vec3> position;
+    simulation.solver().read_positions(0, position);
+    return position;
+  };
+  EXPECT_EQ(hung("8", "-4"), hung("1", "-32")) << "its attachments give way alike";
+  EXPECT_NE(hung("8", "-4"), hung("1", "-4"));
+}
+
 TEST_F(Playing, APinTurnsWithWhatItFollows) {
   Simulation simulation = play(R"(,"pins":[{"where":{"vertices":[8]},"follow":"ball"},{"where":{"vertices":[0,72]},
       "motion":[{"time":0},{"time":1,"rotate_deg":[0,0,-360]}]}])",
