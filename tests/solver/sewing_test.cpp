@@ -191,6 +191,44 @@ TEST_P(SewingOnTheFirstMachine, GravityIsScaled) {
   }
 }
 
+/// A sheet of n x n points, of which those that `is_sewn` chooses are sewn to its middle.
+template <class IsSewn>
+ClothAsset gathered_sheet(uint32_t n, const IsSewn& is_sewn) {
+  const test::SheetOptions options{.nx = n, .ny = n};
+  ClothAsset asset = test::make_sheet(options);
+  const uint32_t middle = test::sheet_pixel(options, n / 2, n / 2);
+  for (uint32_t j = 0; j < n; ++j) {
+    for (uint32_t i = 0; i < n; ++i) {
+      const uint32_t p = test::sheet_pixel(options, i, j);
+      if (p != middle && is_sewn(i, j)) asset.sewing.push_back({std::min(p, middle), std::max(p, middle)});
+    }
+  }
+  std::sort(asset.sewing.begin(), asset.sewing.end());
+  return asset;
+}
+
+TEST(SewingToOnePoint, ClosesAllThreads) {
+  const ClothDesc bag = test::describe(gathered_sheet(12, [](uint32_t i, uint32_t j) {
+    return i == 0 || j == 0 || i == 11 || j == 11;  // 44, the border
+  }));
+  SolverSettings settings = test::cpu_settings();
+  settings.gravity = {};
+  Solver solver({&bag, 1}, settings);
+  sew(solver, 60);
+  EXPECT_LT(solver.sewing_gap(0), 0.02);
+}
+
+TEST(SewingToOnePoint, IsRefusedWhereThreadsWouldBeLeftOut) {
+  const ClothDesc sheet = test::describe(gathered_sheet(40, [](uint32_t, uint32_t) { return true; }));
+  try {
+    Solver solver({&sheet, 1}, test::cpu_settings());
+    FAIL() << "1599 points are sewn to one";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::limit);
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("sewing: so many pixels are sewn to one"));
+  }
+}
+
 TEST(SewingInput, WrongNumbersAreRefused) {
   const ClothDesc panels = test::describe(two_panels(6));
   Solver solver({&panels, 1}, test::cpu_settings());

@@ -12,16 +12,20 @@ uint32_t append_by_color(std::span<const shader::SeamSpring> entries, uint32_t m
   data.most_seam_springs += entries.size();
   std::vector<std::vector<uint32_t>> colors_at(data.pixel_count());
   std::vector<std::vector<shader::SeamSpring>> by_color;
-  for (const shader::SeamSpring& entry : entries) {
+  std::vector<size_t> met;  // per colour: the last entry that met it at one of its pixels, counted from 1
+  for (size_t i = 0; i < entries.size(); ++i) {
+    const shader::SeamSpring& entry = entries[i];
     const std::array pixels{entry.a, entry.middle, entry.b, entry.beside};
-    uint32_t color = 0;
-    const auto used = [&](uint32_t p) {
-      return std::find(colors_at[p].begin(), colors_at[p].end(), color) != colors_at[p].end();
-    };
-    while (std::any_of(pixels.begin(), pixels.end(), used)) ++color;
+    for (const uint32_t p : pixels)
+      for (const uint32_t color : colors_at[p]) met[color] = i + 1;
+    const auto color = static_cast<uint32_t>(
+        std::find_if(met.begin(), met.end(), [&](size_t last) { return last != i + 1; }) - met.begin());
     if (color >= most_colors) continue;
     for (const uint32_t p : pixels) colors_at[p].push_back(color);  // some stand there twice
-    if (color == by_color.size()) by_color.emplace_back();
+    if (color == by_color.size()) {
+      by_color.emplace_back();
+      met.push_back(0);
+    }
     by_color[color].push_back(entry);
   }
   if (!by_color.empty() && data.seam_color_offset.empty()) data.seam_color_offset.push_back(0);
