@@ -34,7 +34,7 @@ struct ConvertArguments {
   std::filesystem::path mesh, asset, pictures, stages;
   std::vector<std::filesystem::path> reports;
   std::string parts;
-  bool carry_loose = false, one_layer = false;
+  bool carry_loose = false, one_layer = false, untangle = false;
   Point3 up = kUpByShape;
   Layout layout = FlattenOptions{}.layout;
   uint32_t resolution = FlattenOptions{}.resolution;
@@ -52,6 +52,7 @@ ConvertOptions convert_options(const ConvertArguments& options) {
   result.parts = options.parts;
   result.carry_loose = options.carry_loose;
   result.one_layer = options.one_layer;
+  result.untangle = options.untangle;
   if (options.unit_option->count() > 0) result.import.scale = options.unit;
   if (options.scale_option->count() > 0) result.import.scale = options.scale;
   if (options.weld_option->count() > 0) result.repair.weld_distance = options.weld;
@@ -80,6 +81,17 @@ void print_carried(std::vector<CarriedPart> carried) {
              carried.size() - kNamed, carried.size(), 100 * share);
 }
 
+void print_untangled(const ConvertReport& report) {
+  const auto print = [](const char* of, const std::optional<Untangled>& untangled) {
+    if (!untangled || untangled->before == 0) return;
+    fmt::print(
+        "  untangled: {} pairs of the {}'s triangles cut through each other, now {}; moved by {:.3g} m at most\n",
+        untangled->before, of, untangled->after, untangled->farthest);
+  };
+  print("mesh", report.untangled_mesh);
+  print("image", report.untangled_image);
+}
+
 void print_summary(const ConvertArguments& options, const ConvertResult& result) {
   const ClothAsset& asset = result.asset;
   const ConvertReport& report = result.report;
@@ -91,6 +103,7 @@ void print_summary(const ConvertArguments& options, const ConvertResult& result)
   for (const Repair& repair : report.repairs) {
     if (repair.count > 0) fmt::print("  repaired: {} {}\n", repair.count, repair.kind);
   }
+  print_untangled(report);
   print_carried(report.carried);
   if (report.sewing_edges > 0) {
     fmt::print("  sewing: {} edges between panels, {} pairs of pixels\n", report.sewing_edges, asset.sewing.size());
@@ -242,6 +255,9 @@ CommandRun add_convert(CLI::App& app) {
   app.add_flag("--one-layer", options->one_layer,
                "of cloth that was given a thickness (a closed shell), simulate one side and let the other ride on it "
                "[default off: each side is cloth of its own]");
+  app.add_flag("--untangle", options->untangle,
+               "draw layers apart that cut through each other, in the mesh and in the image, as little as need be "
+               "[default off: they are reproduced as they are]");
   app.callback([options, output] {
     if (options->parts != kListParts && output->count() == 0) throw CLI::RequiredError("--output");
     const std::string clash = find_name_clash({{"the mesh", options->mesh}}, written_files(*options));

@@ -37,10 +37,10 @@ std::vector<std::string> LayerCheck::warnings(const Simulation& simulation) cons
   std::vector<std::string> warnings;
   for (size_t c = 0; c < start_.within.size(); ++c) {
     if (start_.within[c] <= kFew) continue;
-    warnings.push_back(fmt::format(
-        "{}: {} as it begins, which \"self_collision\" does not draw apart; part its layers in the mesh, or "
-        "leave out the inner ones with convert --parts",
-        name_of_cloth(simulation.scene(), c), pairs_of(start_.within[c])));
+    warnings.push_back(
+        fmt::format("{}: {} as it begins, which \"self_collision\" does not draw apart; convert it with --untangle, "
+                    "or leave out the inner layers with --parts",
+                    name_of_cloth(simulation.scene(), c), pairs_of(start_.within[c])));
   }
   if (start_.between > kFew) {
     warnings.push_back(fmt::format(

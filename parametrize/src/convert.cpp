@@ -25,6 +25,7 @@
 #include "geocloth/parametrize/parts.h"
 #include "geocloth/parametrize/refine.h"
 #include "mesh/point_math.h"
+#include "mesh/untangle.h"
 #include "pack/pack.h"
 #include "repair/border_loops.h"
 #include "repair/canonical_order.h"
@@ -95,7 +96,8 @@ class Stages {
 
 /// What the stages of a conversion have in common.
 struct Conversion {
-  const TriangleMesh& mesh;
+  const TriangleMesh* mesh;  ///< the file's; untangled: with its vertices where they are then
+  bool untangles;            ///< the image, too
   Upright upright;
   Point3 up{};                   ///< in the image, if it is panels: one of the two ends of what is upright
   std::vector<Point3> beside{};  ///< per vertex of the file: where the cloth is that it rides on; empty: there
@@ -268,16 +270,17 @@ bool lay_out(const CarriedSurface& carried, const FlattenOptions& options, bool 
     fit_image(flat, raster, asset);
     return true;
   });
+  if (run.untangles) report.untangled_image = run.stages.run("untangle", [&] { return untangle_image(asset); });
   run.files.save(asset);
 
   run.stages.run("bind", [&] {
-    bind_source(run.mesh, clean, flat, raster, asset, carried.piece_of_point, run.beside);
+    bind_source(*run.mesh, clean, flat, raster, asset, carried.piece_of_point, run.beside);
     return true;
   });
   report.quality = run.stages.run("measure", [&] { return measure_quality(clean, flat, raster, asset, run.progress); });
   report.welded = run.stages.run("verify", [&] {
     report.welded = welded_topology(asset);
-    verify(run.mesh, clean, flat, raster, asset, report);
+    verify(*run.mesh, clean, flat, raster, asset, report);
     return report.welded;
   });
   return true;
@@ -297,6 +300,24 @@ void lay_out_with_holes(const CarriedSurface& carried, const FlattenOptions& opt
     }
   }
   lay_out(carried, options, false, run, result);
+}
+
+/// @param mesh    that the surface was repaired from: its vertices move along
+/// @param beside  per vertex of the mesh, or empty: moves along, too
+Untangled untangle_surface(CleanSurface& surface, TriangleMesh& mesh, std::vector<Point3>& beside) {
+  std::vector<Point3> place(surface.point_count);
+  for (std::size_t v = 0; v < surface.position.size(); ++v) place[surface.point[v]] = surface.position[v];
+  const std::vector<Point3> before = place;
+  const Untangled result = untangle(point_triangles(surface), place);
+  const auto follow = [&](Point3& position, uint32_t point) { position = position + (place[point] - before[point]); };
+  for (std::size_t v = 0; v < surface.position.size(); ++v) follow(surface.position[v], surface.point[v]);
+  for (std::size_t v = 0; v < mesh.position.size(); ++v) {
+    const uint32_t point = surface.source_point[v];
+    if (point == kNone) continue;
+    follow(mesh.position[v], point);
+    if (!beside.empty()) follow(beside[v], point);
+  }
+  return result;
 }
 
 struct Attempt {
@@ -342,9 +363,9 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, std::span<const SewingRun> 
   report.source_faces = polygon_count(mesh);
   report.source_bbox_diagonal = bounding_diagonal(mesh.position);
 
-  Conversion run{mesh, {}, {}, {}, progress, stages, files};
+  Conversion run{&mesh, options.untangle, {}, {}, {}, progress, stages, files};
   std::vector<CarriedPart> sides;
-  const RepairResult repaired = stages.run("repair", [&] {
+  RepairResult repaired = stages.run("repair", [&] {
     RepairResult r = repair_mesh(mesh, options.repair, progress);
     if (options.one_layer) {
       OneLayer layer = leave_one_layer(mesh, r.surface, options.repair);
@@ -363,6 +384,13 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, std::span<const SewingRun> 
   report.repairs = repaired.repairs;
   report.cleaned = repaired.cleaned;
   report.cleaned_bbox_diagonal = bounding_diagonal(repaired.surface.position);
+  TriangleMesh untangled;
+  if (options.untangle) {
+    untangled = mesh;
+    report.untangled_mesh =
+        stages.run("untangle", [&] { return untangle_surface(repaired.surface, untangled, run.beside); });
+    run.mesh = &untangled;
+  }
   files.save(repaired.surface);
 
   const std::vector<Attempt> attempts = plan_attempts(options);
@@ -399,7 +427,7 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, std::span<const SewingRun> 
   }
 
   if (!sewing.empty()) {
-    result.asset.sewing = stages.run("sew", [&] { return sew_pixels(sewing, mesh, result.asset); });
+    result.asset.sewing = stages.run("sew", [&] { return sew_pixels(sewing, *run.mesh, result.asset); });
     report.sewing_edges = count_edges(sewing);
   }
   report.parts = measure_parts(mesh, carried.represented, result.flat);

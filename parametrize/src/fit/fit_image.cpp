@@ -24,6 +24,7 @@
 #include "image/limit_springs.h"
 #include "image/pixel_areas.h"
 #include "mesh/point_math.h"
+#include "mesh/untangle.h"
 
 namespace geocloth {
 namespace {
@@ -383,6 +384,13 @@ class ImageFitter {
   std::optional<GridHolds> holds_;
 };
 
+/// Areas, and lengths of bends over seams, of pixels as they are.
+void measure_rest(ClothAsset& asset) {
+  share_area(asset);
+  for (SeamBend& bend : asset.seam_bends)
+    bend.rest_length = length(asset.rest_position[bend.b] - asset.rest_position[bend.a]);
+}
+
 }  // namespace
 
 void fit_image(const FlatSurface& flat, const Raster& raster, ClothAsset& asset) {
@@ -398,10 +406,26 @@ void fit_image(const FlatSurface& flat, const Raster& raster, ClothAsset& asset)
     fitter.compare_cells();
     mend_far_places(flat, raster, fitter.farthest(), asset);
   }
-  share_area(asset);
-  for (SeamBend& bend : asset.seam_bends) {
-    bend.rest_length = length(asset.rest_position[bend.b] - asset.rest_position[bend.a]);
+  measure_rest(asset);
+}
+
+Untangled untangle_image(ClothAsset& asset) {
+  const GridMesh mesh = welded_grid_mesh(asset, asset.rest_position);
+  std::vector<Point3> place;
+  place.reserve(mesh.position.size());
+  for (const Vec3& p : mesh.position) place.push_back({p.x, p.y, p.z});
+  const Untangled result = untangle(mesh.triangle, place);
+  if (result.after == result.before) return result;
+  std::vector<Vec3> moved = asset.rest_position;
+  for (std::size_t i = 0; i < place.size(); ++i) {
+    const Point3& p = place[i];
+    moved[mesh.pixel[i]] = {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
   }
+  const std::vector<uint32_t> first = first_copies(asset);
+  for (uint32_t i = 0; i < asset.pixel_count(); ++i)
+    if (asset.valid(i)) asset.rest_position[i] = moved[first[i]];
+  measure_rest(asset);
+  return result;
 }
 
 }  // namespace geocloth

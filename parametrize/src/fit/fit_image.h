@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "geocloth/parametrize/convert.h"
 #include "geocloth/parametrize/seams.h"
 
 namespace geocloth {
@@ -13,5 +14,8 @@ namespace geocloth {
 /// bit-identical, and a surface that is flat between pixels is left alone.
 /// @param raster  what the image was built from
 void fit_image(const FlatSurface& flat, const Raster& raster, ClothAsset& asset);
+
+/// Draws apart what of a finished image cuts through itself, see untangle(). Areas and rest lengths are set anew.
+Untangled untangle_image(ClothAsset& asset);
 
 }  // namespace geocloth

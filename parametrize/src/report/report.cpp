@@ -85,6 +85,10 @@ Json quality_json(const Quality& q) {
           {"binding_error", q.binding_error}};
 }
 
+Json to_json(const Untangled& untangled) {
+  return {{"before", untangled.before}, {"after", untangled.after}, {"farthest", untangled.farthest}};
+}
+
 }  // namespace
 
 ImageSummary summarize_image(const ClothAsset& asset) {
@@ -107,6 +111,8 @@ std::string to_json(const ConvertResult& result) {
   json["up"] = report.up;
   json["repairs"] = Json::array();
   for (const Repair& r : report.repairs) json["repairs"].push_back({{"kind", r.kind}, {"count", r.count}});
+  if (report.untangled_mesh && report.untangled_image)
+    json["untangled"] = {{"mesh", to_json(*report.untangled_mesh)}, {"image", to_json(*report.untangled_image)}};
   json["cleaned"] = to_json(report.cleaned, report.cleaned_bbox_diagonal);
   json["carried"] = Json::array();
   for (const CarriedPart& c : report.carried) {

@@ -297,6 +297,13 @@ std::vector<std::string> plain_warnings(const ConvertReport& report, const Cloth
     out.push_back("the image is coarse for this mesh (it is up to " + size_in_words(q.max_error * size) +
                   " off); give a larger --resolution");
   }
+  constexpr uint32_t kFew = 20;  // pairs, as in sharp folds
+  if (report.untangled_image && report.untangled_image->after > kFew) {
+    out.push_back(
+        std::to_string(report.untangled_image->after) + " pairs of the image's triangles still cut through " +
+        "each other: its layers lie nearer than its pixels can tell; give a larger --resolution, or leave out " +
+        "the inner ones with --parts");
+  }
   warn_of_carried(report, out);
   constexpr double kLargestBindingError = 1e-6;
   if (q.binding_error > kLargestBindingError) {

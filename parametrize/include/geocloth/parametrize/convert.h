@@ -27,6 +27,9 @@ struct ConvertOptions {
   /// Of cloth that was given a thickness (a second side within, joined to the first one along hems) one side is
   /// represented, and the other one rides on it.
   bool one_layer = false;
+  /// Layers that cut through each other are drawn apart: in the mesh, whose vertices move with them, and again in the
+  /// image, whose triangles are coarser.
+  bool untangle = false;
   FlattenOptions flatten;
   /// Where Layout::panels is refused it gets up to six times the pixels, and after that falls back to Layout::square,
   /// with a warning in the report.
@@ -46,6 +49,12 @@ struct CarriedPart {
   double area_share = 0;  ///< of the clean surface
   std::string why;
   bool is_side = false;  ///< the other side of thick cloth, see ConvertOptions::one_layer
+};
+
+/// What was done to draw layers apart.
+struct Untangled {
+  uint32_t before = 0, after = 0;  ///< pairs of triangles that cut through each other and share no point
+  double farthest = 0;             ///< [m] that a point was moved
 };
 
 /// A part of the file (SourcePart) as the image has it.
@@ -80,6 +89,7 @@ struct ConvertReport {
   /// panels; the asset lies as the file does.
   Point3 up{0, 1, 0};
   std::vector<Repair> repairs;
+  std::optional<Untangled> untangled_mesh, untangled_image;  ///< of ConvertOptions::untangle
   Topology cleaned;
   double cleaned_bbox_diagonal = 0;  ///< [m]
   std::vector<CarriedPart> carried;
@@ -100,9 +110,9 @@ struct ConvertResult {
   ConvertReport report;
 };
 
-/// import_mesh, repair_mesh, what is too small left out, cut_to_disks and flatten of the garment set upright
-/// (ConvertReport::up), rasterize, build_image, a fit of the pixels to the surface, bind_source, measure_quality, in
-/// that order and nothing else; then the checks.
+/// import_mesh, repair_mesh, layers drawn apart if wanted, what is too small left out, cut_to_disks and flatten of the
+/// garment set upright (ConvertReport::up), rasterize, build_image, a fit of the pixels to the surface, its layers drawn
+/// apart, bind_source, measure_quality, in that order and nothing else; then the checks.
 /// @throws Error(verification) when the welded grid mesh differs in topology from the represented surface, or when
 ///   copies do not coincide, triangles are flipped, charts overlap or springs cross an outline; whatever a stage
 ///   throws, with the name of the file in the message

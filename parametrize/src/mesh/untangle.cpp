@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "mesh/untangle.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include <CGAL/Box_intersection_d/Box_with_info_d.h>
+#include <CGAL/box_intersection_d.h>
+
+#include "mesh/point_math.h"
+
+namespace geocloth {
+namespace {
+
+constexpr int kRounds = 400, kMostInVain = 100;
+constexpr double kStep = 0.2;         // of the edges there, that a crossing moves at most in a round
+constexpr double kClearSlope = 0.2;   // length of a gradient that says clearly where to
+constexpr double kSteepest = 0.05;    // sine between an edge and a plane: below, the gradient is as there
+constexpr double kStiffness = 0.3;    // of edges, towards their lengths
+constexpr double kToNeighbors = 0.4;  // of a move, that neighbours share
+constexpr int kSharings = 3;
+constexpr double kReach = 1;  // [mean edge] around triangles within which others are listed
+
+using PointPair = std::array<uint32_t, 2>;
+
+/// An edge goes through a triangle.
+struct Crossing {
+  uint32_t edge, triangle;
+  double along;   ///< the edge, 0..1
+  Point3 weight;  ///< in the triangle
+};
+
+class Untangler {
+ public:
+  Untangler(const std::vector<Triangle>& triangle, std::vector<Point3>& place)
+      : triangle_(triangle), place_(place), start_(place), is_moved_(place.size(), 0) {
+    find_edges();
+    find_neighbors();
+  }
+
+  Untangled run() {
+    Untangled result;
+    if (edge_.empty()) return result;
+    find_near();
+    uint32_t pairs = find_crossings();
+    result.before = result.after = pairs;
+    std::vector<Point3> best = place_;
+    int in_vain = 0;
+    for (int round = 0; round < kRounds && pairs > 0 && in_vain < kMostInVain; ++round) {
+      move();
+      if (farthest_from(listed_at_) > 0.5 * kReach * mean_edge_) find_near();
+      pairs = find_crossings();
+      ++in_vain;
+      if (pairs >= result.after) continue;
+      result.after = pairs;
+      best = place_;
+      in_vain = 0;
+    }
+    place_ = std::move(best);
+    result.farthest = farthest_from(start_);
+    return result;
+  }
+
+ private:
+  void find_edges() {
+    struct Side {
+      PointPair points;
+      uint32_t triangle, number;
+    };
+    std::vector<Side> sides;
+    for (uint32_t t = 0; t < triangle_.size(); ++t) {
+      for (uint32_t k = 0; k < 3; ++k) {
+        const auto [a, b] = std::minmax(triangle_[t][k], triangle_[t][(k + 1) % 3]);
+        if (a != b) sides.push_back({{a, b}, t, k});
+      }
+    }
+    std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
+      return std::pair(a.points, a.triangle) < std::pair(b.points, b.triangle);
+    });
+    edge_of_.assign(triangle_.size(), {kNone, kNone, kNone});
+    double sum = 0;
+    for (const Side& side : sides) {
+      if (edge_.empty() || edge_.back() != side.points) {
+        edge_.push_back(side.points);
+        first_triangle_.push_back(static_cast<uint32_t>(triangle_beside_.size()));
+        length_.push_back(distance(place_[side.points[0]], place_[side.points[1]]));
+        sum += length_.back();
+      }
+      triangle_beside_.push_back(side.triangle);
+      edge_of_[side.triangle][side.number] = static_cast<uint32_t>(edge_.size() - 1);
+    }
+    first_triangle_.push_back(static_cast<uint32_t>(triangle_beside_.size()));
+    mean_edge_ = edge_.empty() ? 0 : sum / static_cast<double>(edge_.size());
+  }
+
+  void find_neighbors() {
+    first_neighbor_.assign(place_.size() + 1, 0);
+    for (const PointPair& e : edge_)
+      for (const uint32_t p : e) ++first_neighbor_[p + 1];
+    for (std::size_t p = 0; p < place_.size(); ++p) first_neighbor_[p + 1] += first_neighbor_[p];
+    neighbor_.resize(first_neighbor_.back());
+    std::vector<uint32_t> next(first_neighbor_.begin(), first_neighbor_.end() - 1);
+    for (const auto& [a, b] : edge_) {
+      neighbor_[next[a]++] = b;
+      neighbor_[next[b]++] = a;
+    }
+  }
+
+  [[nodiscard]] CGAL::Bbox_3 box_of(uint32_t t, double beyond) const {
+    const Point3 &a = place_[triangle_[t][0]], &b = place_[triangle_[t][1]], &c = place_[triangle_[t][2]];
+    const auto least = [&](std::size_t x) { return std::min({a[x], b[x], c[x]}) - beyond; };
+    const auto most = [&](std::size_t x) { return std::max({a[x], b[x], c[x]}) + beyond; };
+    return {least(0), least(1), least(2), most(0), most(1), most(2)};
+  }
+
+  [[nodiscard]] bool share_a_point(uint32_t s, uint32_t t) const {
+    return std::any_of(triangle_[s].begin(), triangle_[s].end(), [&](uint32_t p) {
+      return std::find(triangle_[t].begin(), triangle_[t].end(), p) != triangle_[t].end();
+    });
+  }
+
+  /// Pairs of triangles that may meet before one of them has gone half of the reach.
+  void find_near() {
+    using Box = CGAL::Box_intersection_d::Box_with_info_d<double, 3, uint32_t>;
+    std::vector<Box> boxes;
+    boxes.reserve(triangle_.size());
+    for (uint32_t t = 0; t < triangle_.size(); ++t) boxes.emplace_back(box_of(t, 0.5 * kReach * mean_edge_), t);
+    near_.clear();
+    CGAL::box_self_intersection_d(boxes.begin(), boxes.end(), [&](const Box& a, const Box& b) {
+      const uint32_t s = std::min(a.info(), b.info()), t = std::max(a.info(), b.info());
+      if (!share_a_point(s, t)) near_.push_back({s, t});
+    });
+    std::sort(near_.begin(), near_.end());
+    listed_at_ = place_;
+  }
+
+  /// @returns how many pairs of triangles cut through each other
+  uint32_t find_crossings() {
+    crossing_.clear();
+    uint32_t pairs = 0;
+    for (const auto& [s, t] : near_) {
+      if (!CGAL::do_overlap(box_of(s, 0), box_of(t, 0))) continue;
+      const bool s_through_t = add_crossings(s, t), t_through_s = add_crossings(t, s);
+      if (s_through_t || t_through_s) ++pairs;
+    }
+    // An edge was met once for each triangle beside it.
+    const auto key = [](const Crossing& c) { return std::pair(c.edge, c.triangle); };
+    std::sort(crossing_.begin(), crossing_.end(),
+              [&](const Crossing& a, const Crossing& b) { return key(a) < key(b); });
+    crossing_.erase(std::unique(crossing_.begin(), crossing_.end(),
+                                [&](const Crossing& a, const Crossing& b) { return key(a) == key(b); }),
+                    crossing_.end());
+    return pairs;
+  }
+
+  /// Of the edges of one triangle through another one.
+  bool add_crossings(uint32_t of, uint32_t through) {
+    const Triangle& t = triangle_[through];
+    const Point3 &p = place_[t[0]], &q = place_[t[1]], &r = place_[t[2]];
+    const Point3 normal = cross(q - p, r - p);
+    const double squared = dot(normal, normal);
+    if (!(squared > 0)) return false;
+    bool found = false;
+    for (const uint32_t e : edge_of_[of]) {
+      if (e == kNone) continue;
+      const Point3 &a = place_[edge_[e][0]], &b = place_[edge_[e][1]];
+      const double over_a = dot(normal, a - p), over_b = dot(normal, b - p);
+      if ((over_a > 0) == (over_b > 0) || over_a == over_b) continue;
+      const double along = over_a / (over_a - over_b);
+      const Point3 x = a + (b - a) * along;
+      const double u = dot(normal, cross(r - q, x - q)) / squared, v = dot(normal, cross(p - r, x - r)) / squared;
+      const Point3 weight{u, v, 1 - u - v};
+      if (!(*std::min_element(weight.begin(), weight.end()) >= 0)) continue;
+      crossing_.push_back({e, through, along, weight});
+      found = true;
+    }
+    return found;
+  }
+
+  /// The way of the edge, against the triangle, on which the lines that begin at the crossing become shorter: on each
+  /// side of the edge one runs on along the triangle there.
+  [[nodiscard]] Point3 gradient(const Crossing& c) const {
+    const auto& [a, b] = edge_[c.edge];
+    const std::optional<Point3> along = direction_of(place_[b] - place_[a]), normal = normal_of(c.triangle);
+    if (!along || !normal) return {};
+    double steep = dot(*along, *normal);
+    if (std::abs(steep) < kSteepest) steep = std::copysign(kSteepest, steep);
+    Point3 sum{};
+    for (uint32_t i = first_triangle_[c.edge]; i < first_triangle_[c.edge + 1]; ++i) {
+      const uint32_t beside = triangle_beside_[i];
+      const std::optional<Point3> beside_normal = normal_of(beside);
+      if (!beside_normal) continue;
+      const std::optional<Point3> line = direction_of(cross(*normal, *beside_normal));
+      if (!line) continue;
+      const Triangle& t = triangle_[beside];
+      const Point3 inwards = place_[t[0] + t[1] + t[2] - a - b] - place_[a];
+      const double side = dot(*line, inwards - *along * dot(inwards, *along));
+      const Point3 way = *line * (side < 0 ? -1.0 : 1.0);
+      sum = sum + way - *normal * (dot(*along, way) / steep);
+    }
+    return sum;
+  }
+
+  [[nodiscard]] std::optional<Point3> normal_of(uint32_t t) const {
+    const Point3 &a = place_[triangle_[t][0]], &b = place_[triangle_[t][1]], &c = place_[triangle_[t][2]];
+    return direction_of(cross(b - a, c - a));
+  }
+
+  /// [m] How large triangles are at a crossing.
+  [[nodiscard]] double size_at(const Crossing& c) const {
+    double sum = 0;
+    for (const uint32_t e : edge_of_[c.triangle]) sum += e == kNone ? 0 : length_[e];
+    return std::min(length_[c.edge], sum / 3);
+  }
+
+  void move() {
+    std::vector<Point3> shift(place_.size(), Point3{});
+    std::vector<double> weight(place_.size(), 0);
+    for (const Crossing& c : crossing_) {
+      const Point3 way = gradient(c);
+      const Point3 whole = way * (kStep * size_at(c) / std::sqrt(dot(way, way) + kClearSlope * kClearSlope));
+      const auto pull = [&](uint32_t p, double w, double share) {
+        shift[p] = shift[p] + whole * (share * w);
+        weight[p] += w;
+      };
+      pull(edge_[c.edge][0], 1 - c.along, 0.5);
+      pull(edge_[c.edge][1], c.along, 0.5);
+      for (std::size_t k = 0; k < 3; ++k) pull(triangle_[c.triangle][k], c.weight[k], -0.5);
+    }
+    constexpr double kLeastWeight = 0.3;  // of a point that is hardly meant
+    for (std::size_t p = 0; p < place_.size(); ++p)
+      if (weight[p] > 0) shift[p] = shift[p] * (1 / std::max(weight[p], kLeastWeight));
+    for (int i = 0; i < kSharings; ++i) share(shift);
+    for (std::size_t p = 0; p < place_.size(); ++p) {
+      if (shift[p] == Point3{}) continue;
+      place_[p] = place_[p] + shift[p];
+      is_moved_[p] = 1;
+    }
+    keep_lengths();
+  }
+
+  /// Points follow their neighbours a little: a dent is wider than a point.
+  void share(std::vector<Point3>& shift) const {
+    const std::vector<Point3> own = shift;
+    for (std::size_t p = 0; p < place_.size(); ++p) {
+      const uint32_t begin = first_neighbor_[p], end = first_neighbor_[p + 1];
+      if (begin == end) continue;
+      Point3 sum{};
+      for (uint32_t i = begin; i < end; ++i) sum = sum + own[neighbor_[i]];
+      shift[p] = own[p] * (1 - kToNeighbors) + sum * (kToNeighbors / (end - begin));
+    }
+  }
+
+  /// As distance constraints (Mueller et al. 2007, Position based dynamics), of points that crossings have moved. What
+  /// lies around them is held.
+  void keep_lengths() {
+    for (std::size_t e = 0; e < edge_.size(); ++e) {
+      const auto& [a, b] = edge_[e];
+      if (is_moved_[a] == 0 && is_moved_[b] == 0) continue;
+      const double l = distance(place_[a], place_[b]);
+      if (!(l > 0)) continue;
+      const double share = is_moved_[a] != 0 && is_moved_[b] != 0 ? 0.5 : 1;
+      const Point3 way = (place_[b] - place_[a]) * (share * kStiffness * (l - length_[e]) / l);
+      if (is_moved_[a] != 0) place_[a] = place_[a] + way;
+      if (is_moved_[b] != 0) place_[b] = place_[b] - way;
+    }
+  }
+
+  [[nodiscard]] double farthest_from(const std::vector<Point3>& places) const {
+    double farthest = 0;
+    for (std::size_t p = 0; p < place_.size(); ++p) farthest = std::max(farthest, distance(place_[p], places[p]));
+    return farthest;
+  }
+
+  const std::vector<Triangle>& triangle_;
+  std::vector<Point3>& place_;
+  std::vector<Point3> start_, listed_at_;            // when near_ was made
+  std::vector<uint8_t> is_moved_;                    // per point: by a crossing, ever
+  std::vector<PointPair> edge_;                      // of points, ascending
+  std::vector<double> length_;                       // [m] per edge, at the start
+  std::vector<uint32_t> first_triangle_;             // per edge, and one more: rows of
+  std::vector<uint32_t> triangle_beside_;            //
+  std::vector<std::array<uint32_t, 3>> edge_of_;     // per triangle
+  std::vector<uint32_t> first_neighbor_, neighbor_;  // rows and entries, per point
+  std::vector<PointPair> near_;                      // of triangles
+  std::vector<Crossing> crossing_;
+  double mean_edge_ = 0;
+};
+
+}  // namespace
+
+Untangled untangle(const std::vector<Triangle>& triangle, std::vector<Point3>& place) {
+  return Untangler(triangle, place).run();
+}
+
+}  // namespace geocloth
