@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
 #include <utility>
 
 #include <CGAL/Box_intersection_d/Box_with_info_d.h>
 #include <CGAL/box_intersection_d.h>
 
+#include "geocloth/asset/error.h"
 #include "mesh/point_math.h"
 
 namespace geocloth {
@@ -21,7 +23,8 @@ constexpr double kSteepest = 0.05;    // sine between an edge and a plane: below
 constexpr double kStiffness = 0.3;    // of edges, towards their lengths
 constexpr double kToNeighbors = 0.4;  // of a move, that neighbours share
 constexpr int kSharings = 3;
-constexpr double kReach = 1;  // [mean edge] around triangles within which others are listed
+constexpr double kReach = 1;  // of a triangle's edges, around it, within which others are listed
+constexpr std::size_t kMostNear = std::size_t{1} << 25U;  // pairs in that list: 256 MB
 
 using PointPair = std::array<uint32_t, 2>;
 
@@ -50,7 +53,7 @@ class Untangler {
     int in_vain = 0;
     for (int round = 0; round < kRounds && pairs > 0 && in_vain < kMostInVain; ++round) {
       move();
-      if (farthest_from(listed_at_) > 0.5 * kReach * mean_edge_) find_near();
+      if (has_left_list()) find_near();
       pairs = find_crossings();
       ++in_vain;
       if (pairs >= result.after) continue;
@@ -92,7 +95,20 @@ class Untangler {
       edge_of_[side.triangle][side.number] = static_cast<uint32_t>(edge_.size() - 1);
     }
     first_triangle_.push_back(static_cast<uint32_t>(triangle_beside_.size()));
-    mean_edge_ = edge_.empty() ? 0 : sum / static_cast<double>(edge_.size());
+    const double mean = edge_.empty() ? 0 : sum / static_cast<double>(edge_.size());
+    reach_.resize(triangle_.size());
+    reach_at_.assign(place_.size(), mean);
+    for (uint32_t t = 0; t < triangle_.size(); ++t) {
+      reach_[t] = kReach * std::min(mean, size_of(t));
+      for (const uint32_t p : triangle_[t]) reach_at_[p] = std::min(reach_at_[p], reach_[t]);
+    }
+  }
+
+  /// [m] Mean length of its edges.
+  [[nodiscard]] double size_of(uint32_t t) const {
+    double sum = 0;
+    for (const uint32_t e : edge_of_[t]) sum += e == kNone ? 0 : length_[e];
+    return sum / 3;
   }
 
   void find_neighbors() {
@@ -121,19 +137,31 @@ class Untangler {
     });
   }
 
-  /// Pairs of triangles that may meet before one of them has gone half of the reach.
+  /// Pairs of triangles that may meet before one of their points has left its triangles' reach.
   void find_near() {
     using Box = CGAL::Box_intersection_d::Box_with_info_d<double, 3, uint32_t>;
     std::vector<Box> boxes;
     boxes.reserve(triangle_.size());
-    for (uint32_t t = 0; t < triangle_.size(); ++t) boxes.emplace_back(box_of(t, 0.5 * kReach * mean_edge_), t);
+    for (uint32_t t = 0; t < triangle_.size(); ++t) boxes.emplace_back(box_of(t, reach_[t]), t);
     near_.clear();
     CGAL::box_self_intersection_d(boxes.begin(), boxes.end(), [&](const Box& a, const Box& b) {
       const uint32_t s = std::min(a.info(), b.info()), t = std::max(a.info(), b.info());
-      if (!share_a_point(s, t)) near_.push_back({s, t});
+      if (share_a_point(s, t)) return;
+      if (near_.size() == kMostNear) {
+        throw Error(ErrorCode::limit, "too many triangles lie at the same places to draw layers apart (more than " +
+                                          std::to_string(kMostNear) + " pairs); leave --untangle out, or parts of " +
+                                          "the mesh with --parts");
+      }
+      near_.push_back({s, t});
     });
     std::sort(near_.begin(), near_.end());
     listed_at_ = place_;
+  }
+
+  [[nodiscard]] bool has_left_list() const {
+    for (std::size_t p = 0; p < place_.size(); ++p)
+      if (distance(place_[p], listed_at_[p]) > reach_at_[p]) return true;
+    return false;
   }
 
   /// @returns how many pairs of triangles cut through each other
@@ -209,11 +237,7 @@ class Untangler {
   }
 
   /// [m] How large triangles are at a crossing.
-  [[nodiscard]] double size_at(const Crossing& c) const {
-    double sum = 0;
-    for (const uint32_t e : edge_of_[c.triangle]) sum += e == kNone ? 0 : length_[e];
-    return std::min(length_[c.edge], sum / 3);
-  }
+  [[nodiscard]] double size_at(const Crossing& c) const { return std::min(length_[c.edge], size_of(c.triangle)); }
 
   void move() {
     std::vector<Point3> shift(place_.size(), Point3{});
@@ -280,13 +304,13 @@ class Untangler {
   std::vector<uint8_t> is_moved_;                    // per point: by a crossing, ever
   std::vector<PointPair> edge_;                      // of points, ascending
   std::vector<double> length_;                       // [m] per edge, at the start
+  std::vector<double> reach_, reach_at_;             // [m] per triangle, and the least of those of a point
   std::vector<uint32_t> first_triangle_;             // per edge, and one more: rows of
   std::vector<uint32_t> triangle_beside_;            //
   std::vector<std::array<uint32_t, 3>> edge_of_;     // per triangle
   std::vector<uint32_t> first_neighbor_, neighbor_;  // rows and entries, per point
   std::vector<PointPair> near_;                      // of triangles
   std::vector<Crossing> crossing_;
-  double mean_edge_ = 0;
 };
 
 }  // namespace

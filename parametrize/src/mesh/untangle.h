@@ -13,6 +13,7 @@ namespace geocloth {
 /// stay bit for bit. What does not come apart in some hundred rounds stays as it was at its best.
 /// @param triangle  indices of places; triangles that share a point never cut each other, nor do those in one plane
 /// @param place     [m] finite
+/// @throws Error(limit) where millions of triangles lie at the same places
 Untangled untangle(const std::vector<Triangle>& triangle, std::vector<Point3>& place);
 
 }  // namespace geocloth
