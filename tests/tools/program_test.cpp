@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <limits>
 #include <ostream>
+#include <sstream>
 #include <string_view>
 
 #include <gmock/gmock.h>
@@ -196,6 +197,33 @@ TEST(Convert, SameInputGivesTheSameBytes) {
               0);
   }
   EXPECT_EQ(read_text(folder / "a.glb"), read_text(folder / "b.glb"));
+}
+
+TEST(Convert, DrawsLayersApartOnRequestAndSaysSo) {
+  const TemporaryFolder folder;
+  constexpr int kSide = 9;
+  std::ostringstream obj;
+  for (const bool dips : {false, true}) {
+    for (int j = 0; j < kSide; ++j) {
+      for (int i = 0; i < kSide; ++i) {
+        const double beside = dips ? 0.43 : 0, height = dips ? 0.05 * (i + 1.07 * j) - 0.13 : 0;
+        obj << "v " << 0.1 * i + beside << ' ' << 0.1 * j + beside << ' ' << height << '\n';
+      }
+    }
+  }
+  for (int j = 0; j + 1 < 2 * kSide; ++j) {
+    for (int i = 1; i < kSide && j + 1 != kSide; ++i) {
+      const int a = j * kSide + i;
+      obj << "f " << a << ' ' << a + 1 << ' ' << a + kSide + 1 << ' ' << a + kSide << '\n';
+    }
+  }
+  const std::string mesh = folder.write("sheets.obj", obj.str());
+  std::vector<std::string> command{"convert", mesh, "-o", folder / "out.glb", "--resolution", "32", "-q"};
+  EXPECT_THAT(run_program(command).out, Not(HasSubstr("untangled")));
+  command.emplace_back("--untangle");
+  const ProgramResult result = run_program(command);
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("pairs of the mesh's triangles cut through each other, now 0; moved by"));
 }
 
 TEST(Convert, UnitScalesTheGarment) {
