@@ -111,8 +111,8 @@ struct ConvertResult {
 };
 
 /// import_mesh, repair_mesh, layers drawn apart if wanted, what is too small left out, cut_to_disks and flatten of the
-/// garment set upright (ConvertReport::up), rasterize, build_image, a fit of the pixels to the surface, its layers drawn
-/// apart, bind_source, measure_quality, in that order and nothing else; then the checks.
+/// garment set upright (ConvertReport::up), rasterize, build_image, a fit of the pixels to the surface, its layers
+/// drawn apart, bind_source, measure_quality, in that order and nothing else; then the checks.
 /// @throws Error(verification) when the welded grid mesh differs in topology from the represented surface, or when
 ///   copies do not coincide, triangles are flipped, charts overlap or springs cross an outline; whatever a stage
 ///   throws, with the name of the file in the message
