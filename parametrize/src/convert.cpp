@@ -97,7 +97,6 @@ class Stages {
 /// What the stages of a conversion have in common.
 struct Conversion {
   const TriangleMesh* mesh;  ///< the file's; untangled: with its vertices where they are then
-  bool untangles;            ///< the image, too
   Upright upright;
   Point3 up{};                   ///< in the image, if it is panels: one of the two ends of what is upright
   std::vector<Point3> beside{};  ///< per vertex of the file: where the cloth is that it rides on; empty: there
@@ -270,7 +269,7 @@ bool lay_out(const CarriedSurface& carried, const FlattenOptions& options, bool 
     fit_image(flat, raster, asset);
     return true;
   });
-  if (run.untangles) report.untangled_image = run.stages.run("untangle", [&] { return untangle_image(asset); });
+  if (report.untangled_mesh) report.untangled_image = run.stages.run("untangle", [&] { return untangle_image(asset); });
   run.files.save(asset);
 
   run.stages.run("bind", [&] {
@@ -363,7 +362,7 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, std::span<const SewingRun> 
   report.source_faces = polygon_count(mesh);
   report.source_bbox_diagonal = bounding_diagonal(mesh.position);
 
-  Conversion run{&mesh, options.untangle, {}, {}, {}, progress, stages, files};
+  Conversion run{&mesh, {}, {}, {}, progress, stages, files};
   std::vector<CarriedPart> sides;
   RepairResult repaired = stages.run("repair", [&] {
     RepairResult r = repair_mesh(mesh, options.repair, progress);

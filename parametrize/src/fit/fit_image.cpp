@@ -416,14 +416,13 @@ Untangled untangle_image(ClothAsset& asset) {
   for (const Vec3& p : mesh.position) place.push_back({p.x, p.y, p.z});
   const Untangled result = untangle(mesh.triangle, place);
   if (result.after == result.before) return result;
-  std::vector<Vec3> moved = asset.rest_position;
   for (std::size_t i = 0; i < place.size(); ++i) {
     const Point3& p = place[i];
-    moved[mesh.pixel[i]] = {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
+    asset.rest_position[mesh.pixel[i]] = {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
   }
   const std::vector<uint32_t> first = first_copies(asset);
   for (uint32_t i = 0; i < asset.pixel_count(); ++i)
-    if (asset.valid(i)) asset.rest_position[i] = moved[first[i]];
+    if (asset.valid(i)) asset.rest_position[i] = asset.rest_position[first[i]];
   measure_rest(asset);
   return result;
 }

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
+#include <optional>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -12,6 +15,7 @@
 
 #include "geocloth/asset/error.h"
 #include "mesh/point_math.h"
+#include "mesh/users.h"
 
 namespace geocloth {
 namespace {
@@ -38,9 +42,10 @@ struct Crossing {
 class Untangler {
  public:
   Untangler(const std::vector<Triangle>& triangle, std::vector<Point3>& place)
-      : triangle_(triangle), place_(place), start_(place), is_moved_(place.size(), 0) {
+      : place_(place), start_(place), is_moved_(place.size(), 0) {
+    const auto has_three_corners = [](const Triangle& t) { return t[0] != t[1] && t[1] != t[2] && t[2] != t[0]; };
+    std::copy_if(triangle.begin(), triangle.end(), std::back_inserter(triangle_), has_three_corners);
     find_edges();
-    find_neighbors();
   }
 
   Untangled run() {
@@ -62,39 +67,30 @@ class Untangler {
       in_vain = 0;
     }
     place_ = std::move(best);
-    result.farthest = farthest_from(start_);
+    for (std::size_t p = 0; p < place_.size(); ++p)
+      result.farthest = std::max(result.farthest, distance(place_[p], start_[p]));
     return result;
   }
 
  private:
   void find_edges() {
-    struct Side {
-      PointPair points;
-      uint32_t triangle, number;
-    };
-    std::vector<Side> sides;
-    for (uint32_t t = 0; t < triangle_.size(); ++t) {
-      for (uint32_t k = 0; k < 3; ++k) {
-        const auto [a, b] = std::minmax(triangle_[t][k], triangle_[t][(k + 1) % 3]);
-        if (a != b) sides.push_back({{a, b}, t, k});
-      }
+    std::vector<PointPair> sides;
+    sides.reserve(3 * triangle_.size());
+    for (const Triangle& t : triangle_)
+      for (std::size_t k = 0; k < 3; ++k) sides.push_back(side(t, k));
+    edge_ = sides;
+    std::sort(edge_.begin(), edge_.end());
+    edge_.erase(std::unique(edge_.begin(), edge_.end()), edge_.end());
+    edge_of_.resize(triangle_.size());
+    for (std::size_t i = 0; i < sides.size(); ++i) {
+      const auto found = std::lower_bound(edge_.begin(), edge_.end(), sides[i]);
+      edge_of_[i / 3][i % 3] = static_cast<uint32_t>(found - edge_.begin());
     }
-    std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
-      return std::pair(a.points, a.triangle) < std::pair(b.points, b.triangle);
-    });
-    edge_of_.assign(triangle_.size(), {kNone, kNone, kNone});
     double sum = 0;
-    for (const Side& side : sides) {
-      if (edge_.empty() || edge_.back() != side.points) {
-        edge_.push_back(side.points);
-        first_triangle_.push_back(static_cast<uint32_t>(triangle_beside_.size()));
-        length_.push_back(distance(place_[side.points[0]], place_[side.points[1]]));
-        sum += length_.back();
-      }
-      triangle_beside_.push_back(side.triangle);
-      edge_of_[side.triangle][side.number] = static_cast<uint32_t>(edge_.size() - 1);
+    for (const auto& [a, b] : edge_) {
+      length_.push_back(distance(place_[a], place_[b]));
+      sum += length_.back();
     }
-    first_triangle_.push_back(static_cast<uint32_t>(triangle_beside_.size()));
     const double mean = edge_.empty() ? 0 : sum / static_cast<double>(edge_.size());
     reach_.resize(triangle_.size());
     reach_at_.assign(place_.size(), mean);
@@ -102,26 +98,20 @@ class Untangler {
       reach_[t] = kReach * std::min(mean, size_of(t));
       for (const uint32_t p : triangle_[t]) reach_at_[p] = std::min(reach_at_[p], reach_[t]);
     }
+    triangles_at_.emplace(edge_.size(), edge_of_);
+    edges_at_.emplace(place_.size(), edge_);
+  }
+
+  static PointPair side(const Triangle& t, std::size_t k) {
+    const auto [a, b] = std::minmax(t[k], t[(k + 1) % 3]);
+    return {a, b};
   }
 
   /// [m] Mean length of its edges.
   [[nodiscard]] double size_of(uint32_t t) const {
     double sum = 0;
-    for (const uint32_t e : edge_of_[t]) sum += e == kNone ? 0 : length_[e];
+    for (const uint32_t e : edge_of_[t]) sum += length_[e];
     return sum / 3;
-  }
-
-  void find_neighbors() {
-    first_neighbor_.assign(place_.size() + 1, 0);
-    for (const PointPair& e : edge_)
-      for (const uint32_t p : e) ++first_neighbor_[p + 1];
-    for (std::size_t p = 0; p < place_.size(); ++p) first_neighbor_[p + 1] += first_neighbor_[p];
-    neighbor_.resize(first_neighbor_.back());
-    std::vector<uint32_t> next(first_neighbor_.begin(), first_neighbor_.end() - 1);
-    for (const auto& [a, b] : edge_) {
-      neighbor_[next[a]++] = b;
-      neighbor_[next[b]++] = a;
-    }
   }
 
   [[nodiscard]] CGAL::Bbox_3 box_of(uint32_t t, double beyond) const {
@@ -192,7 +182,6 @@ class Untangler {
     if (!(squared > 0)) return false;
     bool found = false;
     for (const uint32_t e : edge_of_[of]) {
-      if (e == kNone) continue;
       const Point3 &a = place_[edge_[e][0]], &b = place_[edge_[e][1]];
       const double over_a = dot(normal, a - p), over_b = dot(normal, b - p);
       if ((over_a > 0) == (over_b > 0) || over_a == over_b) continue;
@@ -216,8 +205,7 @@ class Untangler {
     double steep = dot(*along, *normal);
     if (std::abs(steep) < kSteepest) steep = std::copysign(kSteepest, steep);
     Point3 sum{};
-    for (uint32_t i = first_triangle_[c.edge]; i < first_triangle_[c.edge + 1]; ++i) {
-      const uint32_t beside = triangle_beside_[i];
+    for (const uint32_t beside : (*triangles_at_)[c.edge]) {
       const std::optional<Point3> beside_normal = normal_of(beside);
       if (!beside_normal) continue;
       const std::optional<Point3> line = direction_of(cross(*normal, *beside_normal));
@@ -268,12 +256,12 @@ class Untangler {
   /// Points follow their neighbours a little: a dent is wider than a point.
   void share(std::vector<Point3>& shift) const {
     const std::vector<Point3> own = shift;
-    for (std::size_t p = 0; p < place_.size(); ++p) {
-      const uint32_t begin = first_neighbor_[p], end = first_neighbor_[p + 1];
-      if (begin == end) continue;
+    for (uint32_t p = 0; p < place_.size(); ++p) {
+      const std::span<const uint32_t> edges = (*edges_at_)[p];
+      if (edges.empty()) continue;
       Point3 sum{};
-      for (uint32_t i = begin; i < end; ++i) sum = sum + own[neighbor_[i]];
-      shift[p] = own[p] * (1 - kToNeighbors) + sum * (kToNeighbors / (end - begin));
+      for (const uint32_t e : edges) sum = sum + own[edge_[e][0] == p ? edge_[e][1] : edge_[e][0]];
+      shift[p] = own[p] * (1 - kToNeighbors) + sum * (kToNeighbors / static_cast<double>(edges.size()));
     }
   }
 
@@ -292,24 +280,17 @@ class Untangler {
     }
   }
 
-  [[nodiscard]] double farthest_from(const std::vector<Point3>& places) const {
-    double farthest = 0;
-    for (std::size_t p = 0; p < place_.size(); ++p) farthest = std::max(farthest, distance(place_[p], places[p]));
-    return farthest;
-  }
-
-  const std::vector<Triangle>& triangle_;
+  std::vector<Triangle> triangle_;  // with three corners
   std::vector<Point3>& place_;
-  std::vector<Point3> start_, listed_at_;            // when near_ was made
-  std::vector<uint8_t> is_moved_;                    // per point: by a crossing, ever
-  std::vector<PointPair> edge_;                      // of points, ascending
-  std::vector<double> length_;                       // [m] per edge, at the start
-  std::vector<double> reach_, reach_at_;             // [m] per triangle, and the least of those of a point
-  std::vector<uint32_t> first_triangle_;             // per edge, and one more: rows of
-  std::vector<uint32_t> triangle_beside_;            //
-  std::vector<std::array<uint32_t, 3>> edge_of_;     // per triangle
-  std::vector<uint32_t> first_neighbor_, neighbor_;  // rows and entries, per point
-  std::vector<PointPair> near_;                      // of triangles
+  std::vector<Point3> start_;
+  std::vector<uint8_t> is_moved_;                 // per point: by a crossing, ever
+  std::vector<PointPair> edge_;                   // of points, ascending
+  std::vector<std::array<uint32_t, 3>> edge_of_;  // per triangle
+  std::optional<Users> triangles_at_, edges_at_;  // of edges, of points
+  std::vector<double> length_;                    // [m] per edge, at the start
+  std::vector<double> reach_, reach_at_;          // [m] per triangle, and the least of those of a point
+  std::vector<PointPair> near_;                   // of triangles
+  std::vector<Point3> listed_at_;                 // where points were when near_ was made
   std::vector<Crossing> crossing_;
 };
 

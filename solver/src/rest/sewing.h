@@ -11,7 +11,6 @@ namespace geocloth {
 /// Appends the threads between points that are to be sewn together, by colour after all others, and those that take
 /// more rounds, and says how many colours they take.
 /// @throws Error(limit) for more than a thousand threads that follow each other at one point
-/// @throws Error(limit) where more than a thousand threads meet in one point
 void add_sewing(const ClothAsset& asset, float scale, ClothData& data);
 
 }  // namespace geocloth
