@@ -128,9 +128,7 @@ class ImageFitter {
   void finish() {
     limit_shifts();
     for (uint32_t i = 0; i < asset_.pixel_count(); ++i) {
-      if (!asset_.valid(i)) continue;
-      const Point3 p = fitted_position(i);
-      asset_.rest_position[i] = {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
+      if (asset_.valid(i)) asset_.rest_position[i] = to_single(fitted_position(i));
     }
   }
 
@@ -413,13 +411,10 @@ Untangled untangle_image(ClothAsset& asset) {
   const GridMesh mesh = welded_grid_mesh(asset, asset.rest_position);
   std::vector<Point3> place;
   place.reserve(mesh.position.size());
-  for (const Vec3& p : mesh.position) place.push_back({p.x, p.y, p.z});
+  for (const Vec3& p : mesh.position) place.push_back(to_double(p));
   const Untangled result = untangle(mesh.triangle, place);
   if (result.after == result.before) return result;
-  for (std::size_t i = 0; i < place.size(); ++i) {
-    const Point3& p = place[i];
-    asset.rest_position[mesh.pixel[i]] = {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
-  }
+  for (std::size_t i = 0; i < place.size(); ++i) asset.rest_position[mesh.pixel[i]] = to_single(place[i]);
   const std::vector<uint32_t> first = first_copies(asset);
   for (uint32_t i = 0; i < asset.pixel_count(); ++i)
     if (asset.valid(i)) asset.rest_position[i] = asset.rest_position[first[i]];

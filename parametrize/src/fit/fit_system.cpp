@@ -23,10 +23,6 @@ double inner(const std::vector<Point3>& a, const std::vector<Point3>& b) {
   return sum;
 }
 
-Point3 to_double(const Vec3& v) {
-  return {v.x, v.y, v.z};
-}
-
 /// Per point of a wish.
 std::array<Point3, 3> slopes(const MoveWish& wish) {
   const Point3 a = to_double(wish.slope[0]), b = to_double(wish.slope[1]);

@@ -32,10 +32,6 @@ double cosine(const Point3& a, const Point3& b) {
   return lengths > 0 ? dot(a, b) / lengths : 1;
 }
 
-Vec3 to_single(const Point3& p) {
-  return {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
-}
-
 /// The value above which a share of all lies.
 double exceeded_by(std::vector<double> values, double share) {
   const auto at = values.end() - 1 - static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size()));

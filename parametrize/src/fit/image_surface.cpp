@@ -13,7 +13,7 @@ ImageSurface::ImageSurface(const FlatSurface& flat_surface, const ClothAsset& cl
   points.reserve(pixels.size());
   for (const Triangle& t : pixels) points.push_back({first[t[0]], first[t[1]], first[t[2]]});
   place.reserve(asset.pixel_count());
-  for (const Vec3& p : asset.rest_position) place.push_back({p.x, p.y, p.z});
+  for (const Vec3& p : asset.rest_position) place.push_back(to_double(p));
   find_vertices();
 }
 

@@ -10,6 +10,7 @@
 #include <CGAL/Min_sphere_of_spheres_d.h>
 
 #include "fit/place_mender.h"
+#include "mesh/point_math.h"
 
 namespace geocloth {
 namespace {
@@ -53,8 +54,7 @@ void mend_far_places(const FlatSurface& flat, const Raster& raster, const std::v
   }
   for (uint32_t i = 0; i < asset.pixel_count(); ++i) {
     if (!asset.valid(i) || !mender.is_moved(image.first[i])) continue;
-    const Point3& p = image.place[image.first[i]];
-    asset.rest_position[i] = {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
+    asset.rest_position[i] = to_single(image.place[image.first[i]]);
   }
 }
 

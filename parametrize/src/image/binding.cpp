@@ -16,16 +16,6 @@
 namespace geocloth {
 namespace {
 
-Vec3 to_float(const Point3& p) {
-  return {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
-}
-Vec2 to_float(const Point2& p) {
-  return {static_cast<float>(p[0]), static_cast<float>(p[1])};
-}
-Point3 to_double(const Vec3& p) {
-  return {p.x, p.y, p.z};
-}
-
 // ---------------------------------------------------------------------------------------------- render vertices
 
 /// Normals for meshes (or corners) without any: area-weighted over the triangles around the surface point.
@@ -58,11 +48,11 @@ SourceMesh render_mesh(const TriangleMesh& mesh, const CleanSurface& clean) {
   const std::vector<Point3> smooth = smooth_normals(mesh, clean);
   const auto attributes = [&](std::size_t t, std::size_t k) {
     const uint32_t v = mesh.triangle[t][k];
-    Attributes a{{}, to_float(smooth[v])};
-    if (!mesh.normal.empty()) a.normal = to_float(direction_of(mesh.normal[t][k]).value_or(smooth[v]));
+    Attributes a{{}, to_single(smooth[v])};
+    if (!mesh.normal.empty()) a.normal = to_single(direction_of(mesh.normal[t][k]).value_or(smooth[v]));
     if (!mesh.uv.empty()) {
       const Point2& uv = mesh.uv[t][k];
-      if (std::isfinite(to_float(uv).x) && std::isfinite(to_float(uv).y)) a.uv = to_float(uv);
+      if (std::isfinite(to_single(uv).x) && std::isfinite(to_single(uv).y)) a.uv = to_single(uv);
     }
     return a;
   };
@@ -83,9 +73,9 @@ SourceMesh render_mesh(const TriangleMesh& mesh, const CleanSurface& clean) {
   std::vector<uint32_t> first(mesh.position.size());
   for (uint32_t v = 0; v < mesh.position.size(); ++v) {
     first[v] = static_cast<uint32_t>(source.position.size());
-    if (variants[v].empty()) variants[v].push_back({{}, to_float(smooth[v])});
+    if (variants[v].empty()) variants[v].push_back({{}, to_single(smooth[v])});
     for (const Attributes& a : variants[v]) {
-      source.position.push_back(to_float(mesh.position[v]));
+      source.position.push_back(to_single(mesh.position[v]));
       source.normal.push_back(a.normal);
       if (!mesh.uv.empty()) source.uv.push_back(a.uv);
       source.source_vertex.push_back(v);
@@ -286,7 +276,7 @@ void set_offsets(ClothAsset& asset) {
         const Point3 axis = (to_double(tip[k][i]) - to_double(base[i])) * (1 / double{reach});
         offset[i][k] += dot(axis, missing);
       }
-      asset.binding[i].offset = to_float(offset[i]);
+      asset.binding[i].offset = to_single(offset[i]);
     }
     evaluate_binding(asset, asset.rest_position, normal, now);
   }

@@ -54,7 +54,7 @@ void limit_springs(ClothAsset& asset) {
   const std::vector<uint32_t> first = first_copies(asset);
   std::vector<Point3> place;
   place.reserve(asset.pixel_count());
-  for (const Vec3& p : asset.rest_position) place.push_back({p.x, p.y, p.z});
+  for (const Vec3& p : asset.rest_position) place.push_back(to_double(p));
   const std::vector<Point3> home = place;
   const double spacing = asset.spacing;
   const std::vector<Spring> springs = structural_springs(asset, first);
@@ -90,8 +90,7 @@ void limit_springs(ClothAsset& asset) {
   }
   for (uint32_t i = 0; i < asset.pixel_count(); ++i) {
     if (!asset.valid(i) || moved[first[i]] == 0) continue;
-    const Point3& p = place[first[i]];
-    asset.rest_position[i] = {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
+    asset.rest_position[i] = to_single(place[first[i]]);
   }
 }
 

@@ -63,8 +63,7 @@ void copy_pixels(const FlatSurface& flat, const Raster& raster, ClothAsset& asse
   asset.rest_position.assign(asset.pixel_count(), Vec3{});
   for (uint32_t i = 0; i < asset.pixel_count(); ++i) {
     if (!asset.valid(i)) continue;
-    const Point3& p = raster.position[i];
-    asset.rest_position[i] = {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
+    asset.rest_position[i] = to_single(raster.position[i]);
   }
 }
 

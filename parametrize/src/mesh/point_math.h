@@ -35,6 +35,15 @@ inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 [[nodiscard]] inline double distance(const Point3& a, const Point3& b) {
   return length(a - b);
 }
+[[nodiscard]] inline Point3 to_double(const Vec3& a) {
+  return {a.x, a.y, a.z};
+}
+[[nodiscard]] inline Vec3 to_single(const Point3& a) {
+  return {static_cast<float>(a[0]), static_cast<float>(a[1]), static_cast<float>(a[2])};
+}
+[[nodiscard]] inline Vec2 to_single(const Point2& a) {
+  return {static_cast<float>(a[0]), static_cast<float>(a[1])};
+}
 /// a / |a|, or nothing when a has no direction.
 [[nodiscard]] inline std::optional<Point3> direction_of(const Point3& a) {
   const double l = length(a);

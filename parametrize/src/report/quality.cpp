@@ -25,10 +25,6 @@ namespace {
 
 constexpr std::size_t kSamples = 40'000;  ///< per direction, the least that the definition asks for
 
-Point3 to_double(const Vec3& p) {
-  return {p.x, p.y, p.z};
-}
-
 double ratio(double a, double b) {
   return b > 0 ? a / b : 0;
 }

@@ -52,7 +52,7 @@ std::vector<std::size_t> match(const std::vector<SidePixel>& few, const std::vec
 class PixelSewer {
  public:
   PixelSewer(const TriangleMesh& mesh, const ClothAsset& asset) : mesh_(mesh), asset_(asset) {
-    for (const Vec3& p : asset.rest_position) position_.push_back({double{p.x}, double{p.y}, double{p.z}});
+    for (const Vec3& p : asset.rest_position) position_.push_back(to_double(p));
     find_charts();
     find_border();
   }
