@@ -135,16 +135,14 @@ class Untangler {
     for (uint32_t t = 0; t < triangle_.size(); ++t) boxes.emplace_back(box_of(t, reach_[t]), t);
     near_.clear();
     CGAL::box_self_intersection_d(boxes.begin(), boxes.end(), [&](const Box& a, const Box& b) {
-      const uint32_t s = std::min(a.info(), b.info()), t = std::max(a.info(), b.info());
-      if (share_a_point(s, t)) return;
+      if (share_a_point(a.info(), b.info())) return;
       if (near_.size() == kMostNear) {
         throw Error(ErrorCode::limit, "too many triangles lie at the same places to draw layers apart (more than " +
                                           std::to_string(kMostNear) + " pairs); leave --untangle out, or parts of " +
                                           "the mesh with --parts");
       }
-      near_.push_back({s, t});
+      near_.push_back({a.info(), b.info()});
     });
-    std::sort(near_.begin(), near_.end());
     listed_at_ = place_;
   }
 
@@ -157,13 +155,15 @@ class Untangler {
   /// @returns how many pairs of triangles cut through each other
   uint32_t find_crossings() {
     crossing_.clear();
+    box_.clear();
+    for (uint32_t t = 0; t < triangle_.size(); ++t) box_.push_back(box_of(t, 0));
     uint32_t pairs = 0;
     for (const auto& [s, t] : near_) {
-      if (!CGAL::do_overlap(box_of(s, 0), box_of(t, 0))) continue;
+      if (!CGAL::do_overlap(box_[s], box_[t])) continue;
       const bool s_through_t = add_crossings(s, t), t_through_s = add_crossings(t, s);
       if (s_through_t || t_through_s) ++pairs;
     }
-    // An edge was met once for each triangle beside it.
+    // An edge was met once for each triangle beside it, and pairs come in any order.
     const auto key = [](const Crossing& c) { return std::pair(c.edge, c.triangle); };
     std::sort(crossing_.begin(), crossing_.end(),
               [&](const Crossing& a, const Crossing& b) { return key(a) < key(b); });
@@ -291,6 +291,7 @@ class Untangler {
   std::vector<double> reach_, reach_at_;          // [m] per triangle, and the least of those of a point
   std::vector<PointPair> near_;                   // of triangles
   std::vector<Point3> listed_at_;                 // where points were when near_ was made
+  std::vector<CGAL::Bbox_3> box_;                 // per triangle, as it is
   std::vector<Crossing> crossing_;
 };
 
