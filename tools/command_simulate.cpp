@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include "body_reader.h"
 #include "command.h"
 #include "contact_check.h"
 #include "export/cache_writer.h"

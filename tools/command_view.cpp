@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "body_reader.h"
 #include "command.h"
 #include "file_error.h"
 #include "file_names.h"

@@ -22,14 +22,6 @@ void add_solver_options(CLI::App& app, SolverSettings& settings);
 
 /// A scene file, or an asset (.glb), hung as default_scene says. @throws as read_scene
 [[nodiscard]] Scene read_scene_or_asset(const std::filesystem::path& input);
-/// The triangles of a collider's mesh, which may be of any kind that a garment may be.
-/// @throws as import_mesh and select_parts
-[[nodiscard]] TriangleSurface read_body(const SceneMesh& body);
-/// The vertices of a mesh file, or of a frame of a point cache.
-/// @throws as import_mesh and read_point_cache, and Error(invalid_data) for a frame that there is not
-[[nodiscard]] PosedVertices read_vertices(const SceneStart& start);
-/// Of all these, and of bodies that an animation of their file deforms. @throws as AnimatedMesh
-[[nodiscard]] BodyReader body_reader();
 /// Every file that playing a scene reads.
 [[nodiscard]] std::vector<NamedFile> files_read(const std::filesystem::path& input, const Scene& scene);
 

@@ -11,7 +11,7 @@
 
 #include <fmt/format.h>
 
-#include "geocloth/parametrize/animated_mesh.h"
+#include "body_reader.h"
 #include "geocloth/parametrize/import.h"
 #include "render/camera.h"
 
@@ -252,17 +252,21 @@ void warn_of_open_loop(const SceneMesh& mesh, const std::string& name, double fr
   constexpr int kSamples = 60;
   constexpr float kTimes = 3;     // as far as in the fastest frame
   constexpr float kSeen = 0.01F;  // of the body's size
-  const AnimatedMesh played(mesh.file, {.clip = mesh.animation->clip, .parts = mesh.parts});
-  if (!(played.duration() > 0)) return;
+  SceneMesh once = mesh;
+  once.animation->start = 0;
+  once.animation->speed = 1;
+  once.animation->loop = false;
+  const PlayedBody played = play_body(once);
+  if (!(played.duration > 0)) return;
   const std::vector<Vec3> first = played.positions_at(0);
   std::vector<Vec3> last = first;
   float fastest = 0;  // [m] in one of the samples
   for (int k = 1; k <= kSamples; ++k) {
-    std::vector<Vec3> next = played.positions_at(played.duration() * k / kSamples);
+    std::vector<Vec3> next = played.positions_at(played.duration * k / kSamples);
     fastest = std::max(fastest, farthest_way(last, next));
     last = std::move(next);
   }
-  const double frame = mesh.animation->speed / frame_rate, sample = played.duration() / kSamples;
+  const double frame = mesh.animation->speed / frame_rate, sample = played.duration / kSamples;
   const float way = farthest_way(last, first), usual = fastest * static_cast<float>(frame / sample);
   if (way <= std::max(kTimes * usual, kSeen * bounds_of(first).diagonal())) return;
   warnings.push_back(fmt::format(
@@ -350,8 +354,8 @@ void warn_of_inward_skins(const Scene& scene, size_t index, std::vector<std::str
     if (!pin.backstop) continue;
     const auto [name, mesh] = surface_of(scene, index, pin.follow);
     if (mesh == nullptr || !told.insert(name).second) continue;
-    const AnimatedMesh surface(mesh->file, {.parts = mesh->parts});
-    if (outwardness(surface.positions_as_opened(), surface.triangle()) >= kInward) continue;
+    const PlayedBody surface = play_body(*mesh);
+    if (outwardness(surface.as_opened, surface.triangle) >= kInward) continue;
     warnings.push_back(fmt::format(
         "{}: its \"backstop\" keeps points behind the surface of {} ({}) instead of before it, because most of its "
         "triangles face inwards; turn them over in the program that wrote the file (often \"flip normals\")",

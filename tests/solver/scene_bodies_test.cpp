@@ -45,6 +45,26 @@ TEST(SceneBodies, AnAnimationIsNamedOrNumberedOrToldInFull) {
   EXPECT_EQ(with_body(R"(,"spacing":0.01)").colliders.at(0).field_spacing, 0.01F);
 }
 
+TEST(SceneBodies, APointCacheMayMoveThem) {
+  const auto plays = [](const std::string& animation) {
+    return with_body(R"(,"animation":)" + animation).colliders.at(0).mesh.value().animation.value();
+  };
+  const BodyAnimation walk = plays(R"("walk.PC2")");
+  EXPECT_EQ(walk.cache, std::filesystem::path("folder/walk.PC2"));
+  EXPECT_EQ(walk.clip, "");
+  EXPECT_EQ(walk.rate, 60) << "the scene's";
+  EXPECT_FALSE(plays(R"("walk.mdd")").rate) << "the file says it";
+  const BodyAnimation all =
+      plays(R"({"file":"c/walk.mdd","rate":24,"transform":{"scale":0.01},"start":1,"speed":2,"loop":true})");
+  EXPECT_EQ(all.cache, std::filesystem::path("folder/c/walk.mdd"));
+  EXPECT_EQ(all.rate, 24);
+  EXPECT_EQ(all.cache_transform.scale, 0.01F);
+  EXPECT_EQ(all.start, 1);
+  EXPECT_EQ(all.speed, 2);
+  EXPECT_TRUE(all.loop);
+  EXPECT_EQ(plays(R"("pc2")").clip, "pc2");
+}
+
 TEST(SceneBodies, WhatIsWrongWithThemIsSaid) {
   const auto said = [](const std::string& text) -> std::string {
     try {
@@ -65,6 +85,11 @@ TEST(SceneBodies, WhatIsWrongWithThemIsSaid) {
   EXPECT_THAT(animation(R"({"start":-1})"), HasSubstr("colliders[0].animation.start"));
   EXPECT_THAT(animation(R"({"speed":0})"), HasSubstr("colliders[0].animation.speed"));
   EXPECT_THAT(animation(R"({"lop":true})"), HasSubstr("nearest known one is \"loop\""));
+  EXPECT_THAT(animation(R"({"file":"walk.abc"})"), HasSubstr("colliders[0].animation.file: must name a point cache"));
+  EXPECT_THAT(animation(R"({"file":"a.pc2","clip":0})"), HasSubstr("colliders[0].animation.clip: is an animation of"));
+  EXPECT_THAT(animation(R"({"file":"a.pc2","rate":0})"), HasSubstr("colliders[0].animation.rate: must be from"));
+  EXPECT_THAT(animation(R"({"clip":0,"rate":24})"), HasSubstr("colliders[0].animation.rate: is for a point cache"));
+  EXPECT_THAT(animation(R"({"transform":{}})"), HasSubstr("colliders[0].animation.transform: is for a point cache"));
   EXPECT_THAT(animation(R"(0,"spacing":0)"), HasSubstr("colliders[0].spacing: must be from"));
   const auto cloth = [&](const std::string& keys, const std::string& rest = "") {
     return said(R"({"version":1,"cloths":[{"asset":"a.glb")" + keys + "}]" + rest + "}");

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Scenes with bodies that an animation of their file moves, as `simulate` plays them.
 
+#include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <sstream>
@@ -39,6 +42,27 @@ class AnimatedBodies : public testing::Test {
     return run_program({"simulate", scene, "--backend", "cpu", "--last-state", folder_ / "last.obj", "--quiet"});
   }
 
+  /// A point cache in which the corners of still.obj slide to z = 0.5 m.
+  /// @param size  of them
+  void write_slide(const std::string& name, uint32_t frames, float step = 1, float size = 1) {
+    const auto append = [](std::string& bytes, auto word) {
+      const auto raw = std::bit_cast<std::array<char, sizeof word>>(word);
+      bytes.append(raw.begin(), raw.end());
+    };
+    std::string bytes("POINTCACHE2\0", 12);
+    append(bytes, uint32_t{1});
+    append(bytes, uint32_t{4});
+    append(bytes, 0.0F);
+    append(bytes, step);
+    append(bytes, frames);
+    for (uint32_t frame = 0; frame < frames; ++frame) {
+      const float z = 0.5F * static_cast<float>(frame) / static_cast<float>(frames - 1);
+      for (const Vec3& p : {Vec3{0, 0, z}, Vec3{1, 0, z}, Vec3{0, 1, z}, Vec3{0, 0, 1 + z}})
+        for (const float c : {p.x, p.y, p.z}) append(bytes, size * c);
+    }
+    folder_.write(name, bytes);
+  }
+
   /// z of a point that is pinned, at the end [m].
   [[nodiscard]] float top_z() const {
     std::istringstream lines(read_text(folder_ / "last.obj"));
@@ -53,8 +77,9 @@ class AnimatedBodies : public testing::Test {
 
   /// The body, below the cloth.
   [[nodiscard]] static std::string body(const std::string& file, const std::string& keys) {
-    return fmt::format(R"({{"name":"body","shape":"mesh","file":"{}","transform":{{"translate":[0,-9,0]}},{}}})", file,
-                       keys);
+    return fmt::format(
+        R"({{"name":"body","shape":"mesh","file":"{}","spacing":0.1,"transform":{{"translate":[0,-9,0]}},{}}})", file,
+        keys);
   }
 
   TemporaryFolder folder_;
@@ -106,6 +131,56 @@ TEST_F(AnimatedBodies, HaveClothBeginWhereTheSkinDoes) {
   // With time to get there it begins where the file has it.
   EXPECT_EQ(simulate(with(R"("animation":{"clip":"slide","start":0.5})"), "").status, 0);
   EXPECT_NEAR(top_z(), 3.25, 1e-5);
+}
+
+// What a program computes for each vertex, muscles or cloth say, leaves it as a point cache.
+TEST_F(AnimatedBodies, PlayPointCachesOfTheirVertices) {
+  const auto z_with = [&](const std::string& animation) {
+    const ProgramResult played = simulate("", body("still.obj", "\"animation\":" + animation));
+    EXPECT_EQ(played.status, 0) << played.err;
+    return top_z();
+  };
+  write_slide("slide.pc2", 61);
+  EXPECT_NEAR(z_with(R"("slide.pc2")"), 0.5, 1e-5) << "its frames are the scene's";
+  EXPECT_NEAR(z_with(R"({"file":"slide.pc2","rate":30})"), 0.25, 1e-5);
+  EXPECT_NEAR(z_with(R"({"file":"slide.pc2","start":0.5,"speed":0.5})"), 0.125, 1e-5);
+  EXPECT_NEAR(z_with(R"({"file":"slide.pc2","speed":4})"), 0.5, 1e-5) << "it holds its last frame";
+  EXPECT_NEAR(z_with(R"({"file":"slide.pc2","speed":1.5,"loop":true})"), 0.25, 1e-5);
+  write_slide("some.PC2", 3, 60);  // every 60th frame
+  EXPECT_NEAR(z_with(R"("some.PC2")"), 0.25, 1e-5);
+  EXPECT_NEAR(z_with(R"({"file":"some.PC2","speed":0.5})"), 0.125, 1e-5) << "evenly between frames";
+  write_slide("inches.pc2", 61, 1, 1 / 0.0254F);
+  EXPECT_NEAR(z_with(R"({"file":"inches.pc2","transform":{"scale":0.0254}})"), 0.5, 1e-5);
+  const ProgramResult skin = simulate(R"(,"skin":{"file":"still.obj","animation":"slide.pc2"})", "");
+  EXPECT_EQ(skin.status, 0) << skin.err;
+  EXPECT_NEAR(top_z(), 0.5, 1e-5);
+}
+
+// What simulate wrote of one cloth moves the next one.
+TEST_F(AnimatedBodies, PlayWhatSimulateWrote) {
+  ASSERT_EQ(run_program({"inspect", folder_ / "sheet.glb", "--mesh", folder_ / "sheet.obj"}).status, 0);
+  for (const char* cache : {"slides.pc2", "slides.mdd"}) {
+    ASSERT_EQ(simulate("", body("body.gltf", R"("animation":"slide")")).status, 0);
+    ASSERT_EQ(run_program({"simulate", folder_ / "scene.json", "--backend", "cpu", "-o", folder_ / cache, "-q"}).status,
+              0);
+    const ProgramResult again = simulate(fmt::format(R"(,"skin":{{"file":"sheet.obj","animation":"{}"}})", cache), "");
+    ASSERT_EQ(again.status, 0) << again.err;
+    EXPECT_NEAR(top_z(), 0.5, 1e-5) << cache;
+  }
+}
+
+TEST_F(AnimatedBodies, PointCachesOfOtherMeshesAreRefused) {
+  write_slide("slide.pc2", 61);
+  folder_.write("more.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 2 2 2\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  const ProgramResult result = simulate("", body("more.obj", R"("animation":"slide.pc2")"));
+  EXPECT_EQ(result.status, 1);
+  EXPECT_THAT(result.err, AllOf(HasSubstr("colliders[0]"), HasSubstr("slide.pc2: has 4 points, but "),
+                                HasSubstr("more.obj has 5 vertices")));
+  folder_.write("cut.pc2", read_text(folder_ / "slide.pc2").substr(0, 500));
+  EXPECT_THAT(simulate("", body("still.obj", R"("animation":"cut.pc2")")).err, HasSubstr("cut.pc2: does not hold"));
+  // It would be lost.
+  EXPECT_THAT(run_program({"simulate", folder_ / "scene.json", "-o", folder_ / "cut.pc2"}).err,
+              AllOf(HasSubstr("cut.pc2"), HasSubstr("a collider of the scene")));
 }
 
 TEST_F(AnimatedBodies, ThatAreNotThereAreNamed) {

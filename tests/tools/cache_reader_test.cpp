@@ -3,6 +3,8 @@
 #include "export/cache_reader.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <filesystem>
 #include <functional>
 
@@ -144,6 +146,21 @@ TEST_F(CacheReader, PointCachesComeBackBitForBit) {
       EXPECT_EQ(cache.frames[3][tube.source.source_vertex[i]], expected.source_position[i]);
     }
   }
+}
+
+// Frames of a cut from a longer motion have the times that they had there.
+TEST_F(CacheReader, AnMddMayBeginLater) {
+  Bytes bytes;
+  const auto append = [&](auto word) {
+    auto raw = std::bit_cast<std::array<std::byte, sizeof word>>(word);
+    std::reverse(raw.begin(), raw.end());
+    bytes.insert(bytes.end(), raw.begin(), raw.end());
+  };
+  append(uint32_t{3});
+  append(uint32_t{1});
+  for (const float time : {2.0F, 2.5F, 3.0F}) append(time);
+  for (int number = 0; number < 9; ++number) append(0.0F);
+  EXPECT_EQ(decode_point_cache(bytes, "x.mdd").frame_rate, 2);
 }
 
 TEST_F(CacheReader, BrokenFilesAreRefused) {

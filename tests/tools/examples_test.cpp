@@ -11,6 +11,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "body_reader.h"
 #include "contact_check.h"
 #include "geocloth/solver/scene.h"
 #include "scene_input.h"

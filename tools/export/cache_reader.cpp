@@ -246,6 +246,8 @@ PointCache decode_pc2(std::span<const std::byte> bytes, const std::filesystem::p
   }
   PointCache cache;
   cache.points = word_at<uint32_t>(bytes, 16, false);
+  const auto step = double{word_at<float>(bytes, 24, false)};
+  if (step > 0 && std::isfinite(step)) cache.step = step;
   read_samples(bytes, kHeaderSize, word_at<uint32_t>(bytes, 28, false), false, path, cache);
   return cache;
 }
@@ -260,10 +262,10 @@ PointCache decode_mdd(std::span<const std::byte> bytes, const std::filesystem::p
   cache.points = word_at<uint32_t>(bytes, 4, true);
   const std::size_t first_sample = kHeaderSize + static_cast<std::size_t>(samples) * sizeof(float);
   read_samples(bytes, first_sample, samples, true, path, cache);
-  const auto last_time = double{word_at<float>(bytes, first_sample - sizeof(float), true)};
-  if (samples > 1 && last_time > 0 && std::isfinite(last_time)) {
-    cache.frame_rate = static_cast<double>(samples - 1) / last_time;
-  }
+  const auto first_time = double{word_at<float>(bytes, kHeaderSize, true)},
+             last_time = double{word_at<float>(bytes, first_sample - sizeof(float), true)};
+  const double length = last_time - first_time;
+  if (samples > 1 && length > 0 && std::isfinite(length)) cache.frame_rate = static_cast<double>(samples - 1) / length;
   return cache;
 }
 

@@ -32,6 +32,7 @@ struct Cache {
 struct PointCache {
   uint32_t points = 0;
   double frame_rate = 60;                 ///< [1/s]; of an .mdd with more than one frame, else 60
+  double step = 1;                        ///< of a .pc2, > 0: that many frames of its time line go by with each
   std::vector<std::vector<Vec3>> frames;  ///< each has `points` entries [m]
 };
 

@@ -299,15 +299,42 @@ std::string name_or_number(const JsonReader& json) {
   return json.is_string() ? json.text() : std::to_string(json.count(0, 1'000'000));
 }
 
-BodyAnimation read_animation(const JsonReader& json) {
+constexpr std::string_view kPointCaches = "a point cache (.pc2 or .mdd)";
+
+/// Of the name of a point cache without capitals; empty for another file.
+std::string cache_ending(const std::filesystem::path& file) {
+  std::string ending = file.extension().string();
+  std::ranges::transform(ending, ending.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; });
+  return ending == ".pc2" || ending == ".mdd" ? ending : "";
+}
+
+/// What of an animation only point caches have.
+void read_cache(const JsonReader& json, const std::filesystem::path& folder, BodyAnimation& animation) {
+  constexpr double kSlowest = 1e-3, kFastest = 1e5;
+  if (!json.has("file")) {
+    for (const auto* key : {"rate", "transform"})
+      if (json.has(key)) json.at(key).fail("is for " + std::string(kPointCaches) + ", which \"file\" names");
+    return;
+  }
+  animation.cache = folder / std::filesystem::path(json.at("file").text());
+  if (cache_ending(animation.cache).empty()) json.at("file").fail("must name " + std::string(kPointCaches));
+  if (json.has("clip")) json.at("clip").fail("is an animation of the mesh file; the point cache is in its place");
+  if (json.has("rate")) animation.rate = in_range(json.at("rate"), kSlowest, kFastest);
+  if (json.has("transform")) animation.cache_transform = read_transform(json.at("transform"));
+}
+
+BodyAnimation read_animation(const JsonReader& json, const std::filesystem::path& folder) {
   constexpr double kLongest = 1e6, kFastest = 1e3, kSlowest = 1e-3;
   BodyAnimation animation;
   if (!json.is_object()) {
     animation.clip = name_or_number(json);
+    if (cache_ending(animation.clip).empty()) return animation;
+    animation.cache = folder / std::exchange(animation.clip, {});
     return animation;
   }
-  json.expect_object({"clip", "start", "speed", "loop"});
+  json.expect_object({"clip", "file", "rate", "transform", "start", "speed", "loop"});
   if (json.has("clip")) animation.clip = name_or_number(json.at("clip"));
+  read_cache(json, folder, animation);
   if (json.has("start")) animation.start = in_range(json.at("start"), 0, kLongest);
   if (json.has("speed")) animation.speed = in_range(json.at("speed"), kSlowest, kFastest);
   if (json.has("loop")) animation.loop = json.at("loop").boolean();
@@ -322,14 +349,14 @@ SceneMesh read_body(const JsonReader& json, const std::filesystem::path& folder)
   SceneMesh mesh{.file = folder / std::filesystem::path(json.at("file").text())};
   if (json.has("parts")) mesh.parts = name_or_number(json.at("parts"));
   if (json.has("transform")) mesh.transform = read_transform(json.at("transform"));
-  if (json.has("animation")) mesh.animation = read_animation(json.at("animation"));
+  if (json.has("animation")) mesh.animation = read_animation(json.at("animation"), folder);
   return mesh;
 }
 
 SceneMesh read_skin(const JsonReader& json, const std::filesystem::path& folder) {
   json.expect_object({kBodyKeys.begin(), kBodyKeys.end()});
   SceneMesh skin = read_body(json, folder);
-  skin.animation = read_animation(json.at("animation"));  // which must be there
+  skin.animation = read_animation(json.at("animation"), folder);  // which must be there
   return skin;
 }
 
@@ -609,6 +636,16 @@ struct ShapeCenter {
   Vec3 operator()(const MeshSolid& s) const { return s.field ? middle_of_bounds(s.field->surface) : Vec3{}; }
 };
 
+/// PC2 files do not say how fast their frames go by: as fast as the scene's.
+void set_cache_rates(Scene& scene) {
+  const auto set_rate = [&](std::optional<SceneMesh>& mesh) {
+    if (!mesh || !mesh->animation || mesh->animation->rate) return;
+    if (cache_ending(mesh->animation->cache) == ".pc2") mesh->animation->rate = scene.frame_rate;
+  };
+  for (SceneCloth& cloth : scene.cloths) set_rate(cloth.skin);
+  for (SceneCollider& collider : scene.colliders) set_rate(collider.mesh);
+}
+
 }  // namespace
 
 Scene parse_scene(std::string_view text, const std::filesystem::path& path) {
@@ -652,6 +689,7 @@ Scene parse_scene(std::string_view text, const std::filesystem::path& path) {
   }
   check_names(scene, json);
   read_collision_groups(json, scene);
+  set_cache_rates(scene);
   return scene;
 }
 

@@ -99,9 +99,12 @@ struct SceneCut {
   std::array<Vec3, 3> triangle;
 };
 
-/// Which animation of its file deforms a body, and when.
+/// What deforms a body, and when: an animation of its file, or a point cache of all vertices of the file in its order.
 struct BodyAnimation {
-  std::string clip = {};  ///< its name or its number, from 0; empty: the first one; "*": all at once
+  std::string clip = {};             ///< its name or its number, from 0; empty: the first one; "*": all at once
+  std::filesystem::path cache = {};  ///< .pc2 or .mdd, resolved against the scene file's folder; empty: a clip
+  std::optional<double> rate = {};   ///< [1/s] > 0 frames of the cache; not set: as it says itself
+  Transform cache_transform = {};    ///< from the cache's coordinates to the file's
   /// [s] >= 0. Until then the body goes from how it stands in the file to the animation's first pose.
   double start = 0;
   double speed = 1;   ///< > 0
