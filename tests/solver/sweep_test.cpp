@@ -3,6 +3,7 @@
 // cut cloth and masked charts, with everything that a scene can have, for any number of threads.
 
 #include <array>
+#include <chrono>
 #include <cstring>
 #include <random>
 
@@ -371,6 +372,27 @@ INSTANTIATE_TEST_SUITE_P(Sweep, Targets, testing::ValuesIn(test::vector_targets(
                          [](const auto& target) { return std::string(hwy::TargetName(target.param)); });
 
 /// Threads share out whole cloths when there are enough, and substeps of one cloth when there are not.
+// Measured cloth once went on one thread, and a report on eight was that of one.
+TEST(Sweep, PassesTakeTheTimeOfTheFramesOnAnyNumberOfThreads) {
+  for (const uint32_t charts : {1U, 2U}) {
+    const ClothAsset asset = test::make_sheet({.nx = 64, .ny = 64, .charts_x = charts});
+    for (const uint32_t threads : {1U, 3U}) {
+      SolverSettings settings = test::cpu_settings();
+      settings.threads = threads;
+      settings.timings = true;
+      Solver solver(std::vector{test::describe(asset)}, settings);
+      solver.set_pins(0, test::pins_at_rest(asset, "top"));
+      const auto start = std::chrono::steady_clock::now();
+      for (int frame = 0; frame < 20; ++frame) solver.step();
+      const double all = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      double passes = 0;
+      for (const PassTiming& pass : solver.statistics().passes) passes += pass.seconds;
+      EXPECT_LE(passes, all) << threads;
+      EXPECT_GE(passes, 0.1 * all) << threads;
+    }
+  }
+}
+
 TEST(Sweep, ClothsSideBySideDoNotDependOnThreads) {
   const Case c{"crowd", make_sheet({.nx = 40, .ny = 30}), attached(), few_substeps(), {}, {}};
   const auto run = [&](uint32_t threads, bool plain) {

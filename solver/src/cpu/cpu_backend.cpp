@@ -28,7 +28,7 @@ namespace {
 
 using shader::vec4;
 
-using PassSeconds = std::array<double, kPasses.size()>;
+using cpu::PassSeconds;
 
 /// Passes one by one, as the last frame had them.
 struct Schedules {
@@ -343,7 +343,7 @@ class CpuBackend final : public SolverBackend {
     return {&cloth.measures, data_.timings ? &cloth.seconds : nullptr};
   }
   [[nodiscard]] cpu::SweepRunner::RunPass run_one(Cloth& cloth) const {
-    return [this, &cloth](const PassStep& step, const cpu::PassContext& context) { run(step, context, cloth); };
+    return [&cloth](const PassStep& step, const cpu::PassContext& context) { run_pass(step, context, cloth); };
   }
 
   /// @return whether it is awake
@@ -398,11 +398,12 @@ class CpuBackend final : public SolverBackend {
   /// Pass by pass is the reference.
   [[nodiscard]] bool by_sweeps() const { return data_.path != SolverPath::plain; }
 
+  static void run_pass(const PassStep& step, const cpu::PassContext& context, Cloth& cloth) {
+    if (is_of_self_collision(step.pass)) return cloth.self->run(step.pass, context, cloth.state);
+    cpu::run_pass(step, context, cloth.state, cloth.measures);
+  }
   void run(const PassStep& step, const cpu::PassContext& context, Cloth& cloth) const {
-    timed(cloth.seconds, step.pass, [&] {
-      if (is_of_self_collision(step.pass)) return cloth.self->run(step.pass, context, cloth.state);
-      cpu::run_pass(step, context, cloth.state, cloth.measures);
-    });
+    timed(cloth.seconds, step.pass, [&] { run_pass(step, context, cloth); });
   }
   void run_all(const std::vector<PassStep>& steps, const cpu::PassContext& context, Cloth& cloth) const {
     for (const PassStep& step : steps) run(step, context, cloth);

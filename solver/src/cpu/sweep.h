@@ -195,7 +195,7 @@ struct SweepFrame {
   bool collide_all = false;               ///< no point is certainly untouched, or points change without being touched
   float* penetration = nullptr;           ///< [m] of each substep, raised by check_colliders
   float* scratch = nullptr;               ///< memory for a strip, Sweep::scratch long; of one thread
-  double* seconds = nullptr;              ///< for each substep one for each pass
+  double* seconds = nullptr;              ///< one for each pass, added to; none: not measured
 };
 
 /// Runs a band of the sweep of one substep.

@@ -163,12 +163,11 @@ HWY_INLINE void run_turn(D d, const SweepFrame& frame, uint32_t substep, const S
 template <class D>
 HWY_NOINLINE void time_turns(D d, const SweepFrame& frame, uint32_t substep, const SweepBand& band) {
   using Clock = std::chrono::steady_clock;
-  double* seconds = frame.seconds + substep * frame.sweep->ops.size();
   auto start = Clock::now();
   for (const SweepTurn& turn : band.turns) {
     run_turn(d, frame, substep, turn);
     const auto end = Clock::now();
-    seconds[turn.op] += std::chrono::duration<double>(end - start).count();
+    frame.seconds[turn.op] += std::chrono::duration<double>(end - start).count();
     start = end;
   }
 }

@@ -5,8 +5,6 @@
 #include "cpu/sweep_runner.h"
 
 #include <algorithm>
-#include <chrono>
-#include <numeric>
 
 #include "cpu/collider_guards.h"
 #include "cpu/pin_rows.h"
@@ -14,8 +12,6 @@
 
 namespace geocloth::cpu {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 constexpr uint32_t kCellRowGrain = 16;   ///< rows of cells that are worth a thread of their own
 constexpr uint32_t kLineBlockGrain = 2;  ///< blocks of lines
@@ -38,7 +34,7 @@ void SweepRunner::prepare(const ClothState& state, const ClothFrame& cloth, cons
   recipe_ = recipe;
   planned_ = true;
   const auto plan = [&](const std::vector<PassStep>& steps, uint32_t relaxation_steps) {
-    return Plan{pool_->share(SweepPlan::make(state, steps, cloth, runs_, relaxation_steps)), {}, {}};
+    return Plan{pool_->share(SweepPlan::make(state, steps, cloth, runs_, relaxation_steps)), {}, {}, {}};
   };
   const SubstepHalves halves = substep_halves(options);
   substep_ = plan(halves.before, options.relaxation_steps);
@@ -89,21 +85,26 @@ void SweepRunner::run_line_blocks(const SweepPlan& plan, const SweepFrame& frame
 }
 
 void SweepRunner::run_step(const Plan& plan, const PassStep& step, const SweepFrame& frame, const PassContext& context,
-                           const Measuring& measuring, const RunPass& pass) {
-  const bool timed = measuring.seconds != nullptr;
-  const auto start = timed ? Clock::now() : Clock::time_point();
-  if (step.pass == Pass::lines) {
-    run_line_blocks(*plan.sweeps, frame, context, step.group);
-  } else if (step.pass == Pass::collide_cells) {
-    run_cell_rows(frame, context, step.group);
-  } else if (!run_seams(plan.sweeps->seams(), step, context, *frame.state)) {
-    return pass(step, context);
-  }
-  if (!timed) return;
-  (*measuring.seconds)[static_cast<size_t>(step.pass)] += std::chrono::duration<double>(Clock::now() - start).count();
+                           const RunPass& pass) {
+  if (step.pass == Pass::lines) return run_line_blocks(*plan.sweeps, frame, context, step.group);
+  if (step.pass == Pass::collide_cells) return run_cell_rows(frame, context, step.group);
+  if (!run_seams(plan.sweeps->seams(), step, context, *frame.state)) pass(step, context);
 }
 
-void SweepRunner::run_in_bands(const Plan& plan, const SweepFrame& frame, uint32_t first, uint32_t last,
+void SweepRunner::run_part(Plan& plan, uint32_t part, SweepFrame frame, const PassContext& context,
+                           const SweepBand* rows, uint32_t band, const RunPass& pass) {
+  const SweepPlan::Part& all = plan.sweeps->parts()[part];
+  const auto work = [&] {
+    if (const auto* step = std::get_if<PassStep>(&all)) return run_step(plan, *step, frame, context, pass);
+    frame.sweep = &std::get<Sweep>(all);
+    run_sweep(plan.sweeps->lanes(), frame, context.substep, *rows);
+  };
+  if (!timed_) return work();
+  frame.seconds = context.substep == watched_ ? plan.times.passes_of(band, part) : nullptr;
+  plan.times.measure(band, part, work);
+}
+
+void SweepRunner::run_in_bands(Plan& plan, const SweepFrame& frame, uint32_t first, uint32_t last,
                                const Threads& threads, const RunPass& pass) {
   const BandPlan& bands = plan.bands;
   const auto substeps = static_cast<uint32_t>(contexts_.size()), tasks = static_cast<uint32_t>(bands.tasks.size());
@@ -123,18 +124,16 @@ void SweepRunner::run_in_bands(const Plan& plan, const SweepFrame& frame, uint32
     const BandTask& task = bands.tasks[number % tasks];
     const bool alone = task.kind == BandTask::Kind::alone;
     if (alone && band > 0) return;
+    SweepFrame own = frame;
+    own.penetration = &penetration_[size_t{band} * substeps];
+    own.scratch = scratch_of(band);
+    const PassContext& all = contexts_[substep];
+    const Threads& share = alone ? alone_ : plan.shares[band];
+    const PassContext context{all.frame, all.cloth, share, substep, all.relaxation_steps};
     for (uint32_t n = task.first_part; n < task.last_part; ++n) {
-      if (const auto* step = std::get_if<PassStep>(&parts[n])) {
-        const PassContext& all = contexts_[substep];
-        const Threads& share = alone ? alone_ : plan.shares[band];
-        run_step(plan, *step, frame, {all.frame, all.cloth, share, substep, all.relaxation_steps}, {}, pass);
-        continue;
-      }
-      SweepFrame own = frame;
-      own.sweep = &std::get<Sweep>(parts[n]);
-      own.penetration = &penetration_[size_t{band} * substeps];
-      own.scratch = scratch_of(band);
-      run_sweep(plan.sweeps->lanes(), own, substep, bands.rows_of(n, band, task.kind));
+      const SweepBand* const rows =
+          std::holds_alternative<Sweep>(parts[n]) ? &bands.rows_of(n, band, task.kind) : nullptr;
+      run_part(plan, n, own, context, rows, band, pass);
     }
   });
 }
@@ -158,52 +157,32 @@ uint32_t SweepRunner::place_anchors(const ClothState& state) {
   return static_cast<uint32_t>(line);
 }
 
-void SweepRunner::run_substeps(SweepFrame& frame, const Sweep& sweep, uint32_t first, uint32_t last,
-                               const Measuring& measuring) {
-  const auto start = Clock::now();
-  frame.sweep = &sweep;
-  if (measuring.seconds != nullptr) seconds_.assign(contexts_.size() * sweep.ops.size(), 0.0);
-  frame.seconds = measuring.seconds != nullptr ? seconds_.data() : nullptr;
-  frame.scratch = scratch_.data();
-  for (uint32_t s = first; s < last; ++s) run_sweep(substep_.sweeps->lanes(), frame, s, sweep.whole);
-  if (measuring.seconds == nullptr) return;
-  const double timed = std::accumulate(seconds_.begin(), seconds_.end(), 0.0);
-  const double all = std::chrono::duration<double>(Clock::now() - start).count();
-  if (!(timed > 0)) {  // no pass had anything to do
-    (*measuring.seconds)[static_cast<size_t>(sweep.ops.front().pass)] += all;
-    return;
-  }
-  for (size_t k = 0; k < seconds_.size(); ++k) {
-    (*measuring.seconds)[static_cast<size_t>(sweep.ops[k % sweep.ops.size()].pass)] += all * seconds_[k] / timed;
-  }
-}
-
 void SweepRunner::run_plan(Plan& plan, SweepFrame frame, uint32_t first, uint32_t last, const Threads& threads,
                            const Measuring& measuring, const RunPass& pass) {
   penetration_.assign(contexts_.size(), 0.F);
   frame.penetration = penetration_.data();
   const std::vector<SweepPlan::Part>& parts = plan.sweeps->parts();
-  const bool in_one_piece = parts.size() == 1 && std::holds_alternative<Sweep>(parts.front());
-  if (threads.count() > 1 && measuring.seconds == nullptr) {
-    if (plan.bands.rows.empty()) {
-      plan.bands = plan_bands(*plan.sweeps, *frame.state, threads.count());
-      plan.shares.clear();
-      for (uint32_t k = 0; k < plan.bands.count(); ++k) plan.shares.emplace_back(k, plan.bands.count());
-    }
+  const bool in_bands = threads.count() > 1;
+  if (in_bands && plan.bands.rows.empty()) {
+    plan.bands = plan_bands(*plan.sweeps, *frame.state, threads.count());
+    plan.shares.clear();
+    for (uint32_t k = 0; k < plan.bands.count(); ++k) plan.shares.emplace_back(k, plan.bands.count());
+  }
+  timed_ = measuring.seconds != nullptr;
+  watched_ = first + (last - first) / 2;
+  if (timed_) plan.times.begin(*plan.sweeps, in_bands ? plan.bands.count() : 1);
+  if (in_bands) {
     run_in_bands(plan, frame, first, last, threads, pass);
-  } else if (in_one_piece) {
-    run_substeps(frame, std::get<Sweep>(parts.front()), first, last, measuring);
   } else {
+    frame.scratch = scratch_.data();
     for (uint32_t s = first; s < last; ++s) {
-      for (const SweepPlan::Part& part : parts) {
-        if (const auto* step = std::get_if<PassStep>(&part)) {
-          run_step(plan, *step, frame, contexts_[s], measuring, pass);
-        } else {
-          run_substeps(frame, std::get<Sweep>(part), s, s + 1, measuring);
-        }
+      for (uint32_t n = 0; n < parts.size(); ++n) {
+        const auto* sweep = std::get_if<Sweep>(&parts[n]);
+        run_part(plan, n, frame, contexts_[s], sweep != nullptr ? &sweep->whole : nullptr, 0, pass);
       }
     }
   }
+  if (timed_) plan.times.end(*plan.sweeps, *measuring.seconds);
   for (const float depth : penetration_) {
     measuring.measures->penetration = std::max(measuring.measures->penetration, depth);
   }

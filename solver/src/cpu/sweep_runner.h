@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <functional>
 #include <memory>
 #include <vector>
 
 #include "cpu/bands.h"
 #include "cpu/plan_pool.h"
+#include "cpu/sweep_times.h"
 
 namespace geocloth::cpu {
 
@@ -19,8 +19,8 @@ class SweepRunner {
 
   /// What is measured on the way.
   struct Measuring {
-    Measures* measures = nullptr;                           ///< raised by the checks
-    std::array<double, kPasses.size()>* seconds = nullptr;  ///< of each pass, added to; none: not measured
+    Measures* measures = nullptr;    ///< raised by the checks
+    PassSeconds* seconds = nullptr;  ///< of each pass, added to; none: not measured
   };
 
   using RunPass = std::function<void(const PassStep&, const PassContext&)>;
@@ -29,7 +29,7 @@ class SweepRunner {
   bool begin(const FrameInput& frame, const ClothFrame& cloth, const ScheduleOptions& options, const Threads& threads,
              ClothState& state);
   /// The substeps first .. last - 1, of a cloth that collides with others their first half; see SubstepHalves.
-  /// @param pass  runs, and times, what does not go by rows: one entry of the schedule in one substep
+  /// @param pass  runs what does not go by rows: one entry of the schedule in one substep
   void run(uint32_t first, uint32_t last, const Measuring& measuring, const RunPass& pass);
   void run_second_half(uint32_t substep, const Measuring& measuring, const RunPass& pass);
   /// What follows the last one; see finish_schedule().
@@ -63,6 +63,7 @@ class SweepRunner {
     std::shared_ptr<const SweepPlan> sweeps;  ///< nothing: no passes, or none by sweeps
     BandPlan bands;                           ///< without rows: not planned
     std::vector<Threads> shares;              ///< of a pass that does not go by rows, one for each band
+    SweepTimes times;
   };
 
   void prepare(const ClothState& state, const ClothFrame& cloth, const ScheduleOptions& options, uint32_t threads);
@@ -72,17 +73,20 @@ class SweepRunner {
   uint32_t place_anchors(const ClothState& state);
   /// One thread's share of what does not go by rows; with the guards of colliders where they help.
   void run_step(const Plan& plan, const PassStep& step, const SweepFrame& frame, const PassContext& context,
-                const Measuring& measuring, const RunPass& pass);
+                const RunPass& pass);
   void run_cell_rows(const SweepFrame& frame, const PassContext& context, uint32_t group) const;
   void run_line_blocks(const SweepPlan& plan, const SweepFrame& frame, const PassContext& context, uint32_t group);
   /// Runs a plan in the substeps first .. last - 1.
   void run_plan(Plan& plan, SweepFrame frame, uint32_t first, uint32_t last, const Threads& threads,
                 const Measuring& measuring, const RunPass& pass);
-  /// The plan's parts one after another, each by all threads, without times.
-  void run_in_bands(const Plan& plan, const SweepFrame& frame, uint32_t first, uint32_t last, const Threads& threads,
+  /// The plan's parts one after another, each by all threads.
+  void run_in_bands(Plan& plan, const SweepFrame& frame, uint32_t first, uint32_t last, const Threads& threads,
                     const RunPass& pass);
-  /// Runs a sweep in the substeps first .. last - 1 and shares its time out among its passes.
-  void run_substeps(SweepFrame& frame, const Sweep& sweep, uint32_t first, uint32_t last, const Measuring& measuring);
+  /// One of them by one thread, which measures it if it is to.
+  /// @param frame  with the thread's scratch and penetration
+  /// @param rows   of a sweep
+  void run_part(Plan& plan, uint32_t part, SweepFrame frame, const PassContext& context, const SweepBand* rows,
+                uint32_t band, const RunPass& pass);
 
   PlanPool* pool_;
   std::vector<Run> runs_;
@@ -98,7 +102,8 @@ class SweepRunner {
   Floats scratch_;  ///< see SweepFrame, for each thread
   size_t scratch_length_ = 0;
   Floats line_scratch_;  ///< for the blocks of LineStream
-  std::vector<double> seconds_;
+  bool timed_ = false;
+  uint32_t watched_ = 0;           ///< the substep whose passes are told apart
   std::vector<TaskChain> chains_;  ///< of the bands
 };
 

@@ -86,7 +86,7 @@ struct SolverSettings {
   /// forces all lie in that plane never leaves it, however much it is squeezed, as a column without imperfections never
   /// buckles: 1e-6 lets a flat curtain fold. Which folds then come hangs on rounding, on cuts and on resolution.
   float imperfection = 0;
-  bool timings = false;  ///< measure every pass (slower; cpu: a cloth runs on one thread)
+  bool timings = false;  ///< measure every pass (slower)
   SolverPath path = SolverPath::automatic;
   /// [m/s] A cloth none of whose points has been faster for `sleep_time` is asleep: it stays as it is and costs
   /// nothing, until a collider moves so that it may touch it, a pin of it or its parent moves, or it is cut, written
