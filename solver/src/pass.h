@@ -216,7 +216,8 @@ struct SubstepHalves {
 [[nodiscard]] SubstepHalves substep_halves(const ScheduleOptions& options);
 
 /// The passes after those of a frame's last substep, which belong to it: hold_way, lines x 2, { [whole_ties], ties,
-/// [ties on seams, sew, stitch] } x 3, [whole_ties], give_way [check], or none.
+/// [ties on seams, sew, stitch] } x 3 (where cloth hangs by seams: x 1, lines x 2, x 8), [whole_ties], give_way
+/// [check], or none.
 [[nodiscard]] std::vector<PassStep> finish_schedule(const ScheduleOptions& options);
 
 /// The passes after all of a frame: normals [measure_motion].
