@@ -7,7 +7,8 @@
 set -u
 cd "$(dirname "$0")/.." || exit 1
 case ${1-} in
-  "") analyzed="parametrize/src/import solver/asset solver/src/scene tools/export/cache_reader.cpp" ;;
+  "") analyzed="parametrize/src/import solver/asset solver/src/scene/scene.cpp solver/src/scene/json_reader.cpp
+    tools/export/cache_reader.cpp" ;;
   --all) analyzed="parametrize solver tools meshes" ;;
   *) echo "usage: tools/lint.sh [--all]" >&2; exit 2 ;;
 esac
