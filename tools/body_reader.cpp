@@ -34,25 +34,24 @@ std::vector<Vec3> between(const std::vector<Vec3>& from, const std::vector<Vec3>
   return out;
 }
 
+AnimationOptions options_of(const SceneMesh& body) {
+  const BodyAnimation& plays = body.animation.value();
+  return {plays.clip, plays.start, plays.speed, plays.loop, body.parts};
+}
+
 /// The frames of a point cache, evenly between them.
 class CachedMotion {
  public:
-  CachedMotion(PointCache cache, BodyAnimation plays, std::vector<Vec3> as_opened)
-      : frames_(std::move(cache.frames)),
-        rate_(plays.rate.value_or(cache.frame_rate) / cache.step),
-        plays_(std::move(plays)),
-        as_opened_(std::move(as_opened)) {
-    for (std::vector<Vec3>& frame : frames_)
-      for (Vec3& p : frame) p = apply(plays_.cache_transform, p);
-  }
+  /// @param rate  [1/s] frames
+  CachedMotion(std::vector<std::vector<Vec3>> frames, double rate, AnimationOptions options,
+               std::vector<Vec3> as_opened)
+      : frames_(std::move(frames)), rate_(rate), options_(std::move(options)), as_opened_(std::move(as_opened)) {}
 
   [[nodiscard]] double duration() const { return last_frame() / rate_; }
 
   [[nodiscard]] std::vector<Vec3> at(double time) const {
-    if (time < plays_.start) return between(as_opened_, frames_.front(), time / plays_.start);
-    const double played = (time - plays_.start) * plays_.speed, length = duration();
-    const double at = plays_.loop && length > 0 ? std::fmod(played, length) : std::min(played, length);
-    const double frame = std::min(at * rate_, last_frame());
+    if (time < options_.start) return between(as_opened_, frames_.front(), time / options_.start);
+    const double frame = std::min(clip_time(options_, duration(), time) * rate_, last_frame());
     const auto before = static_cast<size_t>(frame);
     if (before + 1 >= frames_.size()) return frames_.back();
     return between(frames_[before], frames_[before + 1], frame - std::floor(frame));
@@ -62,8 +61,8 @@ class CachedMotion {
   [[nodiscard]] double last_frame() const { return static_cast<double>(frames_.size() - 1); }
 
   std::vector<std::vector<Vec3>> frames_;
-  double rate_;  ///< [1/s]
-  BodyAnimation plays_;
+  double rate_;
+  AnimationOptions options_;
   std::vector<Vec3> as_opened_;
 };
 
@@ -78,7 +77,11 @@ PlayedBody play_cache(const SceneMesh& body) {
                     "made of, with its vertices in the same order",
                     plays.cache.string(), cache.points, body.file.string(), surface.position.size()));
   }
-  const auto motion = std::make_shared<const CachedMotion>(std::move(cache), plays, surface.position);
+  for (std::vector<Vec3>& frame : cache.frames)
+    for (Vec3& p : frame) p = apply(plays.cache_transform, p);
+  const double rate = plays.rate.value_or(cache.frame_rate) / cache.step;
+  const auto motion =
+      std::make_shared<const CachedMotion>(std::move(cache.frames), rate, options_of(body), surface.position);
   return {std::move(surface.triangle), std::move(surface.position), [motion](double time) { return motion->at(time); },
           motion->duration()};
 }
@@ -111,10 +114,8 @@ PosedVertices read_vertices(const SceneStart& start) {
 }
 
 PlayedBody play_body(const SceneMesh& body) {
-  const BodyAnimation& plays = body.animation.value();
-  if (!plays.cache.empty()) return play_cache(body);
-  const AnimationOptions options{plays.clip, plays.start, plays.speed, plays.loop, body.parts};
-  const auto mesh = std::make_shared<const AnimatedMesh>(body.file, options);
+  if (!body.animation.value().cache.empty()) return play_cache(body);
+  const auto mesh = std::make_shared<const AnimatedMesh>(body.file, options_of(body));
   return {mesh->triangle(), mesh->positions_as_opened(), [mesh](double time) { return mesh->positions_at(time); },
           mesh->duration()};
 }

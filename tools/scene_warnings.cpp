@@ -354,8 +354,8 @@ void warn_of_inward_skins(const Scene& scene, size_t index, std::vector<std::str
     if (!pin.backstop) continue;
     const auto [name, mesh] = surface_of(scene, index, pin.follow);
     if (mesh == nullptr || !told.insert(name).second) continue;
-    const PlayedBody surface = play_body(*mesh);
-    if (outwardness(surface.as_opened, surface.triangle) >= kInward) continue;
+    const TriangleSurface surface = read_body(*mesh);
+    if (outwardness(surface.position, surface.triangle) >= kInward) continue;
     warnings.push_back(fmt::format(
         "{}: its \"backstop\" keeps points behind the surface of {} ({}) instead of before it, because most of its "
         "triangles face inwards; turn them over in the program that wrote the file (often \"flip normals\")",

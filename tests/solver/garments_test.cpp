@@ -72,6 +72,11 @@ Hung hang(const std::filesystem::path& file, Layout layout = Layout::panels, uin
   return hung;
 }
 
+/// Such a file may be absent.
+std::filesystem::path shared_garment(const char* file) {
+  return std::filesystem::path(GEOCLOTH_SOURCE_DIR).parent_path() / "shared/meshes/garments" / file;
+}
+
 std::string name_of(const std::string& file) {
   return file.substr(0, file.find('.'));
 }
@@ -102,8 +107,7 @@ TEST(Fine, HangsBySeamsWithLittleStretch) {
 
 class SharedSet : public testing::TestWithParam<const char*> {};
 TEST_P(SharedSet, HangsWithLittleStretch) {
-  const std::filesystem::path file =
-      std::filesystem::path(GEOCLOTH_SOURCE_DIR).parent_path() / "shared/meshes/garments" / GetParam();
+  const std::filesystem::path file = shared_garment(GetParam());
   if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not here";
   const Hung hung = hang(file);
   RecordProperty("max_percent", std::to_string(100 * (hung.stretch.max - 1)));
@@ -121,8 +125,7 @@ INSTANTIATE_TEST_SUITE_P(Garments, SharedSet,
 
 // At its back, beside a seam, one spring carried more than its neighbours: 18 %.
 TEST(SharedFine, DrapedDressHangsWithLittleStretch) {
-  const std::filesystem::path file =
-      std::filesystem::path(GEOCLOTH_SOURCE_DIR).parent_path() / "shared/meshes/garments/codimipc_dress_draped.obj";
+  const std::filesystem::path file = shared_garment("codimipc_dress_draped.obj");
   if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not here";
   const Hung hung = hang(file, Layout::panels, 128);
   RecordProperty("max_percent", std::to_string(100 * (hung.stretch.max - 1)));
@@ -165,8 +168,7 @@ TEST(Square, HangsWithLittleStretchWhereItIsSqueezed) {
 }
 class SharedSquare : public testing::TestWithParam<const char*> {};
 TEST_P(SharedSquare, HangsWithLittleStretch) {
-  const std::filesystem::path file =
-      std::filesystem::path(GEOCLOTH_SOURCE_DIR).parent_path() / "shared/meshes/garments" / GetParam();
+  const std::filesystem::path file = shared_garment(GetParam());
   if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not here";
   const Hung hung = hang(file, Layout::square);
   RecordProperty("max_percent", std::to_string(100 * (hung.stretch.max - 1)));

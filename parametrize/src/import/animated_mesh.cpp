@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "geocloth/parametrize/animated_mesh.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <new>
 #include <string>
 #include <utility>
@@ -31,6 +33,12 @@ void check_options(const AnimationOptions& options) {
 
 }  // namespace
 }  // namespace import_detail
+
+double clip_time(const AnimationOptions& options, double duration, double time) {
+  const double at = std::min((time - options.start) * options.speed, std::numeric_limits<double>::max());
+  if (!options.loop) return std::min(at, duration);
+  return duration > 0 ? std::fmod(at, duration) : 0;
+}
 
 struct AnimatedMesh::Impl {
   import_detail::ReadScene read;

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <span>
 #include <sstream>
 #include <string>
@@ -58,15 +57,8 @@ AnimatedScene::Poses AnimatedScene::pose_at(double time) const {
     return pose;
   }
   Poses pose = parts_.rest;
-  parts_.animation.apply(clip_time(time), pose);
+  parts_.animation.apply(clip_time(options_, duration(), time), pose);
   return pose;
-}
-
-double AnimatedScene::clip_time(double time) const {
-  const double length = duration();
-  const double at = std::min((time - options_.start) * options_.speed, std::numeric_limits<double>::max());
-  if (!options_.loop) return std::min(at, length);
-  return length > 0 ? std::fmod(at, length) : 0;
 }
 
 AnimatedScene::Matrices AnimatedScene::matrices_of(const Poses& pose) const {

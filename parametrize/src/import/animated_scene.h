@@ -95,7 +95,6 @@ class AnimatedScene {
   };
 
   [[nodiscard]] Poses pose_at(double time) const;
-  [[nodiscard]] double clip_time(double time) const;
   [[nodiscard]] Matrices matrices_of(const Poses& pose) const;
   [[nodiscard]] Affine matrix_of(const PlacedVertices& placed, const Matrices& matrices, std::size_t vertex) const;
   [[nodiscard]] std::vector<Vec3> positions(const Poses& pose) const;

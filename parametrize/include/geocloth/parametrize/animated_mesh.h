@@ -23,6 +23,10 @@ struct AnimationOptions {
   std::string parts = {};  ///< which parts of the file, as of select_parts(); empty: all
 };
 
+/// [s] Where an animation is at a time [s] >= options.start: it goes at its speed, and begins anew or stays at its end.
+/// @param duration  [s] >= 0, of the animation at its own speed
+[[nodiscard]] double clip_time(const AnimationOptions& options, double duration, double time);
+
 /// The triangles of a glTF, FBX or DAE file as one of its animations moves nodes, skins and morph targets (not those of
 /// DAE). They are those of the scene with which the file opens, the same surface as import_mesh() gives, but of glTF
 /// not in its order of vertices. Skins of FBX files open as they are bound, wherever their bones are. What assimp reads
