@@ -109,30 +109,14 @@ inline Contact no_contact() {
   return r;
 }
 
-// The point's way p0 -> p1 in the collider's frame is longer than the collider is thick: find where it enters, by steps
-// as long as the distance to the surface, and keep the point on the outer side of the tangent plane there. A point that
-// starts on the surface, or in it, has arrived already: it stays on the side that it came from. Bodies that deform are
-// not swept: between parts of theirs that go different ways a point's way in their frame leads anywhere.
-inline Contact sweep(ColliderSet set, ColliderShape shape, vec3 p0, vec3 p1, float way, float thickness) {
-  precise vec3 direction = (p1 - p0) * (1.0f / way);
-  float close = min(0.01f * shape.core, kSweepClose);
-  precise float travelled = 0.0f;
-  for (uint i = 0u; i < kSweepSteps; ++i) {
-    precise vec3 q = p0 + direction * travelled;
-    Nearest near = nearest_of_shape(set, shape, q);
-    precise float gap = near.distance - thickness;
-    if (gap < close) {
-      precise float height = dot3(p1 - q, near.normal) + gap;
-      Contact r;
-      r.touches = height < 0.0f;
-      r.normal = near.normal;
-      r.depth = -height;
-      return r;
-    }
-    travelled = travelled + gap;
-    if (travelled >= way) return no_contact();
-  }
-  return no_contact();
+const float kAnyWay = 1e30f;  // [m] of a point: nothing is out of its reach
+
+// A point that went `way` cannot have met a collider that is this far off. In the collider's frame it moved by at most
+// way + T + F (R + gap), with the collider's translation T, the change F of its rotation and its radius R; shape.way is
+// T + F R, and F is below a half.
+inline bool out_of_reach(ColliderShape shape, float gap, float way) {
+  precise float reach = 2.0f * (way + shape.way);
+  return gap > reach;
 }
 
 const float kOpposed = -0.1f;  // cosine between normals of sides that a point must not change by going through
@@ -144,21 +128,48 @@ inline bool stays_outside(ColliderShape shape, vec3 entered, vec3 nearest) {
   return !is_edged(shape) || dot3(entered, nearest) < kOpposed;
 }
 
-// @param p0  where a swept way begins
-inline Contact find_contact(ColliderSet set, ColliderShape shape, vec3 p0, vec3 p1, Nearest near, float thickness,
+// Where a point that went p0 -> p1 in the collider's frame is in it. A way that is longer than the collider is thick is
+// swept: the point is found where it enters, by steps as long as the distance to the surface, and kept on the outer
+// side of the tangent plane there. A point that starts on the surface, or in it, has arrived already: it stays on the
+// side that it came from. Bodies that deform are not swept: between parts of theirs that go different ways a point's
+// way in their frame leads anywhere. One loop finds all distances, as shaders hold them as often as they are written
+// down.
+// @param reach  [m] how far the point went in the world; what is out of reach of it is not met
+// @param swept  false: p0 is not asked for
+inline Contact find_contact(ColliderSet set, ColliderShape shape, vec3 p0, vec3 p1, float thickness, float reach,
                             bool swept) {
-  precise float gap = near.distance - thickness;
-  precise float way = length3(p1 - p0);
-  if (gap > way) return no_contact();
-  if (swept && way > 0.5f * shape.core) {
-    Contact entry = sweep(set, shape, p0, p1, way, thickness);
-    if (entry.touches && stays_outside(shape, entry.normal, near.normal)) return entry;
+  Contact at_end = no_contact();
+  precise float way = swept ? length3(p1 - p0) : 0.0f;
+  precise vec3 direction = vec3(0.0f, 0.0f, 0.0f);
+  precise float travelled = 0.0f;
+  float close = min(0.01f * shape.core, kSweepClose);
+  for (uint i = 0u; i <= kSweepSteps; ++i) {
+    precise vec3 on_way = p0 + direction * travelled;
+    vec3 q = i == 0u ? p1 : on_way;
+    Nearest near = nearest_of_shape(set, shape, q);
+    precise float gap = near.distance - thickness;
+    if (i == 0u) {
+      if (gap > way || out_of_reach(shape, gap, reach)) return at_end;
+      at_end.touches = gap < 0.0f;
+      at_end.normal = near.normal;
+      at_end.depth = -gap;
+      if (!(way > 0.5f * shape.core)) return at_end;
+      direction = (p1 - p0) * (1.0f / way);
+      continue;
+    }
+    if (gap < close) {
+      precise float height = dot3(p1 - q, near.normal) + gap;
+      if (height < 0.0f && stays_outside(shape, near.normal, at_end.normal)) {
+        at_end.touches = true;
+        at_end.normal = near.normal;
+        at_end.depth = -height;
+      }
+      return at_end;
+    }
+    travelled = travelled + gap;
+    if (travelled >= way) return at_end;
   }
-  Contact r;
-  r.touches = gap < 0.0f;
-  r.normal = near.normal;
-  r.depth = -gap;
-  return r;
+  return at_end;
 }
 
 // Straight out of one collider and then of another takes a point out of a wedge of 20 degrees by an eighth in each
@@ -220,14 +231,6 @@ inline PointState limit_speed(PointState point, float max_step) {
     r.carry = vec3(0.0f, 0.0f, 0.0f);
   }
   return r;
-}
-
-// A point that went `way` cannot have met a collider that is this far off. In the collider's frame it moved by at most
-// way + T + F (R + gap), with the collider's translation T, the change F of its rotation and its radius R; shape.way is
-// T + F R, and F is below a half.
-inline bool out_of_reach(ColliderShape shape, float gap, float way) {
-  precise float reach = 2.0f * (way + shape.way);
-  return gap > reach;
 }
 
 // What holds a point: how deep it is in the deepest collider and its normal, the normal of the one that it touches
@@ -340,13 +343,11 @@ inline PointState push_out(ColliderSet set, ClothParams params, uint substep, Po
       ColliderShape shape = collider_shape(set, i);
       ColliderPose after = collider_pose(set, substep + 1u, i);
       vec3 local = to_local(set, shape, after, state.position);
-      Nearest near = nearest_of_shape(set, shape, local);
-      if (out_of_reach(shape, near.distance - params.thickness, way)) continue;
       ColliderPose before = collider_pose(set, substep, i);
       bool swept = round == 0u && before.deform.x == 0.0f;
       vec3 from = local;
       if (swept) from = to_local(set, shape, before, start);
-      Contact contact = find_contact(set, shape, from, local, near, params.thickness, swept);
+      Contact contact = find_contact(set, shape, from, local, params.thickness, way, swept);
       if (contact.touches && (round == 0u || contact.depth > kContactSlack)) {
         float friction = round == 0u ? sqrt(params.friction * shape.friction) : 0.0f;
         vec3 n = rotate_to_world(after, contact.normal);
@@ -372,12 +373,11 @@ inline PointState slowed(ClothParams params, PointState point) {
 // On a moving parent the stored displacement leaves out `taken`, what the cloth was taken along with in this substep;
 // colliders meet all of it.
 inline PointState collide(ColliderSet set, ClothParams params, uint substep, PointState point) {
-  if (params.moving == 0u) return push_out(set, params, substep, point);
-  PointState whole;
-  whole.position = point.position;
-  whole.previous = field_back(params.taken, float(substep), point.previous);
-  whole.carry = point.carry;
+  bool moving = params.moving != 0u;
+  PointState whole = point;
+  if (moving) whole.previous = field_back(params.taken, float(substep), point.previous);
   PointState after = push_out(set, params, substep, whole);
+  if (!moving) return after;
   precise vec3 taken = point.previous - whole.previous;
   precise vec3 displacement = ((after.position - after.previous) - taken) + after.carry;
   return arrived(after.position, displacement);

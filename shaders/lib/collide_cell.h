@@ -232,7 +232,7 @@ inline MovedTriangle push_point(ColliderSet set, ClothParams params, uint collid
   vec3 p0 = at_weights(start, weights);
   vec3 p1 = to_local(set, shape, after, at_weights(corners_of(t), weights));
   bool swept = before.deform.x == 0.0f;
-  Contact contact = find_contact(set, shape, p0, p1, nearest_of_shape(set, shape, p1), 0.0f, swept);
+  Contact contact = find_contact(set, shape, p0, p1, 0.0f, kAnyWay, swept);
   precise vec3 share = w * weights;
   precise float sum = dot3(share, weights);
   if (!contact.touches || sum <= 0.0f) return t;

@@ -39,9 +39,8 @@ inline vec3 kept_out(ColliderSet set, ClothParams params, uint substep, vec3 sta
       ColliderShape shape = collider_shape(set, i);
       ColliderPose pose = collider_pose(set, substep + 1u, i);
       vec3 local = to_local(set, shape, pose, position);
-      Nearest near = nearest_of_shape(set, shape, local);
       vec3 from = to_local(set, shape, pose, start);
-      Contact contact = find_contact(set, shape, from, local, near, params.thickness, round == 0u);
+      Contact contact = find_contact(set, shape, from, local, params.thickness, kAnyWay, round == 0u);
       if (!contact.touches || contact.depth <= kContactSlack) continue;
       vec3 n = rotate_to_world(pose, contact.normal);
       precise vec3 out_of_it =
@@ -52,49 +51,6 @@ inline vec3 kept_out(ColliderSet set, ClothParams params, uint substep, vec3 sta
     }
   }
   return again ? start : position;
-}
-
-// Where triangles meet thin colliders, only a substep keeps them apart. A triangle that is so near has all its corners
-// within kLeaveNear spacings of the collider, and these stay where they are.
-inline bool is_left(ColliderSet set, ClothParams params, uint substep, vec3 start, vec3 moved) {
-  if (params.leave_near <= 0.0f) return false;
-  precise float reach = params.thickness + params.leave_near;
-  for (uint i = 0u; i < params.collider_count; ++i) {
-    ColliderShape shape = collider_shape(set, i);
-    if (!is_thin(params, shape)) continue;
-    ColliderPose pose = collider_pose(set, substep + 1u, i);
-    for (uint k = 0u; k < 2u; ++k) {
-      vec3 p = k == 0u ? start : moved;
-      if (nearest_of_shape(set, shape, to_local(set, shape, pose, p)).distance < reach) return true;
-    }
-  }
-  return false;
-}
-
-// [m] How far a point is held by friction that rests on a collider, and the less the faster it slides there. Ties know
-// nothing of it: what they move along a surface in every frame creeps there, and cloth that lies on a body trembles.
-inline float held_by_friction(ColliderSet set, ClothParams params, uint substep, vec3 start, vec3 way) {
-  precise float reach = params.thickness + kGripped * params.spacing;
-  precise float per_gap = 1.0f / (kGripped * params.spacing);
-  precise float per_slide = 1.0f / (kSlides * params.spacing);
-  float friction = 0.0f;
-  for (uint i = 0u; i < params.collider_count; ++i) {
-    ColliderShape shape = collider_shape(set, i);
-    float own = sqrt(params.friction * shape.friction);
-    if (own <= friction) continue;
-    ColliderPose after = collider_pose(set, substep + 1u, i);
-    vec3 local = to_local(set, shape, after, start);
-    precise float lies = per_gap * (reach - nearest_of_shape(set, shape, local).distance);
-    if (lies <= 0.0f) continue;
-    ColliderPose before = collider_pose(set, substep, i);
-    vec3 carried = carried_by(set, shape, before, after, local);
-    precise vec3 slid = way - carried;
-    precise float rests = 1.0f - per_slide * length3(slid);
-    precise float holds = own * (max(rests, 0.0f) * min(lies, 1.0f));
-    friction = max(friction, holds);
-  }
-  precise float held = friction * (kFrictionHolds * params.spacing);
-  return held;
 }
 
 // What is left of a way from `start`: nothing of one as long as the brake, all of one twice as long. Springs that pull
@@ -110,11 +66,63 @@ inline vec3 braked(vec3 start, vec3 moved, float brake) {
   return position;
 }
 
+struct HeldBack {
+  vec3 position;
+  bool stays;  // where it was, whatever colliders it is in
+};
+
+// Where friction and thin colliders let a point go from `start`.
+//
+// Ties know nothing of friction: what they move along a surface in every frame creeps there, and cloth that lies on a
+// body trembles. So a point that rests on a collider is held, the less the faster it slides there.
+//
+// Where triangles meet thin colliders, only a substep keeps them apart. A triangle that is so near has all its corners
+// within kLeaveNear spacings of the collider, and these stay where they are.
+//
+// (One loop over both places of the point: shaders hold the distance to a shape as often as it is written down.)
+inline HeldBack held_back(ColliderSet set, ClothParams params, uint substep, vec3 start, vec3 moved, vec3 way) {
+  precise float left_within = params.thickness + params.leave_near;
+  precise float held_within = params.thickness + kGripped * params.spacing;
+  precise float per_gap = 1.0f / (kGripped * params.spacing);
+  precise float per_slide = 1.0f / (kSlides * params.spacing);
+  float friction = 0.0f;
+  HeldBack r;
+  r.position = start;
+  r.stays = false;
+  for (uint turn = 0u; turn < 2u; ++turn) {
+    for (uint i = 0u; i < params.collider_count; ++i) {
+      ColliderShape shape = collider_shape(set, i);
+      float own = sqrt(params.friction * shape.friction);
+      bool grips = turn == 0u && own > friction;
+      bool leaves = params.leave_near > 0.0f && is_thin(params, shape);
+      if (!grips && !leaves) continue;
+      ColliderPose after = collider_pose(set, substep + 1u, i);
+      vec3 local = to_local(set, shape, after, r.position);
+      float distance = nearest_of_shape(set, shape, local).distance;
+      if (leaves && distance < left_within) {
+        r.position = start;
+        r.stays = true;
+        return r;
+      }
+      precise float lies = per_gap * (held_within - distance);
+      if (!grips || lies <= 0.0f) continue;
+      vec3 carried = carried_by(set, shape, collider_pose(set, substep, i), after, local);
+      precise vec3 slid = way - carried;
+      precise float rests = 1.0f - per_slide * length3(slid);
+      precise float holds = own * (max(rests, 0.0f) * min(lies, 1.0f));
+      friction = max(friction, holds);
+    }
+    precise float brake = friction * (kFrictionHolds * params.spacing);
+    if (turn == 0u) r.position = braked(start, moved, brake);
+  }
+  return r;
+}
+
 inline PointState way_given(ColliderSet set, ClothParams params, uint substep, PointState held) {
   vec3 start = held.carry;
-  vec3 moved = braked(start, held.position, held_by_friction(set, params, substep, start, held.previous));
-  if (is_left(set, params, substep, start, moved)) return arrived(start, held.previous);
-  return arrived(kept_out(set, params, substep, start, moved), held.previous);
+  HeldBack moved = held_back(set, params, substep, start, held.position, held.previous);
+  if (moved.stays) return arrived(start, held.previous);
+  return arrived(kept_out(set, params, substep, start, moved.position), held.previous);
 }
 
 #ifdef __cplusplus

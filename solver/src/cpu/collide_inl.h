@@ -227,7 +227,7 @@ struct Guards {
   }
 };
 
-/// sweep() of lib/collide.h.
+/// The sweep of find_contact() of lib/collide.h.
 template <class D>
 HWY_NOINLINE Contacts<D> sweep_points(D d, const float* numbers, const shader::ColliderShape& shape, Mask<D> lanes,
                                       const Points<D>& p0, const Points<D>& p1, Vec<D> way, Vec<D> thickness) {

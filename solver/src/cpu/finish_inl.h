@@ -64,7 +64,7 @@ HWY_INLINE void keep_out(D d, const Meeting& meeting, Mask<D> lanes, const Point
   moved = choose<D>(again, start, position);
 }
 
-/// is_left() of lib/finish.h.
+/// What stays where it was, of held_back() of lib/finish.h.
 template <class D>
 HWY_INLINE Mask<D> left_near(D d, const Meeting& meeting, const Points<D>& start, const Points<D>& moved) {
   const size_t count = meeting.met.shapes.size();
@@ -83,7 +83,7 @@ HWY_INLINE Mask<D> left_near(D d, const Meeting& meeting, const Points<D>& start
   return left;
 }
 
-/// held_by_friction() of lib/finish.h.
+/// What friction holds, of held_back() of lib/finish.h.
 template <class D>
 HWY_INLINE Vec<D> held_by_friction(D d, const Meeting& meeting, const Points<D>& start, const Points<D>& way) {
   const size_t count = meeting.met.shapes.size();
