@@ -48,7 +48,7 @@ enum class Pass : uint8_t {
   hold_way,         ///< per pixel, at a frame's end: its way is put aside, for lib/finish.h
   lines,            ///< per row (group 0) or column (group 1): runs of structural springs at once, lib/lines.h
   ties,             ///< per structural spring, groups 0..3: pulled to its longest length; relaxation 1: by kTieShare
-  whole_ties,       ///< per short spring at a seam or one at a lone point, by colour after seam_spans; as ties
+  whole_ties,       ///< per spring at a seam, by colour after seam_spans; as ties
   give_way,         ///< per pixel: out of colliders, and the way that was put aside
   check_copies,     ///< per split row: largest distance between copies
   check_colliders,  ///< per pixel: largest depth in a collider
@@ -216,7 +216,7 @@ struct SubstepHalves {
 [[nodiscard]] SubstepHalves substep_halves(const ScheduleOptions& options);
 
 /// The passes after those of a frame's last substep, which belong to it: hold_way, lines x 2, { [whole_ties], ties,
-/// [ties on seams, sew, stitch] } x 3 (where cloth hangs by seams: x 1, lines x 2, x 8), [whole_ties], give_way
+/// [ties on seams, sew, stitch] } x 3 (where cloth hangs by seams: x 1, lines x 2, x 5), [whole_ties], give_way
 /// [check], or none.
 [[nodiscard]] std::vector<PassStep> finish_schedule(const ScheduleOptions& options);
 

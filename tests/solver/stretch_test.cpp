@@ -75,16 +75,22 @@ TEST(Swing, OntoABallGainsNoEnergy) {
   }
 }
 
+/// What the list over seams has of `count` colours.
+std::vector<shader::SeamSpring> springs_of(const ClothData& data, uint32_t first_color, uint32_t count) {
+  if (count == 0) return {};
+  const auto springs = data.seam_springs.begin();
+  return {springs + data.seam_color_offset[first_color], springs + data.seam_color_offset[first_color + count]};
+}
+
 // Every row that a seam cuts has a span over the seam in all of its seven places, as long as those within a chart.
 TEST(Spans, GoOnOverASeam) {
   const ClothDesc cloth{
       std::make_shared<const ClothAsset>(test::make_sheet({.nx = 41, .ny = 30, .charts_x = 2})), {}, {}};
   const ClothData data = make_cloth_data(cloth, {});
   ASSERT_EQ(data.seam_span_colors, 1U);
-  const uint32_t first = data.seam_color_offset[data.seam_bend_colors];
-  EXPECT_EQ(data.seam_springs.size() - first, 30U * (shader::kSpanPixels - 1));
-  for (uint32_t k = first; k < data.seam_springs.size(); ++k) {
-    const shader::SeamSpring& span = data.seam_springs[k];
+  const std::vector<shader::SeamSpring> spans = springs_of(data, data.seam_bend_colors, 1);
+  EXPECT_EQ(spans.size(), 30U * (shader::kSpanPixels - 1));
+  for (const shader::SeamSpring& span : spans) {
     EXPECT_NEAR(span.rest, shader::kSpanPixels / 40.0, 1e-6);
     EXPECT_NEAR(length(cloth.asset->rest_position[span.a] - cloth.asset->rest_position[span.b]), span.rest, 1e-6);
   }
@@ -96,8 +102,7 @@ TEST(Ties, JoinTheCopiesThatNoSpringJoins) {
   ClothAsset asset = test::make_sheet({.nx = kSide, .ny = kSide, .charts_x = 2});
   const auto ties_of = [](const ClothAsset& sheet) {
     const ClothData data = make_cloth_data({std::make_shared<const ClothAsset>(sheet), {}, {}}, {});
-    const uint32_t first = data.seam_color_offset[data.seam_bend_colors + data.seam_span_colors];
-    return std::vector(data.seam_springs.begin() + first, data.seam_springs.end());
+    return springs_of(data, data.seam_bend_colors + data.seam_span_colors, data.seam_tie_colors);
   };
   EXPECT_TRUE(ties_of(asset).empty());
   uint32_t taken = 0;
@@ -225,7 +230,7 @@ TEST(ShortSeams, HaveSpansThroughTheirPoints) {
 }
 
 // Each joins whole points and is there once, whatever copies its spring joins; those of a colour share no point.
-TEST(WholeTies, AreTheShortSpringsAtSeams) {
+TEST(WholeTies, AreTheSpringsAtSeams) {
   const ClothAsset asset = with_short_springs_at_seams(0.3);
   const ClothData data = make_cloth_data({std::make_shared<const ClothAsset>(asset), {}, {}}, {});
   const uint32_t first = data.seam_bend_colors + data.seam_span_colors + data.seam_tie_colors;
@@ -234,7 +239,7 @@ TEST(WholeTies, AreTheShortSpringsAtSeams) {
     std::set<uint32_t> seen;
     for (uint32_t k = data.seam_color_offset[color]; k < data.seam_color_offset[color + 1]; ++k, ++ties) {
       const shader::SeamSpring& tie = data.seam_springs[k];
-      EXPECT_NEAR(tie.rest, 0.3 * static_cast<double>(asset.spacing), 1e-5);
+      EXPECT_NEAR(tie.rest, length(asset.rest_position[tie.a] - asset.rest_position[tie.b]), 1e-6);
       EXPECT_TRUE(seen.insert(tie.a).second && seen.insert(tie.b).second);
       for (const auto& [pixel, row] : {std::pair{tie.a, tie.row_a}, std::pair{tie.b, tie.row_b}}) {
         const auto& copies = asset.splits.pixel;
@@ -247,7 +252,7 @@ TEST(WholeTies, AreTheShortSpringsAtSeams) {
       }
     }
   }
-  EXPECT_EQ(ties, 3U * 49U);
+  EXPECT_EQ(ties, 3U * (48U + 2U * 49U));  // of three seams, those along them and those to both sides
 }
 
 // The automatic limit knew the cloth's weight only: a knit on a frame bulged by 6 cm without gravity, by 18 cm with it,
