@@ -123,13 +123,14 @@ INSTANTIATE_TEST_SUITE_P(Garments, SharedSet,
                                          "codimipc_dress_draped.obj", "kaykit_mage_hat.gltf"),
                          [](const auto& tested) { return name_of(tested.param); });
 
-// At its back, beside a seam, one spring carried more than its neighbours: 18 %.
+// At its back, beside a seam, one spring carried more than its neighbours: 18 %, and 14 where only short springs at
+// seams were tied by their whole points.
 TEST(SharedFine, DrapedDressHangsWithLittleStretch) {
   const std::filesystem::path file = shared_garment("codimipc_dress_draped.obj");
   if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not here";
   const Hung hung = hang(file, Layout::panels, 128);
   RecordProperty("max_percent", std::to_string(100 * (hung.stretch.max - 1)));
-  EXPECT_LE(hung.stretch.max, 1.15);
+  EXPECT_LE(hung.stretch.max, 1.11);
   EXPECT_LE(hung.stretch.mean, 1.01);
 }
 
