@@ -361,7 +361,7 @@ TEST(SmallPieces, ANarrowStripSewnToTheClothIsCloth) {
   EXPECT_EQ(report.welded.components, report.cleaned.components);
 }
 
-// A buttonhole of 4 mm on pixels of 30 mm is closed; on pixels of 1 mm it is a hole.
+// A buttonhole of 10 mm on pixels of 30 mm is closed; on pixels of 5 mm it is a hole.
 TEST(SmallPieces, AHoleUnderAPixelIsClosed) {
   TriangleMesh mesh = sheet();
   const uint32_t cell = 4 * kCells + 5, a = cell / kCells * (kCells + 1) + cell % kCells;
@@ -373,7 +373,7 @@ TEST(SmallPieces, AHoleUnderAPixelIsClosed) {
   const auto first = static_cast<uint32_t>(mesh.position.size());
   for (const uint32_t v : outer) {
     const Point3 p = mesh.position[v];
-    mesh.position.push_back({middle[0] + 0.04 * (p[0] - middle[0]), 0, middle[2] + 0.04 * (p[2] - middle[2])});
+    mesh.position.push_back({middle[0] + 0.1 * (p[0] - middle[0]), 0, middle[2] + 0.1 * (p[2] - middle[2])});
   }
   std::vector<Triangle> ring;
   for (uint32_t k = 0; k < 4; ++k) {
@@ -392,7 +392,7 @@ TEST(SmallPieces, AHoleUnderAPixelIsClosed) {
   EXPECT_EQ(coarse.cleaned.boundary_loops, 2U);
   EXPECT_EQ(coarse.represented.boundary_loops, 1U);
   EXPECT_EQ(coarse.welded.boundary_loops, 1U);
-  const ConvertReport fine = convert_at(mesh, 400).report;
+  const ConvertReport fine = convert_at(mesh, 200).report;
   EXPECT_TRUE(fine.carried.empty());
   EXPECT_EQ(fine.welded.boundary_loops, 2U);
 }
