@@ -8,8 +8,8 @@ vec4 weighed(vec4 point) {
   return vec4(point.xyz, inverse_mass_of(point.w));
 }
 
-// The mass-weighted mean of the copies of a row. A gather: one invocation for each row, in the row's order, so that there is no atomic and every run gives the same
-// bits.
+// The mass-weighted mean of the copies of a row. A gather: one invocation for each row, in the row's order, so that there
+// is no atomic and every run gives the same bits.
 void stitch_at(uint row) {
   uint begin = split_offset[row];
   uint end = split_offset[row + 1u];

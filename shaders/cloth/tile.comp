@@ -47,7 +47,13 @@ vec3 load_anchor(uvec2 pixel) {
   return imageLoad(position_image, texel(pixel)).xyz;
 }
 
+// Colliders are met in the second tile of a substep, and the first one predicts; see frame_plan.cpp.
+const bool kPredicts = !kContacts;
+
 #include "tile_steps.glsl"
+
+// A tile has none of these.
+void run_whole_step(uint pass) {}
 
 void main() {
   uvec2 tile_low = gl_WorkGroupID.xy * kSide;

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Runs steps of a schedule over a region. Every invocation takes each so many-th pixel, always the same ones.
+//
+// The includer defines, before, const bool kPredicts, whether steps may predict, and, after, run_whole_step(): passes
+// that want all of a cloth in one region. (Shaders' compilers inline every call: what never runs is better not there.)
 #include "constraints.glsl"
 #include "contacts.glsl"
 #include "limit.glsl"
-#include "lines.glsl"
-#include "normals.glsl"
 #include "predict.glsl"
-#include "stitch.glsl"
+
+void run_whole_step(uint pass);
 
 uvec2 pixel_of_region(uint i) {
   return region_low + uvec2(i % region_size.x, i / region_size.x);
@@ -54,24 +56,14 @@ void run_bends() {
   }
 }
 
-void run_spans() {
-  for (uint i = gl_LocalInvocationIndex; i < region_size.x * region_size.y; i += gl_WorkGroupSize.x) {
-    uvec2 p = pixel_of_region(i);
-    if (span_starts(constants.group, p.x, p.y)) span_at(p);
-  }
-}
-
 void run_pixels(uint pass, bool pins_too) {
   for (uint i = gl_LocalInvocationIndex; i < region_size.x * region_size.y; i += gl_WorkGroupSize.x) {
     uvec2 p = pixel_of_region(i);
     begin_pixel();
     switch (pass) {
-      case kTileNormals:
-        normal_at(p);
-        break;
       case kTilePredict:
-        predict_at(p);
-        if (pins_too) {
+        if (kPredicts) predict_at(p);
+        if (kPredicts && pins_too) {
           uint pin = pin_of_pixel[p.y * params.width + p.x];
           if (pin != kNoPin) pin_at(pin);
         }
@@ -82,53 +74,8 @@ void run_pixels(uint pass, bool pins_too) {
       case kTileCollide:
         if (kContacts && is_kept(p)) collide_at(p);
         break;
-      case kTileHoldWay:
-        if (is_kept(p)) hold_way_at(p);
-        break;
       case kTileGiveWay:
         if (kContacts && is_kept(p)) give_way_at(p);
-        break;
-      case kTileCheckColliders:
-        if (kContacts) check_colliders_at(p);
-        break;
-    }
-  }
-}
-
-// Only of whole cloths: what one end of a line does, the other one needs.
-void run_lines() {
-  for (uint n = gl_LocalInvocationIndex; n < (constants.group == 0u ? params.height : params.width);
-       n += gl_WorkGroupSize.x) {
-    line_at(n);
-  }
-}
-
-void run_list(uint pass) {
-  for (uint i = gl_LocalInvocationIndex; i < constants.count; i += gl_WorkGroupSize.x) {
-    switch (pass) {
-      case kTileNormalsStitch:
-        stitch_normals(i);
-        break;
-      case kTileSeamBends:
-        seam_bend_at(constants.first + i);
-        break;
-      case kTileSeamCurvature:
-        seam_curvature_at(constants.first + i);
-        break;
-      case kTileSeamSpans:
-        seam_span_at(constants.first + i);
-        break;
-      case kTileWholeTies:
-        whole_tie_at(constants.first + i);
-        break;
-      case kTileSew:
-        sew_at(constants.first + i);
-        break;
-      case kTileStitch:
-        stitch_at(i);
-        break;
-      case kTileCheckCopies:
-        check_copies_at(i);
         break;
     }
   }
@@ -148,16 +95,11 @@ void run_steps() {
       run_springs(next.pass == kTileTies);
     } else if (next.pass == kTileBends) {
       run_bends();
-    } else if (next.pass == kTileSpans) {
-      run_spans();
-    } else if (next.pass == kTileLines) {
-      run_lines();
-    } else if (next.pass == kTileNormals || next.pass == kTilePredict || next.pass == kTileLimit ||
-               next.pass == kTileCollide || next.pass == kTileHoldWay || next.pass == kTileGiveWay ||
-               next.pass == kTileCheckColliders) {
+    } else if (next.pass == kTilePredict || next.pass == kTileLimit || next.pass == kTileCollide ||
+               next.pass == kTileGiveWay) {
       run_pixels(next.pass, next.pins != 0u);
     } else {
-      run_list(next.pass);
+      run_whole_step(next.pass);
     }
     memoryBarrierImage();  // for the normals, which copies share
   }

@@ -28,7 +28,10 @@ vec3 load_anchor(uvec2 pixel) {
   return load_position(pixel).xyz;
 }
 
+const bool kPredicts = true;
+
 #include "tile_steps.glsl"
+#include "whole_steps.glsl"
 
 void main() {
   region_low = uvec2(0u);
