@@ -19,7 +19,7 @@
 namespace geocloth {
 namespace {
 
-constexpr uint32_t kMostWholeTieColors = 16;
+constexpr uint32_t kMostWholeTieColors = 12;
 constexpr uint32_t kMoreRounds = 2;  ///< of ties about short seams
 
 /// Of every pixel its row of the table, kNoRow where it has no copies.
