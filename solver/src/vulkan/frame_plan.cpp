@@ -92,7 +92,7 @@ Way way_of(const PassStep& step) {
 
 /// Passes that only need points near their own, before and after the stitch of the shear springs and the spans, which
 /// reach too far for a tile; at a frame's end, after the lines, which reach through all of the cloth, before and after
-/// the stitch of the ties.
+/// the stitch of the ties. tile.comp holds no others, and where colliders are met, in the second one, no prediction.
 bool is_in_first_tile(Pass pass) {
   return pass == Pass::predict || pass == Pass::pins || pass == Pass::shear || pass == Pass::ties;
 }
