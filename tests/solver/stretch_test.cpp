@@ -234,12 +234,13 @@ TEST(WholeTies, AreTheSpringsAtSeams) {
   const ClothAsset asset = with_short_springs_at_seams(0.3);
   const ClothData data = make_cloth_data({std::make_shared<const ClothAsset>(asset), {}, {}}, {});
   const uint32_t first = data.seam_bend_colors + data.seam_span_colors + data.seam_tie_colors;
-  size_t ties = 0;
+  size_t ties = 0, short_ties = 0;
   for (uint32_t color = first; color < first + data.whole_tie_colors; ++color) {
     std::set<uint32_t> seen;
     for (uint32_t k = data.seam_color_offset[color]; k < data.seam_color_offset[color + 1]; ++k, ++ties) {
       const shader::SeamSpring& tie = data.seam_springs[k];
       EXPECT_NEAR(tie.rest, length(asset.rest_position[tie.a] - asset.rest_position[tie.b]), 1e-6);
+      if (std::abs(tie.rest - 0.3F * asset.spacing) < 1e-5F) ++short_ties;
       EXPECT_TRUE(seen.insert(tie.a).second && seen.insert(tie.b).second);
       for (const auto& [pixel, row] : {std::pair{tie.a, tie.row_a}, std::pair{tie.b, tie.row_b}}) {
         const auto& copies = asset.splits.pixel;
@@ -252,6 +253,7 @@ TEST(WholeTies, AreTheSpringsAtSeams) {
       }
     }
   }
+  EXPECT_EQ(short_ties, 3U * 49U);
   EXPECT_EQ(ties, 3U * (48U + 2U * 49U));  // of three seams, those along them and those to both sides
 }
 
