@@ -68,8 +68,7 @@ class Touched {
   }
   void add_thirds(const cpu::SweepOp& op, int pass, uint32_t y) {
     if (op.kernel != cpu::RowKernel::bends_along) return;
-    const cpu::Run run = op.stream->thirds[y];
-    if (run.first >= run.last) return;
+    if (op.stream->third_first[y] == op.stream->third_first[y + 1]) return;
     add(pass, size_t{y} * width_, size_t{y + 1} * width_);
   }
   void add_entry(const cpu::SweepOp& op, int pass, uint32_t k) {

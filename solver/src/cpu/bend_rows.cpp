@@ -48,13 +48,35 @@ void cover_bends(const RowSource& source, RowStream& stream, const BlockShape& s
       });
 }
 
-/// Lets thirds of a row, from a whole number of vectors on, hold those that blocks reach.
-void reach_thirds(uint32_t lanes, std::span<const uint32_t> blocks, uint32_t thirds, Run& run) {
-  for (const uint32_t first : blocks) {
-    run.first = std::min(run.first, first - first % lanes);
-    run.last = std::max(run.last, std::min(thirds, first + lanes + 1));
+/// Of each row the vectors of thirds that bends reach.
+class ReachedThirds {
+ public:
+  ReachedThirds(uint32_t lanes, uint32_t thirds, uint32_t height)
+      : lanes_(lanes),
+        thirds_(thirds),
+        height_(height),
+        vectors_((thirds + lanes - 1) / lanes),
+        reached_(size_t{vectors_} * height) {}
+
+  void add(uint32_t y, uint32_t third) { reached_[size_t{y} * vectors_ + third / lanes_] = true; }
+  void lay_out(RowStream& stream) const {
+    for (uint32_t y = 0; y < height_; ++y) {
+      const auto row = static_cast<uint32_t>(stream.thirds.size());
+      stream.third_first.push_back(row);
+      for (uint32_t v = 0; v < vectors_; ++v) {
+        if (!reached_[size_t{y} * vectors_ + v]) continue;
+        const uint32_t first = v * lanes_;
+        if (stream.thirds.size() == row || stream.thirds.back().last != first) stream.thirds.push_back({first, first});
+        stream.thirds.back().last = std::min(first + lanes_, thirds_);
+      }
+    }
+    stream.third_first.push_back(static_cast<uint32_t>(stream.thirds.size()));
   }
-}
+
+ private:
+  uint32_t lanes_, thirds_, height_, vectors_;
+  std::vector<bool> reached_;
+};
 
 /// Columns of a group are 0 for its first one, 1 for the third one after it, ...
 SweepOp bends_along(const RowSource& source, BendOrder order, RowStream& stream) {
@@ -62,7 +84,7 @@ SweepOp bends_along(const RowSource& source, BendOrder order, RowStream& stream)
   const BlockShape shape = vectors(RowKernel::bends_along, source.lanes, thirds);
   // A line of the scratch holds the vectors of thirds, and where the last block begins at the next one, one more.
   const uint32_t line = (thirds / source.lanes + 2) * source.lanes;
-  stream.thirds.assign(source.height, {thirds, 0});
+  ReachedThirds reached(source.lanes, thirds, source.height);
   stream.row_first.assign(source.height + 1, 0);
   for (uint32_t group = 0; group < 3; ++group) {
     const uint32_t times = compliance_times({Pass::curvature, group, 0, order});
@@ -71,15 +93,21 @@ SweepOp bends_along(const RowSource& source, BendOrder order, RowStream& stream)
       stream.group_first.push_back(static_cast<uint32_t>(before));
       cover_bends(source, stream, shape, 0, [&](uint32_t n) {
         const uint32_t x = 3 * n + group;
-        return x + 2 < 3 * thirds ? bend_constants(source, 4, y * source.width + x, 1, times) : BendConstants{};
+        if (x + 2 >= 3 * thirds) return BendConstants{};
+        const BendConstants bend = bend_constants(source, 4, y * source.width + x, 1, times);
+        if (bend.inverse > 0) {
+          reached.add(y, n);
+          reached.add(y, (x + 2) / 3);
+        }
+        return bend;
       });
       const auto blocks = std::span(stream.pixel).subspan(before);
-      reach_thirds(source.lanes, blocks, thirds, stream.thirds[y]);
       stream.row_first[y + 1] += static_cast<uint32_t>(blocks.size());
       for (uint32_t& block : blocks) block += third_row(y, source.strip, line);
     }
     stream.group_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
   }
+  reached.lay_out(stream);
   std::partial_sum(stream.row_first.begin(), stream.row_first.end(), stream.row_first.begin());
   return {.kernel = RowKernel::bends_along, .offset = line, .stream = &stream};
 }

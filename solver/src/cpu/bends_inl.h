@@ -256,12 +256,16 @@ class ThirdRow {
   size_t stride_;
 };
 
-/// Calls body(third) for vectors of a row's thirds; the last one ends within the row.
+/// Calls body(third) for vectors of a row's thirds; the last one ends within the row. What lies between them in the
+/// scratch is of other rows: lanes of blocks without a bend read it, and write it again.
 template <class D, class Body>
-HWY_INLINE void for_thirds(D d, const ClothState& state, const Run& run, const Body& body) {
+HWY_INLINE void for_thirds(D d, const ClothState& state, const RowStream& stream, uint32_t y, const Body& body) {
   const auto lanes = static_cast<uint32_t>(hn::Lanes(d));
   const uint32_t latest = state.data.width / 3 - lanes;
-  for (uint32_t n = run.first; n < run.last; n += lanes) body(std::min(n, latest));
+  for (uint32_t k = stream.third_first[y]; k < stream.third_first[y + 1]; ++k) {
+    const Run run = stream.thirds[k];
+    for (uint32_t n = run.first; n < run.last; n += lanes) body(std::min(n, latest));
+  }
 }
 
 /// Groups 0, 1 and 2 of bend_groups.h in some rows, group by group: what waits for roots in one row goes on in the
@@ -278,7 +282,7 @@ HWY_NOINLINE void bends_along(D d, const SweepOp& op, ClothState& state, bool yi
   for (uint32_t y = rows.first; y < rows.last; ++y) {
     const ThirdRow row = apart(y);
     const PointBase points(state, y * width);
-    for_thirds(d, state, stream.thirds[y], [&](uint32_t n) GEOCLOTH_LANES {
+    for_thirds(d, state, stream, y, [&](uint32_t n) GEOCLOTH_LANES {
       const auto take_apart = [&](const float* p, size_t coordinate) GEOCLOTH_LANES {
         const Third<D> third = thirds.take_apart(d, p + 3 * size_t{n});
         hn::StoreU(third.a, d, row.at(0, coordinate, n));
@@ -314,7 +318,7 @@ HWY_NOINLINE void bends_along(D d, const SweepOp& op, ClothState& state, bool yi
   for (uint32_t y = rows.first; y < rows.last; ++y) {
     const ThirdRow row = apart(y);
     const PointBase points(state, y * width);
-    for_thirds(d, state, stream.thirds[y], [&](uint32_t n) GEOCLOTH_LANES {
+    for_thirds(d, state, stream, y, [&](uint32_t n) GEOCLOTH_LANES {
       const auto put_together = [&](float* p, size_t c) GEOCLOTH_LANES {
         thirds.put_together(d, hn::LoadU(d, row.at(0, c, n)), hn::LoadU(d, row.at(1, c, n)),
                             hn::LoadU(d, row.at(2, c, n)), p + 3 * size_t{n});

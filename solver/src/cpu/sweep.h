@@ -69,7 +69,8 @@ struct RowStream {
   std::vector<uint32_t> first_anchor;  ///< limit: of as many as a block has lanes
   std::vector<int32_t> anchors;        ///< limit: for each lane the one of those that holds it
   std::vector<Run> runs;
-  std::vector<Run> thirds;  ///< bends_along: of each row, that its blocks reach
+  std::vector<uint32_t> third_first;  ///< bends_along: height + 1 entries: the row's runs of thirds
+  std::vector<Run> thirds;            ///< those that its bends reach, from a whole number of vectors on
 
   friend bool operator==(const RowStream&, const RowStream&) = default;
 };

@@ -352,7 +352,7 @@ size_t SweepPlan::memory_bytes() const {
   for (const auto& s : streams_) {
     sum += bytes(s->row_first) + bytes(s->group_first) + bytes(s->pixel) + bytes(s->second) + bytes(s->beside) +
            bytes(s->constants) + bytes(s->multipliers) + bytes(s->anchors) + bytes(s->first_anchor) + bytes(s->runs) +
-           bytes(s->thirds);
+           bytes(s->third_first) + bytes(s->thirds);
   }
   for (const LineStream& s : lines_) sum += bytes(s.blocks) + bytes(s.constants);
   return sum + seams_.memory_bytes();
