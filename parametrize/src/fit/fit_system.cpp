@@ -3,9 +3,10 @@
 // mass matrix so scaled has all eigenvalues in [1/2, 2] (Wathen 1987), and wishes add few large ones.
 #include "fit/fit_system.h"
 
+#include <algorithm>
+#include <numeric>
 #include <utility>
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include "mesh/point_math.h"
@@ -14,13 +15,27 @@ namespace geocloth {
 namespace {
 
 constexpr int kMostSteps = 80;
-constexpr size_t kGrain = 2'000;                     // points that are worth a task
+constexpr size_t kPart = 2'000;                      // points or wishes that are worth a task
 constexpr std::array<size_t, 3> kDiagonal{0, 3, 5};  // of a symmetric matrix
 
-double inner(const std::vector<Point3>& a, const std::vector<Point3>& b) {
-  double sum = 0;
-  for (size_t i = 0; i < a.size(); ++i) sum += dot(a[i], b[i]);
-  return sum;
+/// Calls body(i) for 0 <= i < count.
+template <class Body>
+void for_each(size_t count, const Body& body) {
+  tbb::parallel_for(size_t{0}, (count + kPart - 1) / kPart, [&](size_t part) {
+    for (size_t i = part * kPart; i < std::min(count, (part + 1) * kPart); ++i) body(i);
+  });
+}
+
+/// Sum of body(i), part by part.
+template <class Body>
+double sum_of_each(size_t count, const Body& body) {
+  std::vector<double> sums((count + kPart - 1) / kPart);
+  tbb::parallel_for(size_t{0}, sums.size(), [&](size_t part) {
+    double sum = 0;
+    for (size_t i = part * kPart; i < std::min(count, (part + 1) * kPart); ++i) sum += body(i);
+    sums[part] = sum;
+  });
+  return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
 /// Per point of a wish.
@@ -32,7 +47,7 @@ std::array<Point3, 3> slopes(const MoveWish& wish) {
 }  // namespace
 
 FitSystem::FitSystem(size_t points, std::vector<FitTriangle> triangles)
-    : triangle_(std::move(triangles)), first_(points + 1, 0), block_(points, Symmetric{}) {
+    : triangle_(std::move(triangles)), first_(points + 1, 0), first_wish_(points + 1, 0), block_(points, Symmetric{}) {
   for (const FitTriangle& t : triangle_) {
     for (const uint32_t i : t.point) {
       ++first_[i + 1];
@@ -57,6 +72,14 @@ void FitSystem::add(std::span<const MoveWish> wishes, size_t begin) {
       if (moves(block)) add_square(block, slope[k], wish.weight);
     }
   }
+  first_wish_.assign(first_wish_.size(), 0);
+  for (const MoveWish& wish : wishes)
+    for (const uint32_t i : wish.point) ++first_wish_[i + 1];
+  std::partial_sum(first_wish_.begin(), first_wish_.end(), first_wish_.begin());
+  wished_.resize(first_wish_.back());
+  std::vector<uint32_t> end = first_wish_;
+  for (uint32_t w = 0; w < wishes.size(); ++w)
+    for (uint32_t k = 0; k < 3; ++k) wished_[end[wishes[w].point[k]]++] = {w, k};
 }
 
 bool FitSystem::moves(const Symmetric& block) {
@@ -83,58 +106,66 @@ Point3 FitSystem::solved(const Symmetric& m, const Point3& r) {
          (1 / determinant);
 }
 
-std::vector<Point3> FitSystem::product(const std::vector<Point3>& x, std::span<const MoveWish> wishes) const {
-  std::vector<Point3> y(x.size());
-  tbb::parallel_for(tbb::blocked_range<size_t>(0, x.size(), kGrain), [&](const tbb::blocked_range<size_t>& points) {
-    for (size_t i = points.begin(); i < points.end(); ++i) {
-      Point3 pull{};
-      for (uint32_t k = first_[i]; k < first_[i + 1]; ++k) {
-        const FitTriangle& t = triangle_[around_[k]];
-        const Point3 sum = x[t.point[0]] + x[t.point[1]] + x[t.point[2]];
-        const Point3 v = (x[i] + sum) * (t.area / 12);
-        pull = pull + v * t.slack + t.normal * ((1 - t.slack) * dot(t.normal, v));
-      }
-      y[i] = pull;
-    }
-  });
-  for (const MoveWish& wish : wishes) {
-    const std::array<Point3, 3> slope = slopes(wish);
-    double sum = 0;
-    for (size_t k = 0; k < 3; ++k) sum += dot(slope[k], x[wish.point[k]]);
-    for (size_t k = 0; k < 3; ++k) y[wish.point[k]] = y[wish.point[k]] + slope[k] * (wish.weight * sum);
+Point3 FitSystem::of_triangles(size_t i, const std::vector<Point3>& x) const {
+  Point3 pull{};
+  for (uint32_t k = first_[i]; k < first_[i + 1]; ++k) {
+    const FitTriangle& t = triangle_[around_[k]];
+    const Point3 sum = x[t.point[0]] + x[t.point[1]] + x[t.point[2]];
+    const Point3 v = (x[i] + sum) * (t.area / 12);
+    pull = pull + v * t.slack + t.normal * ((1 - t.slack) * dot(t.normal, v));
   }
-  return y;
+  return pull;
 }
 
-std::vector<Point3> FitSystem::preconditioned(const std::vector<Point3>& r) const {
-  std::vector<Point3> z(r.size());
-  for (size_t i = 0; i < r.size(); ++i) z[i] = solved(block_[i], r[i]);
-  return z;
+void FitSystem::add_wishes(size_t i, std::span<const MoveWish> wishes, const std::vector<double>& pull,
+                           Point3& v) const {
+  for (uint32_t n = first_wish_[i]; n < first_wish_[i + 1]; ++n) {
+    const WishOfPoint& own = wished_[n];
+    v = v + slopes(wishes[own.wish])[own.k] * pull[own.wish];
+  }
+}
+
+double FitSystem::multiply(const std::vector<Point3>& x, std::span<const MoveWish> wishes, std::vector<double>& pull,
+                           std::vector<Point3>& y) const {
+  for_each(wishes.size(), [&](size_t w) {
+    const std::array<Point3, 3> slope = slopes(wishes[w]);
+    double sum = 0;
+    for (size_t k = 0; k < 3; ++k) sum += dot(slope[k], x[wishes[w].point[k]]);
+    pull[w] = wishes[w].weight * sum;
+  });
+  return sum_of_each(x.size(), [&](size_t i) {
+    y[i] = of_triangles(i, x);
+    add_wishes(i, wishes, pull, y[i]);
+    return dot(x[i], y[i]);
+  });
 }
 
 void FitSystem::solve(const std::vector<Point3>& pull, std::span<const MoveWish> wishes, double enough,
                       std::vector<Point3>& x) const {
-  std::vector<Point3> r = pull;
-  for (const MoveWish& wish : wishes) {
-    const std::array<Point3, 3> slope = slopes(wish);
-    for (size_t k = 0; k < 3; ++k) r[wish.point[k]] = r[wish.point[k]] + slope[k] * (wish.weight * wish.wanted);
-  }
-  const double left = enough * inner(r, preconditioned(r));
-  const std::vector<Point3> start = product(x, wishes);
-  for (size_t i = 0; i < r.size(); ++i) r[i] = r[i] - start[i];
-  std::vector<Point3> p = preconditioned(r);
-  double rz = inner(r, p);
-  for (int step = 0; step < kMostSteps && rz > left; ++step) {
-    const std::vector<Point3> mp = product(p, wishes);
-    const double alpha = rz / inner(p, mp);
-    for (size_t i = 0; i < x.size(); ++i) {
+  const size_t points = x.size();
+  std::vector<Point3> r = pull, p(points), product(points), z(points);
+  std::vector<double> pull_of_wish(wishes.size());
+  for_each(wishes.size(), [&](size_t w) { pull_of_wish[w] = wishes[w].weight * wishes[w].wanted; });
+  const double all = sum_of_each(points, [&](size_t i) {
+    add_wishes(i, wishes, pull_of_wish, r[i]);
+    return dot(r[i], solved(block_[i], r[i]));
+  });
+  multiply(x, wishes, pull_of_wish, product);
+  double rz = sum_of_each(points, [&](size_t i) {
+    r[i] = r[i] - product[i];
+    p[i] = solved(block_[i], r[i]);
+    return dot(r[i], p[i]);
+  });
+  for (int step = 0; step < kMostSteps && rz > enough * all; ++step) {
+    const double alpha = rz / multiply(p, wishes, pull_of_wish, product), before = rz;
+    rz = sum_of_each(points, [&](size_t i) {
       x[i] = x[i] + p[i] * alpha;
-      r[i] = r[i] - mp[i] * alpha;
-    }
-    const std::vector<Point3> z = preconditioned(r);
-    const double before = rz;
-    rz = inner(r, z);
-    for (size_t i = 0; i < p.size(); ++i) p[i] = z[i] + p[i] * (rz / before);
+      r[i] = r[i] - product[i] * alpha;
+      z[i] = solved(block_[i], r[i]);
+      return dot(r[i], z[i]);
+    });
+    const double beta = rz / before;
+    for_each(points, [&](size_t i) { p[i] = z[i] + p[i] * beta; });
   }
 }
 

@@ -18,7 +18,8 @@ struct FitTriangle {
   double area = 0;   ///< in the plane, by its weight [pixels^2]
 };
 
-/// The least squares problem of moving a grid: its mass matrix, and wishes on top.
+/// The least squares problem of moving a grid: its mass matrix, and wishes on top. The same bits for any number of
+/// threads.
 class FitSystem {
  public:
   FitSystem(size_t points, std::vector<FitTriangle> triangles);
@@ -26,23 +27,34 @@ class FitSystem {
   /// Wishes from index `begin` on are new.
   void add(std::span<const MoveWish> wishes, size_t begin);
 
-  /// The moves for a right side of the fit, sought from x on. @param enough  of the right side that may be left,
-  /// squared
+  /// The moves for a right side of the fit, sought from x on.
+  /// @param wishes  all that were added
+  /// @param enough  of the right side that may be left, squared
   void solve(const std::vector<Point3>& pull, std::span<const MoveWish> wishes, double enough,
              std::vector<Point3>& x) const;
 
  private:
   using Symmetric = std::array<double, 6>;  // xx, xy, xz, yy, yz, zz
+  /// Of a wish, whose k-th point it is.
+  struct WishOfPoint {
+    uint32_t wish, k;
+  };
 
   [[nodiscard]] static bool moves(const Symmetric& block);
   static void add_square(Symmetric& m, const Point3& v, double weight);
   static Point3 solved(const Symmetric& m, const Point3& r);
-  [[nodiscard]] std::vector<Point3> product(const std::vector<Point3>& x, std::span<const MoveWish> wishes) const;
-  [[nodiscard]] std::vector<Point3> preconditioned(const std::vector<Point3>& r) const;
+  [[nodiscard]] Point3 of_triangles(size_t i, const std::vector<Point3>& x) const;
+  /// Adds to v what the wishes of a point pull by. @param pull  of each wish
+  void add_wishes(size_t i, std::span<const MoveWish> wishes, const std::vector<double>& pull, Point3& v) const;
+  /// y = matrix x. @param pull  room for one number a wish @returns x . y
+  double multiply(const std::vector<Point3>& x, std::span<const MoveWish> wishes, std::vector<double>& pull,
+                  std::vector<Point3>& y) const;
 
   std::vector<FitTriangle> triangle_;
   std::vector<uint32_t> first_, around_;  // per point: where its triangles begin; those
-  std::vector<Symmetric> block_;          // of the matrix's diagonal; zero for points of no triangle, which stay
+  std::vector<uint32_t> first_wish_;      // the same of wishes
+  std::vector<WishOfPoint> wished_;
+  std::vector<Symmetric> block_;  // of the matrix's diagonal; zero for points of no triangle, which stay
 };
 
 }  // namespace geocloth
