@@ -4,13 +4,15 @@
 
 #include <algorithm>
 #include <array>
+#include <unordered_map>
 #include <vector>
 
 namespace geocloth {
 
 uint32_t append_by_color(std::span<const shader::SeamSpring> entries, uint32_t most_colors, ClothData& data) {
   data.most_seam_springs += entries.size();
-  std::vector<std::vector<uint32_t>> colors_at(data.pixel_count());
+  std::unordered_map<uint32_t, std::vector<uint32_t>> colors_at;  // of few pixels: seams are lines
+  colors_at.reserve(2 * entries.size());
   std::vector<std::vector<shader::SeamSpring>> by_color;
   std::vector<size_t> met;  // per colour: the last entry that met it at one of its pixels, counted from 1
   for (size_t i = 0; i < entries.size(); ++i) {
