@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How the time and the memory of a conversion grow with the number of triangles: a garment of the project's own, each
 // face divided into 1, 4, 16, 49 and 121, at the default resolution, written to a file and converted as a user would.
+// Then with the number of pixels: the same garment, undivided, in images of 64 x 64 to 1024 x 1024.
 //
-//   convert_bench OUT.md [TRIANGLES]     up to so many triangles, 300,000 without
+//   convert_bench OUT.md [TRIANGLES [PIXELS]]     up to so many of each, 300,000 and 1,100,000 without
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,6 +13,7 @@
 #include <iostream>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <unistd.h>
@@ -95,10 +97,7 @@ void write_obj(const PlainMesh& mesh, const std::filesystem::path& file) {
 }
 
 /// Seconds of every stage and in all, one after the other.
-std::string seconds_of(const std::filesystem::path& file, Layout layout) {
-  ConvertOptions options;
-  options.flatten.layout = layout;
-  options.square_if_panels_fail = false;
+std::string seconds_of(const std::filesystem::path& file, const ConvertOptions& options) {
   const ConvertResult result = convert(file, options);
   std::string text;
   for (const char* stage : kStages) {
@@ -110,15 +109,15 @@ std::string seconds_of(const std::filesystem::path& file, Layout layout) {
 }
 
 struct Sample {
-  double triangles, seconds;
+  double size, seconds;
 };
 
-/// The exponent e of the power law seconds ~ cost(triangles)^e that fits best: a line through the logarithms.
+/// The exponent e of the power law seconds ~ cost(size)^e that fits best: a line through the logarithms.
 template <class Cost>
 double exponent(const std::vector<Sample>& samples, const Cost& cost) {
   double x = 0, y = 0, xx = 0, xy = 0;
   for (const Sample& s : samples) {
-    const double lx = std::log(cost(s.triangles)), ly = std::log(s.seconds);
+    const double lx = std::log(cost(s.size)), ly = std::log(s.seconds);
     x += lx;
     y += ly;
     xx += lx * lx;
@@ -128,39 +127,26 @@ double exponent(const std::vector<Sample>& samples, const Cost& cost) {
   return (n * xy - x * y) / (n * xx - x * x);
 }
 
-/// Over all sizes, and over the last two, where the pixels, which are as many for any mesh, count least.
-std::string growth_in_words(const std::vector<Sample>& samples) {
-  if (samples.size() < 2) return {};
-  const auto exponents = [](const std::vector<Sample>& some) {
-    return "n^" + number(exponent(some, [](double n) { return n; }), 3) + ", which is (n log n)^" +
-           number(exponent(some, [](double n) { return n * std::log(n); }), 3);
-  };
-  return "CPU time grows as " + exponents(samples) + "; from " + number(samples[samples.size() - 2].triangles, 6) +
-         " to " + number(samples.back().triangles, 6) + " triangles as " +
-         exponents({samples.end() - 2, samples.end()}) + ".\n\n";
-}
+/// A table of conversions that differ by the size of their work, a row each.
+class TimeTable {
+ public:
+  /// @param unit  what the size is counted in
+  TimeTable(std::string name, std::string unit)
+      : table_{std::move(name), {unit, "CPU seconds", "us / (n log2 n)", "MiB", "seconds"}, {}},
+        unit_(std::move(unit)) {
+    for (const char* stage : kStages) table_.column.emplace_back(stage);
+  }
 
-/// The table of a layout, and below it how time grows.
-std::string measure(const PlainMesh& garment, Layout layout, std::size_t most) {
-  const std::string name = geocloth::to_string(layout);
-  MarkdownTable table{name, {"triangles", "CPU seconds", "us / (n log2 n)", "MiB", "seconds"}, {}};
-  for (const char* stage : kStages) table.column.emplace_back(stage);
-  const std::filesystem::path path =
-      std::filesystem::temp_directory_path() / ("geocloth_convert_bench_" + std::to_string(getpid()) + ".obj");
-  std::vector<Sample> samples;
-  for (const uint32_t parts : {1U, 2U, 4U, 7U, 11U}) {
-    if (garment.triangle.size() * parts * parts > most) break;
-    const PlainMesh mesh = divided(garment, parts);
-    write_obj(mesh, path);
-    const ChildRun run = run_in_child([&] { return seconds_of(path, layout); }, kLimitSeconds);
-    std::vector<std::string> row{std::to_string(mesh.triangle.size())};
+  void add(std::size_t size, const std::filesystem::path& file, const ConvertOptions& options) {
+    const ChildRun run = run_in_child([&] { return seconds_of(file, options); }, kLimitSeconds);
+    std::vector<std::string> row{std::to_string(size)};
     if (run.done) {
       std::vector<std::string> seconds;
       for (std::size_t at = 0, end = 0; (end = run.text.find('\n', at)) != std::string::npos; at = end + 1) {
         seconds.push_back(run.text.substr(at, end - at));
       }
-      const auto n = static_cast<double>(mesh.triangle.size());
-      samples.push_back({n, run.cpu_seconds});
+      const auto n = static_cast<double>(size);
+      samples_.push_back({n, run.cpu_seconds});
       row.push_back(number(run.cpu_seconds, 3));
       row.push_back(number(1e6 * run.cpu_seconds / (n * std::log2(n)), 2));
       row.push_back(std::to_string(run.peak_memory_bytes >> 20U));
@@ -170,36 +156,87 @@ std::string measure(const PlainMesh& garment, Layout layout, std::size_t most) {
       row.push_back(run.text);
     }
     for (const std::string& cell : row) std::cout << cell << " | ";
-    std::cout << name << std::endl;
-    table.row.push_back(row);
+    std::cout << table_.heading << std::endl;
+    table_.row.push_back(row);
+  }
+
+  /// With how time grows below it.
+  [[nodiscard]] std::string text() const { return to_markdown(table_) + growth_in_words(); }
+
+ private:
+  /// Over all sizes, and over the last two, where what is the same for any size counts least.
+  [[nodiscard]] std::string growth_in_words() const {
+    if (samples_.size() < 2) return {};
+    const auto exponents = [](const std::vector<Sample>& some) {
+      return "n^" + number(exponent(some, [](double n) { return n; }), 3) + ", which is (n log n)^" +
+             number(exponent(some, [](double n) { return n * std::log(n); }), 3);
+    };
+    return "CPU time grows as " + exponents(samples_) + "; from " + number(samples_[samples_.size() - 2].size, 7) +
+           " to " + number(samples_.back().size, 7) + ' ' + unit_ + " as " +
+           exponents({samples_.end() - 2, samples_.end()}) + ".\n\n";
+  }
+
+  MarkdownTable table_;
+  std::string unit_;
+  std::vector<Sample> samples_;
+};
+
+ConvertOptions options_of(Layout layout) {
+  ConvertOptions options;
+  options.flatten.layout = layout;
+  options.square_if_panels_fail = false;
+  return options;
+}
+
+std::string by_triangles(const PlainMesh& garment, Layout layout, std::size_t most) {
+  TimeTable table(geocloth::to_string(layout), "triangles");
+  const std::filesystem::path path =
+      std::filesystem::temp_directory_path() / ("geocloth_convert_bench_" + std::to_string(getpid()) + ".obj");
+  for (const uint32_t parts : {1U, 2U, 4U, 7U, 11U}) {
+    if (garment.triangle.size() * parts * parts > most) break;
+    const PlainMesh mesh = divided(garment, parts);
+    write_obj(mesh, path);
+    table.add(mesh.triangle.size(), path, options_of(layout));
   }
   std::filesystem::remove(path);
-  return to_markdown(table) + growth_in_words(samples);
+  return table.text();
+}
+
+std::string by_pixels(const std::filesystem::path& garment, Layout layout, std::size_t most) {
+  TimeTable table(std::string(geocloth::to_string(layout)) + ", images", "pixels");
+  for (const uint32_t side : {64U, 128U, 256U, 512U, 1024U}) {
+    if (std::size_t{side} * side > most) break;
+    ConvertOptions options = options_of(layout);
+    options.flatten.resolution = side;
+    table.add(std::size_t{side} * side, garment, options);
+  }
+  return table.text();
 }
 
 }  // namespace
 }  // namespace geocloth::bench
 
 int main(int argc, char** argv) {
-  if (argc < 2 || argc > 3) {
-    std::cerr << "usage: convert_bench OUT.md [TRIANGLES]\n";
+  if (argc < 2 || argc > 4) {
+    std::cerr << "usage: convert_bench OUT.md [TRIANGLES [PIXELS]]\n";
     return 2;
   }
   try {
     using namespace geocloth::bench;
-    const std::size_t most = argc == 3 ? std::stoul(argv[2]) : 300'000;
+    using geocloth::Layout;
+    const std::size_t most_triangles = argc > 2 ? std::stoul(argv[2]) : 300'000;
+    const std::size_t most_pixels = argc > 3 ? std::stoul(argv[3]) : 1'100'000;
     std::string text =
-        "# Time of a conversion against the size of the mesh\n\n"
+        "# Time of a conversion against the size of the mesh and of the image\n\n"
         "Made by `convert_bench tests/bench/results/convert_time.md`: the project's own T-shirt, every triangle "
-        "divided "
-        "into 1 to 121, at the default resolution. Where time grows as n log n, the third column stays the same or "
-        "falls. CPU seconds are of all threads; MiB is the peak of the process; seconds, of all and per stage, are "
-        "wall "
-        "time.\n\n";
-    const geocloth::TriangleMesh file = geocloth::import_mesh(GEOCLOTH_SOURCE_DIR "/meshes/garments/t_shirt.obj");
-    for (const geocloth::Layout layout : {geocloth::Layout::panels, geocloth::Layout::square}) {
-      text += measure({file.position, file.triangle}, layout, most);
-    }
+        "divided into 1 to 121, at the default resolution; then undivided, at resolutions of 64 to 1024. Where time "
+        "grows as n log n, the third column stays the same or falls. CPU seconds are of all threads; MiB is the peak "
+        "of the process; seconds, of all and per stage, are wall time.\n\n";
+    const std::filesystem::path garment = GEOCLOTH_SOURCE_DIR "/meshes/garments/t_shirt.obj";
+    const geocloth::TriangleMesh mesh = geocloth::import_mesh(garment);
+    for (const Layout layout : {Layout::panels, Layout::square})
+      text += by_triangles({mesh.position, mesh.triangle}, layout, most_triangles);
+    for (const Layout layout : {Layout::panels, Layout::square}) text += by_pixels(garment, layout, most_pixels);
     geocloth::write_file(argv[1], text);
     return EXIT_SUCCESS;
   } catch (const std::exception& e) {
