@@ -132,8 +132,7 @@ class TimeTable {
  public:
   /// @param unit  what the size is counted in
   TimeTable(std::string name, std::string unit)
-      : table_{std::move(name), {unit, "CPU seconds", "us / (n log2 n)", "MiB", "seconds"}, {}},
-        unit_(std::move(unit)) {
+      : table_{std::move(name), {std::move(unit), "CPU seconds", "us / (n log2 n)", "MiB", "seconds"}, {}} {
     for (const char* stage : kStages) table_.column.emplace_back(stage);
   }
 
@@ -172,12 +171,11 @@ class TimeTable {
              number(exponent(some, [](double n) { return n * std::log(n); }), 3);
     };
     return "CPU time grows as " + exponents(samples_) + "; from " + number(samples_[samples_.size() - 2].size, 7) +
-           " to " + number(samples_.back().size, 7) + ' ' + unit_ + " as " +
+           " to " + number(samples_.back().size, 7) + ' ' + table_.column.front() + " as " +
            exponents({samples_.end() - 2, samples_.end()}) + ".\n\n";
   }
 
   MarkdownTable table_;
-  std::string unit_;
   std::vector<Sample> samples_;
 };
 

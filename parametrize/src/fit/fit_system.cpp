@@ -18,68 +18,78 @@ constexpr int kMostSteps = 80;
 constexpr size_t kPart = 2'000;                      // points or wishes that are worth a task
 constexpr std::array<size_t, 3> kDiagonal{0, 3, 5};  // of a symmetric matrix
 
+constexpr size_t parts_of(size_t count) {
+  return (count + kPart - 1) / kPart;
+}
+
+/// Calls body(part, begin, end) for each part of 0 .. count - 1.
+template <class Body>
+void for_parts(size_t count, const Body& body) {
+  tbb::parallel_for(size_t{0}, parts_of(count),
+                    [&](size_t part) { body(part, part * kPart, std::min(count, (part + 1) * kPart)); });
+}
+
 /// Calls body(i) for 0 <= i < count.
 template <class Body>
 void for_each(size_t count, const Body& body) {
-  tbb::parallel_for(size_t{0}, (count + kPart - 1) / kPart, [&](size_t part) {
-    for (size_t i = part * kPart; i < std::min(count, (part + 1) * kPart); ++i) body(i);
+  for_parts(count, [&](size_t, size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) body(i);
   });
 }
 
 /// Sum of body(i), part by part.
 template <class Body>
 double sum_of_each(size_t count, const Body& body) {
-  std::vector<double> sums((count + kPart - 1) / kPart);
-  tbb::parallel_for(size_t{0}, sums.size(), [&](size_t part) {
+  std::vector<double> sums(parts_of(count));
+  for_parts(count, [&](size_t part, size_t begin, size_t end) {
     double sum = 0;
-    for (size_t i = part * kPart; i < std::min(count, (part + 1) * kPart); ++i) sum += body(i);
+    for (size_t i = begin; i < end; ++i) sum += body(i);
     sums[part] = sum;
   });
   return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
-/// Per point of a wish.
-std::array<Point3, 3> slopes(const MoveWish& wish) {
+/// Of a wish, for its k-th point.
+Point3 slope_of(const MoveWish& wish, size_t k) {
   const Point3 a = to_double(wish.slope[0]), b = to_double(wish.slope[1]);
-  return {a, b, (a + b) * -1};
+  return k == 0 ? a : k == 1 ? b : (a + b) * -1;
 }
 
 }  // namespace
 
+template <class Item>
+void FitSystem::CornersOfPoints::list(size_t points, std::span<const Item> items) {
+  first.assign(points + 1, 0);
+  for (const Item& item : items)
+    for (const uint32_t i : item.point) ++first[i + 1];
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  corner.resize(first.back());
+  std::vector<uint32_t> end = first;
+  for (uint32_t n = 0; n < items.size(); ++n)
+    for (uint32_t k = 0; k < 3; ++k) corner[end[items[n].point[k]]++] = 3 * n + k;
+}
+
 FitSystem::FitSystem(size_t points, std::vector<FitTriangle> triangles)
-    : triangle_(std::move(triangles)), first_(points + 1, 0), first_wish_(points + 1, 0), block_(points, Symmetric{}) {
+    : triangle_(std::move(triangles)), block_(points, Symmetric{}) {
+  of_triangles_.list(points, std::span<const FitTriangle>(triangle_));
+  of_wishes_.list(points, std::span<const MoveWish>());
   for (const FitTriangle& t : triangle_) {
     for (const uint32_t i : t.point) {
-      ++first_[i + 1];
       const double weight = t.area / 6;
       add_square(block_[i], t.normal, (1 - t.slack) * weight);
       for (const size_t k : kDiagonal) block_[i][k] += t.slack * weight;
     }
   }
-  for (size_t i = 0; i < points; ++i) first_[i + 1] += first_[i];
-  around_.resize(first_.back());
-  std::vector<uint32_t> end = first_;
-  for (uint32_t t = 0; t < triangle_.size(); ++t) {
-    for (const uint32_t i : triangle_[t].point) around_[end[i]++] = t;
-  }
 }
 
 void FitSystem::add(std::span<const MoveWish> wishes, size_t begin) {
   for (const MoveWish& wish : wishes.subspan(begin)) {
-    const std::array<Point3, 3> slope = slopes(wish);
     for (size_t k = 0; k < 3; ++k) {
       Symmetric& block = block_[wish.point[k]];
-      if (moves(block)) add_square(block, slope[k], wish.weight);
+      if (moves(block)) add_square(block, slope_of(wish, k), wish.weight);
     }
   }
-  first_wish_.assign(first_wish_.size(), 0);
-  for (const MoveWish& wish : wishes)
-    for (const uint32_t i : wish.point) ++first_wish_[i + 1];
-  std::partial_sum(first_wish_.begin(), first_wish_.end(), first_wish_.begin());
-  wished_.resize(first_wish_.back());
-  std::vector<uint32_t> end = first_wish_;
-  for (uint32_t w = 0; w < wishes.size(); ++w)
-    for (uint32_t k = 0; k < 3; ++k) wished_[end[wishes[w].point[k]]++] = {w, k};
+  of_wishes_.list(block_.size(), wishes);
 }
 
 bool FitSystem::moves(const Symmetric& block) {
@@ -106,10 +116,10 @@ Point3 FitSystem::solved(const Symmetric& m, const Point3& r) {
          (1 / determinant);
 }
 
-Point3 FitSystem::of_triangles(size_t i, const std::vector<Point3>& x) const {
+Point3 FitSystem::triangles_pull(size_t i, const std::vector<Point3>& x) const {
   Point3 pull{};
-  for (uint32_t k = first_[i]; k < first_[i + 1]; ++k) {
-    const FitTriangle& t = triangle_[around_[k]];
+  for (const uint32_t corner : of_triangles_.of(i)) {
+    const FitTriangle& t = triangle_[corner / 3];
     const Point3 sum = x[t.point[0]] + x[t.point[1]] + x[t.point[2]];
     const Point3 v = (x[i] + sum) * (t.area / 12);
     pull = pull + v * t.slack + t.normal * ((1 - t.slack) * dot(t.normal, v));
@@ -119,22 +129,20 @@ Point3 FitSystem::of_triangles(size_t i, const std::vector<Point3>& x) const {
 
 void FitSystem::add_wishes(size_t i, std::span<const MoveWish> wishes, const std::vector<double>& pull,
                            Point3& v) const {
-  for (uint32_t n = first_wish_[i]; n < first_wish_[i + 1]; ++n) {
-    const WishOfPoint& own = wished_[n];
-    v = v + slopes(wishes[own.wish])[own.k] * pull[own.wish];
+  for (const uint32_t corner : of_wishes_.of(i)) {
+    v = v + slope_of(wishes[corner / 3], corner % 3) * pull[corner / 3];
   }
 }
 
 double FitSystem::multiply(const std::vector<Point3>& x, std::span<const MoveWish> wishes, std::vector<double>& pull,
                            std::vector<Point3>& y) const {
   for_each(wishes.size(), [&](size_t w) {
-    const std::array<Point3, 3> slope = slopes(wishes[w]);
     double sum = 0;
-    for (size_t k = 0; k < 3; ++k) sum += dot(slope[k], x[wishes[w].point[k]]);
+    for (size_t k = 0; k < 3; ++k) sum += dot(slope_of(wishes[w], k), x[wishes[w].point[k]]);
     pull[w] = wishes[w].weight * sum;
   });
   return sum_of_each(x.size(), [&](size_t i) {
-    y[i] = of_triangles(i, x);
+    y[i] = triangles_pull(i, x);
     add_wishes(i, wishes, pull, y[i]);
     return dot(x[i], y[i]);
   });

@@ -35,15 +35,21 @@ class FitSystem {
 
  private:
   using Symmetric = std::array<double, 6>;  // xx, xy, xz, yy, yz, zz
-  /// Of a wish, whose k-th point it is.
-  struct WishOfPoint {
-    uint32_t wish, k;
+  /// Which corners of triangles or wishes each point is. Corner k of the n-th of them is 3 n + k.
+  struct CornersOfPoints {
+    std::vector<uint32_t> first, corner;  // per point: where its corners begin; those
+
+    template <class Item>
+    void list(size_t points, std::span<const Item> items);
+    [[nodiscard]] std::span<const uint32_t> of(size_t i) const {
+      return std::span(corner).subspan(first[i], first[i + 1] - first[i]);
+    }
   };
 
   [[nodiscard]] static bool moves(const Symmetric& block);
   static void add_square(Symmetric& m, const Point3& v, double weight);
   static Point3 solved(const Symmetric& m, const Point3& r);
-  [[nodiscard]] Point3 of_triangles(size_t i, const std::vector<Point3>& x) const;
+  [[nodiscard]] Point3 triangles_pull(size_t i, const std::vector<Point3>& x) const;
   /// Adds to v what the wishes of a point pull by. @param pull  of each wish
   void add_wishes(size_t i, std::span<const MoveWish> wishes, const std::vector<double>& pull, Point3& v) const;
   /// y = matrix x. @param pull  room for one number a wish @returns x . y
@@ -51,9 +57,7 @@ class FitSystem {
                   std::vector<Point3>& y) const;
 
   std::vector<FitTriangle> triangle_;
-  std::vector<uint32_t> first_, around_;  // per point: where its triangles begin; those
-  std::vector<uint32_t> first_wish_;      // the same of wishes
-  std::vector<WishOfPoint> wished_;
+  CornersOfPoints of_triangles_, of_wishes_;
   std::vector<Symmetric> block_;  // of the matrix's diagonal; zero for points of no triangle, which stay
 };
 
