@@ -15,6 +15,7 @@
 
 #include <sys/resource.h>
 
+#include "cut/fold_loops.h"
 #include "develop/develop.h"
 #include "fit/fit_image.h"
 #include "fit/relax_samples.h"
@@ -124,11 +125,11 @@ uint64_t peak_memory_bytes() {
 
 /// Layout uv is cut along the seams of the garment's own texture coordinates, layout panels as well where they are a
 /// sewing pattern whose pieces are large beside the pixels; where they are small, cuts prefer them.
-CutOptions cut_options(const CleanSurface& clean, const FlattenOptions& options,
-                       const std::optional<MirrorPlane>& mirror) {
+/// @param shape  what the surface's shape speaks for
+CutOptions cut_options(const CleanSurface& clean, const FlattenOptions& options, const CutPreferences& shape) {
   if (options.layout == Layout::uv) return {.extra_edges = usable_uv_pattern(clean).seam};
   if (options.layout != Layout::panels) return {};
-  CutOptions cut{{}, {.creases = true, .seams = {}, .mirror = mirror}};
+  CutOptions cut{{}, shape};
   UvPattern pattern = read_uv_pattern(clean);
   double area = 0;
   for (const UvPattern::Island& island : pattern.island) area += island.area;
@@ -142,7 +143,8 @@ CutOptions cut_options(const CleanSurface& clean, const FlattenOptions& options,
   return cut;
 }
 
-/// The shortest cuts, and those where they are wished: what a wish costs in the end only the layout tells.
+/// The shortest cuts, those where they are wished, and those all along the folds between layers: what a wish costs in
+/// the end only the layout tells.
 std::vector<CutSurface> all_cuts(const CleanSurface& clean, const CutOptions& options, const Progress& progress) {
   std::vector<CutSurface> cuts;
   cuts.push_back(cut_to_disks(clean, {.extra_edges = options.extra_edges}, progress));
@@ -154,6 +156,11 @@ std::vector<CutSurface> all_cuts(const CleanSurface& clean, const CutOptions& op
   if (some_part_is_small && (prefer.creases || !prefer.seams.empty() || prefer.mirror)) {
     cuts.push_back(cut_to_disks(clean, options, progress));
   }
+  if (!prefer.folds.empty()) {
+    CutOptions along_folds{options.extra_edges, {}};
+    along_folds.extra_edges.insert(along_folds.extra_edges.end(), prefer.folds.begin(), prefer.folds.end());
+    cuts.push_back(cut_to_disks(clean, along_folds, progress));
+  }
   return cuts;
 }
 
@@ -163,9 +170,9 @@ struct Cuts {
   std::vector<CutSurface> surface;
 };
 
-Cuts cut_open(const CleanSurface& surface, const FlattenOptions& options, const std::optional<MirrorPlane>& mirror,
+Cuts cut_open(const CleanSurface& surface, const FlattenOptions& options, const CutPreferences& shape,
               const Conversion& run) {
-  Cuts cuts{cut_options(surface, options, mirror), {}};
+  Cuts cuts{cut_options(surface, options, shape), {}};
   cuts.surface = run.stages.run("cut", [&] { return all_cuts(surface, cuts.options, run.progress); });
   return cuts;
 }
@@ -194,7 +201,7 @@ struct FilledCuts {
 
 /// Nothing when there are no such holes. Those that first cuts meet anyway are cut open like other borders.
 std::optional<FilledCuts> cut_filled(const CleanSurface& clean, const FlattenOptions& options,
-                                     const std::optional<MirrorPlane>& mirror, const Conversion& run) {
+                                     const CutPreferences& shape, const Conversion& run) {
   constexpr int kTries = 4;
   constexpr size_t kMostCutOpen = 300;  // holes: to find cuts to more of them takes long
   const size_t kept = clean.triangle.size();
@@ -202,7 +209,7 @@ std::optional<FilledCuts> cut_filled(const CleanSurface& clean, const FlattenOpt
   for (int tries = 0; tries < kTries; ++tries) {
     FilledSurface filled = fill_holes(clean, left_open);
     if (filled.rim.empty()) return std::nullopt;
-    Cuts cuts = cut_open(filled.surface, options, mirror, run);
+    Cuts cuts = cut_open(filled.surface, options, shape, run);
     std::vector<uint32_t> met;
     for (CutSurface& cut : cuts.surface) {
       for (const uint32_t t : cut.clean_triangle) cut.hole.push_back(t < kept ? kNone : filled.hole[t - kept]);
@@ -217,7 +224,7 @@ std::optional<FilledCuts> cut_filled(const CleanSurface& clean, const FlattenOpt
     if (filled.rim.size() <= kMostCutOpen) {
       CleanSurface as_it_is = clean;
       as_it_is.point_count = filled.surface.point_count;  // points that cuts insert have numbers beyond all of these
-      for (CutSurface& cut : cut_open(as_it_is, options, mirror, run).surface) {
+      for (CutSurface& cut : cut_open(as_it_is, options, shape, run).surface) {
         cuts.surface.push_back(std::move(cut));
       }
     }
@@ -238,18 +245,19 @@ bool lay_out(const CarriedSurface& carried, const FlattenOptions& options, bool 
 
   CleanSurface upright = clean;
   upright.position = run.upright.apply(std::move(upright.position));
-  std::optional<MirrorPlane> mirror;
+  CutPreferences shape{.creases = true, .seams = {}, .mirror = {}};
   if (options.layout == Layout::panels) {
-    mirror = run.stages.run("mirror", [&] { return find_mirror_plane(upright.position, upright.triangle); });
+    shape.mirror = run.stages.run("mirror", [&] { return find_mirror_plane(upright.position, upright.triangle); });
+    shape.folds = fold_loops(upright, kMostWithWishes);
   }
-  report.mirror = mirror;
-  if (mirror) report.mirror->normal = run.upright.undo(mirror->normal);
+  report.mirror = shape.mirror;
+  if (shape.mirror) report.mirror->normal = run.upright.undo(shape.mirror->normal);
   if (fill) {
-    const std::optional<FilledCuts> filled = cut_filled(upright, options, mirror, run);
+    const std::optional<FilledCuts> filled = cut_filled(upright, options, shape, run);
     if (!filled) return false;
     result.flat = lay_flat(filled->surface, filled->cuts, options, run);
   } else {
-    result.flat = lay_flat(upright, cut_open(upright, options, mirror, run), options, run);
+    result.flat = lay_flat(upright, cut_open(upright, options, shape, run), options, run);
   }
   FlatSurface& flat = result.flat;
   // Exactly where they were, which turning there and back is not.

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "cut/fold_loops.h"
 #include "cut/straight_cuts.h"
 #include "develop/chart.h"
 #include "develop/close_slits.h"
@@ -14,6 +15,8 @@
 #include "develop/embed_chart.h"
 #include "develop/mixed_cut.h"
 #include "develop/symmetric_dirichlet.h"
+#include "geocloth/parametrize/convert.h"
+#include "geocloth/parametrize/repair.h"
 #include "mesh/half_edges.h"
 #include "mesh/point_math.h"
 #include "parametrize/clean_surfaces.h"
@@ -221,6 +224,107 @@ TEST(CloseSlits, ASlitThatIsNeededStays) {
   close_slits(charts, find_sheet(cut), {});
   EXPECT_GT(outline_length(charts[0]), 0.9 * outline);
   EXPECT_LT(SymmetricDirichlet(charts[0].position, charts[0].triangle, {}).energy(charts[0].uv), 4.03);
+}
+
+/// Two square layers of n x n quads that share their border: a cushion, `bulge` [m] high in the middle.
+TriangleMesh cushion(uint32_t n, double bulge) {
+  TriangleMesh mesh;
+  mesh.name = "cushion";
+  std::map<std::array<uint32_t, 3>, uint32_t> number;
+  const auto vertex = [&](uint32_t side, uint32_t x, uint32_t y) {
+    const bool on_rim = x == 0 || y == 0 || x == n || y == n;
+    const auto fresh = static_cast<uint32_t>(mesh.position.size());
+    const auto [found, is_new] = number.try_emplace({on_rim ? 0 : side, x, y}, fresh);
+    if (is_new) {
+      const double u = x / static_cast<double>(n), v = y / static_cast<double>(n);
+      const double height = on_rim ? 0 : 4 * bulge * std::sqrt(u * (1 - u) * v * (1 - v));
+      mesh.position.push_back({0.5 * u, 0.5 * v, side == 0 ? height : -height});
+    }
+    return found->second;
+  };
+  for (const uint32_t side : {0U, 1U}) {
+    for (uint32_t y = 0; y < n; ++y) {
+      for (uint32_t x = 0; x < n; ++x) {
+        const uint32_t a = vertex(side, x, y), b = vertex(side, x + 1, y), c = vertex(side, x + 1, y + 1),
+                       d = vertex(side, x, y + 1);
+        mesh.triangle.push_back(side == 0 ? Triangle{a, b, c} : Triangle{a, c, b});
+        mesh.triangle.push_back(side == 0 ? Triangle{a, c, d} : Triangle{a, d, c});
+      }
+    }
+  }
+  for (uint32_t t = 0; t < mesh.triangle.size(); ++t) mesh.polygon.push_back(t);
+  mesh.material = {SourceMaterial{}};
+  mesh.part.push_back({"cushion", 0, 0, static_cast<uint32_t>(mesh.triangle.size())});
+  return mesh;
+}
+
+/// A sheet of strips one beside the other, each turned against the one before by an angle [rad], one way and back.
+TriangleMesh pleated(uint32_t strips, double angle, uint32_t rows = 20) {
+  TriangleMesh mesh;
+  mesh.name = "pleated";
+  double x = 0, z = 0;
+  for (uint32_t s = 0; s <= strips; ++s) {
+    for (uint32_t r = 0; r <= rows; ++r) mesh.position.push_back({x, r / static_cast<double>(rows), z});
+    const double turn = s % 2 == 0 ? angle / 2 : -angle / 2;
+    x += 0.05 * std::cos(turn);
+    z += 0.05 * std::sin(turn);
+  }
+  for (uint32_t s = 0; s < strips; ++s) {
+    for (uint32_t r = 0; r < rows; ++r) {
+      const uint32_t a = s * (rows + 1) + r, b = a + rows + 1;
+      mesh.triangle.push_back({a, b, b + 1});
+      mesh.triangle.push_back({a, b + 1, a + 1});
+    }
+  }
+  for (uint32_t t = 0; t < mesh.triangle.size(); ++t) mesh.polygon.push_back(t);
+  mesh.material = {SourceMaterial{}};
+  mesh.part.push_back({"pleated", 0, 0, static_cast<uint32_t>(mesh.triangle.size())});
+  return mesh;
+}
+
+TEST(FoldLoops, GoAllRoundWhereTwoLayersMeet) {
+  constexpr uint32_t kSide = 12;
+  constexpr size_t kMost = 10'000;
+  const CleanSurface surface = repair_mesh(cushion(kSide, 0.01)).surface;
+  const std::vector<std::array<uint32_t, 2>> loops = fold_loops(surface, kMost);
+  EXPECT_TRUE(std::is_sorted(loops.begin(), loops.end()));
+  std::map<uint32_t, int> ends;
+  double length = 0;
+  for (const auto& [a, b] : loops) {
+    length += distance(surface.position[a], surface.position[b]);
+    for (const uint32_t v : {a, b}) {
+      EXPECT_EQ(surface.position[v][2], 0) << "only the rim is folded";
+      ++ends[v];
+    }
+  }
+  EXPECT_NEAR(length, 2, 1e-6);
+  EXPECT_TRUE(std::all_of(ends.begin(), ends.end(), [](const auto& e) { return e.second == 2; }));
+  EXPECT_TRUE(fold_loops(surface, surface.triangle.size() - 1).empty()) << "time grows with every way to cut";
+}
+
+// A skirt of pleats hangs together; cut at every one it would be a heap of strips.
+TEST(FoldLoops, AreNoPleatsAndNoWrinkles) {
+  constexpr size_t kMost = 10'000;
+  EXPECT_EQ(fold_loops(repair_mesh(pleated(2, 1.5)).surface, kMost).size(), 20U) << "a line from border to border";
+  EXPECT_TRUE(fold_loops(repair_mesh(pleated(40, 1.5)).surface, kMost).empty());
+  EXPECT_TRUE(fold_loops(repair_mesh(pleated(2, 0.5)).surface, kMost).empty());
+  TriangleMesh ends_within = pleated(2, 1.5);
+  for (uint32_t r = 10; r <= 20; ++r) ends_within.position[21 + r][2] = 0;
+  EXPECT_TRUE(fold_loops(repair_mesh(ends_within).surface, kMost).empty());
+}
+
+// Cut across its sides as the shortest seam would have it, a cushion is an envelope of triangles: half of the image is
+// empty, and lines run over the cloth that no tailor would draw.
+TEST(CutChoice, ACushionIsTwoPiecesSewnAllRound) {
+  ConvertOptions options;
+  options.flatten.resolution = 64;
+  const ConvertResult result = convert(cushion(20, 0.01), options);
+  const double side = std::sqrt(2 * 0.5 * 0.5);
+  EXPECT_NEAR(result.report.quality.seam_length, 2 / side, 0.03 * 2 / side);
+  EXPECT_LT(result.report.quality.l2_stretch, 1.001);
+  EXPECT_GT(count_valid_pixels(result.asset), 0.9 * result.asset.width * result.asset.height);
+  ASSERT_EQ(result.flat.charts.size(), 2U);
+  EXPECT_EQ(result.flat.charts[0].outline.size(), result.flat.charts[1].outline.size()) << "sewn point to point";
 }
 
 }  // namespace

@@ -90,10 +90,13 @@ struct Way {
   Taste taste;
 };
 
+/// A surface is cut in so many ways at most, in this order.
+enum class CutKind : uint8_t { shortest, wishful, along_folds };
+
 /// What a cut is to a part.
 struct Worth {
   bool tried = true;
-  bool wishful = false;  // with preferences
+  CutKind kind = CutKind::shortest;
 };
 
 /// How many ways a part is worth: time grows with its triangles.
@@ -104,12 +107,12 @@ std::vector<Way> ways_for(size_t triangles, const std::vector<Worth>& worth) {
   std::vector<Way> ways;
   for (size_t c = 0; c < worth.size(); ++c) {
     if (!worth[c].tried) continue;
-    if (worth[c].wishful) {
+    if (worth[c].kind == CutKind::wishful) {
       for (size_t i = 0; i < wishful; ++i) ways.push_back({c, kWishfulTastes.at(i)});
       continue;
     }
     for (size_t i = 0; i < plain; ++i) ways.push_back({c, kTastes.at(i)});
-    if (triangles <= kFurther) {
+    if (worth[c].kind == CutKind::shortest && triangles <= kFurther) {
       for (const Taste& taste : kFurtherTastes) ways.push_back({c, taste});
     }
   }
@@ -247,15 +250,20 @@ bool has_fillings(const CutWay& way, size_t sheet) {
 /// What the cuts are to a sheet. Those of the surface with its holes filled come first, then those of the surface as it
 /// is, which matter to sheets with holes only.
 /// @param alike  as of first_alike()
+/// @param along_folds  whether those along folds are tried, or the others
 std::vector<Worth> worth_of(const std::vector<CutWay>& cuts, size_t sheet, const std::vector<size_t>& alike,
-                            const DevelopOptions& options) {
+                            bool along_folds, const DevelopOptions& options) {
   std::vector<Worth> worth(cuts.size());
   const bool filled = has_fillings(cuts.front(), sheet);
-  for (size_t c = 1; c < cuts.size(); ++c) {
+  for (size_t c = 0; c < cuts.size(); ++c) {
     const bool of_other_surface = cuts[c].cut.hole.empty() != cuts.front().cut.hole.empty();
-    worth[c].wishful = cuts[c].cut.hole.empty() == cuts[c - 1].cut.hole.empty();
-    if (of_other_surface && !filled) worth[c].tried = false;
-    if (worth[c].wishful && alike[c] < c && is_beside_mirror(cuts[c], sheet, options.prefer.mirror)) {
+    if (c > 0 && cuts[c].cut.hole.empty() == cuts[c - 1].cut.hole.empty()) {
+      worth[c].kind = worth[c - 1].kind == CutKind::shortest ? CutKind::wishful : CutKind::along_folds;
+    }
+    const bool is_other_kind = (worth[c].kind == CutKind::along_folds) != along_folds;
+    if (is_other_kind || (of_other_surface && !filled)) worth[c].tried = false;
+    if (alike[c] == c) continue;
+    if (along_folds || (worth[c].kind == CutKind::wishful && is_beside_mirror(cuts[c], sheet, options.prefer.mirror))) {
       worth[c].tried = false;
     }
   }
@@ -275,14 +283,16 @@ double least_cost(const std::vector<Chart>& start) {
 }
 
 /// Lays the components of one sheet out and sews together again what needs no seam.
+/// @param along_folds  whether its cuts are those along folds. @returns no charts when there are none such
 /// @param twin  of the sheet, where one is laid out already: a pair of shoes is laid out in one way
-SheetLayout develop_sheet(const std::vector<CutWay>& cuts, size_t sheet, const DevelopOptions& options,
-                          const SheetLayout* twin) {
+SheetLayout develop_sheet(const std::vector<CutWay>& cuts, size_t sheet, bool along_folds,
+                          const DevelopOptions& options, const SheetLayout* twin) {
   constexpr double kAsGood = 1.005;  // of its twin's cost
   size_t triangles = 0;
   for (const std::vector<uint32_t>& c : cuts.front().triangles[sheet]) triangles += c.size();
   const std::vector<size_t> alike = first_alike(cuts, sheet);
-  const std::vector<Way> ways = ways_for(triangles, worth_of(cuts, sheet, alike, options));
+  const std::vector<Way> ways = ways_for(triangles, worth_of(cuts, sheet, alike, along_folds, options));
+  if (ways.empty()) return {};
   std::vector<std::vector<Chart>> start(ways.back().cut + 1);
   std::vector<std::deque<TrialMemory>> memory(start.size());
   const auto lay_out_start = [&](size_t c) { start[c] = laid_out(cuts[c], sheet); };
@@ -313,7 +323,7 @@ SheetLayout develop_sheet(const std::vector<CutWay>& cuts, size_t sheet, const D
                     .seam_price = options.cut_price,
                     .narrow = kNarrow * options.least_cut});
       open_met_holes(layouts[i].charts);
-      layouts[i].cost = ways.size() > 1 ? cost_of(layouts[i].charts, options) : 0;
+      layouts[i].cost = cost_of(layouts[i].charts, options);
     } catch (const Error&) {
       failed[i] = std::current_exception();
     }
@@ -381,13 +391,14 @@ std::vector<size_t> find_twins(const std::vector<CutWay>& cuts) {
 }
 
 /// All sheets, twins after those that they are twins of.
-std::vector<SheetLayout> develop_sheets(const std::vector<CutWay>& cuts, const DevelopOptions& options) {
+std::vector<SheetLayout> develop_sheets(const std::vector<CutWay>& cuts, bool along_folds,
+                                        const DevelopOptions& options) {
   const std::vector<size_t> twin = find_twins(cuts);
   std::vector<SheetLayout> developed(twin.size());
   for (const bool paired : {false, true}) {
     tbb::parallel_for(size_t{0}, twin.size(), [&](size_t i) {
       if ((twin[i] != i) == paired)
-        developed[i] = develop_sheet(cuts, i, options, paired ? &developed[twin[i]] : nullptr);
+        developed[i] = develop_sheet(cuts, i, along_folds, options, paired ? &developed[twin[i]] : nullptr);
     });
   }
   return developed;
@@ -570,23 +581,55 @@ ChartedSurface parted_where_that_pays(const CutSurface& cut, const Sheet& sheet,
   return best;
 }
 
+/// The same with layers of cloth cut from each other all along their folds, as a tailor would cut a cushion, where that
+/// costs little enough to be looked at. Nothing when there is no such place.
+std::vector<SheetLayout> with_layers_apart(const std::vector<CutWay>& cuts, const std::vector<SheetLayout>& developed,
+                                           const DevelopOptions& options) {
+  constexpr double kMostCost = 1.5;  // of the other way's
+  std::vector<SheetLayout> layered = develop_sheets(cuts, true, options);
+  bool is_other = false;
+  for (size_t i = 0; i < layered.size(); ++i) {
+    const bool is_worth_it = !layered[i].charts.empty() && layered[i].cost < kMostCost * developed[i].cost;
+    if (!is_worth_it) layered[i] = developed[i];
+    is_other = is_other || is_worth_it;
+  }
+  return is_other ? layered : std::vector<SheetLayout>{};
+}
+
+ChartedSurface finished(std::span<const CutSurface> cuts, const std::vector<SheetLayout>& developed,
+                        const DevelopOptions& options) {
+  std::vector<Chart> charts;
+  std::vector<size_t> choice;
+  for (const SheetLayout& of_sheet : developed) {
+    charts.insert(charts.end(), of_sheet.charts.begin(), of_sheet.charts.end());
+    choice.insert(choice.end(), of_sheet.charts.size(), of_sheet.cut);
+  }
+  const CutSurface cut = put_together(cuts, choice, charts);
+  return parted_where_that_pays(cut, find_sheet(cut), charts, options);
+}
+
+/// With no more distortion than there may be, or than the other has.
+bool fills_better(const ChartedSurface& surface, const ChartedSurface& other, const PartingOptions& options) {
+  if (mean_energy(surface.charts) > std::max(kMostMean, mean_energy(other.charts) + kUnsettled)) return false;
+  if (!lie_well(measure_threads(surface.charts), measure_threads(other.charts))) return false;
+  const Filling f = filling_of(surface.charts, find_sheet(surface.cut), options.pixel);
+  const Filling g = filling_of(other.charts, find_sheet(other.cut), options.pixel);
+  return misses_of(f, f.seam - g.seam, options) < misses_of(g, 0, options);
+}
+
 }  // namespace
 
 DevelopedSurface develop(std::span<const CutSurface> cuts, const DevelopOptions& options, const Progress& progress) {
   std::vector<CutWay> ways;
   for (const CutSurface& cut : cuts) ways.push_back(examined(cut, options));
-  std::vector<SheetLayout> developed = develop_sheets(ways, options);
+  const std::vector<SheetLayout> developed = develop_sheets(ways, false, options);
+  const std::vector<SheetLayout> layered = with_layers_apart(ways, developed, options);
   if (progress) progress("flatten", 0.3);
-  std::vector<Chart> charts;
-  std::vector<size_t> choice;
-  for (SheetLayout& of_sheet : developed) {
-    for (Chart& chart : of_sheet.charts) {
-      charts.push_back(std::move(chart));
-      choice.push_back(of_sheet.cut);
-    }
+  ChartedSurface result = finished(cuts, developed, options);
+  if (!layered.empty()) {
+    ChartedSurface other = finished(cuts, layered, options);
+    if (fills_better(other, result, options.parting)) result = std::move(other);
   }
-  const CutSurface cut = put_together(cuts, choice, charts);
-  ChartedSurface result = parted_where_that_pays(cut, find_sheet(cut), charts, options);
   even_out_stretch(result.charts);
   open_met_holes(result.charts);
   return assembled(result.cut, result.charts);

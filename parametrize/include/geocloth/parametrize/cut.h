@@ -29,6 +29,9 @@ struct CutPreferences {
   bool creases = false;                        ///< where the surface is folded
   std::vector<std::array<uint32_t, 2>> seams;  ///< clean-surface edges (vertex pairs) where the garment's own are
   std::optional<MirrorPlane> mirror;           ///< along this plane, and where the mirror images of other cuts are
+  /// Clean-surface edges where two layers of cloth meet (sorted vertex pairs in ascending order): seams show least
+  /// there.
+  std::vector<std::array<uint32_t, 2>> folds{};
 };
 
 struct CutOptions {
