@@ -103,8 +103,7 @@ bool turns_up(const Triangle& t) {
 
 /// Finds the corners of two layers sewn round the border where a triangle has no vertex but on the border, so that it
 /// is one with that of the other layer: two faces that run opposite ways round, or more, with no others at one or two
-/// of their edges and one of each layer at the rest. One of them kept would hang on the edge between the layers;
-/// without both the layers are joined there.
+/// of their edges and one of each layer at the rest. One of them kept would hang on the edge between the layers.
 class FlattenedCorners {
  public:
   FlattenedCorners(const Soup& soup, const Classes& classes) : soup_(soup), classes_(classes) {
@@ -131,6 +130,16 @@ class FlattenedCorners {
     return joined == 1 || joined == 2;
   }
 
+  /// The two faces beyond an edge of such a class, one of each layer; none at an edge that only the class has.
+  [[nodiscard]] std::vector<uint32_t> beyond(uint64_t edge, uint32_t c) const {
+    std::vector<uint32_t> faces;
+    for (auto s = std::lower_bound(side_.begin(), side_.end(), std::pair(edge, 0U)); s != side_.end(); ++s) {
+      if (s->first != edge) break;
+      if (classes_.of[s->second] != c) faces.push_back(s->second);
+    }
+    return faces;
+  }
+
  private:
   /// Whether an edge of a class has two faces of others, each alone in its class; nothing where it has other faces.
   [[nodiscard]] std::optional<bool> is_between_layers(uint64_t edge, uint32_t c) const {
@@ -150,18 +159,94 @@ class FlattenedCorners {
   std::vector<std::pair<uint64_t, uint32_t>> side_;  ///< (edge, triangle), ascending
 };
 
-/// Marks all triangles of a class but the first, and of corners flattened that as well.
-uint64_t mark_duplicate_triangles(const Soup& soup, std::vector<bool>& keep) {
+bool runs(const Triangle& t, uint32_t from, uint32_t to) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (t[k] == from) return t[(k + 1) % 3] == to;
+  }
+  return false;
+}
+
+/// An edge of a flattened corner, from where on the layers are apart, and each layer's faces at it.
+struct CornerEdge {
+  uint32_t a, b;                                 // points
+  std::array<std::array<uint32_t, 2>, 2> layer;  // triangles: that in the corner and that beyond
+};
+
+/// @param corner  the two triangles over the same points, which run opposite ways round
+/// @param beyond  those on the other side, of which as many follow on each of them as can be told by their ways round
+CornerEdge corner_edge(const Soup& soup, uint32_t a, uint32_t b, const std::array<uint32_t, 2>& corner,
+                       const std::vector<uint32_t>& beyond) {
+  const bool follows = runs(soup.triangle[beyond[0]], a, b) != runs(soup.triangle[corner[0]], a, b);
+  const auto of_first = follows ? std::size_t{0} : std::size_t{1};
+  return {a, b, {{{corner[0], beyond[of_first]}, {corner[1], beyond[1 - of_first]}}}};
+}
+
+/// Splits both of a layer's faces at such an edge near its middle, by a point that the other layer does not have: so
+/// the corner keeps both of its layers, and they hang together on the border alone.
+/// @param parts  per triangle: what it has been split into so far
+void split_between_layers(Soup& soup, const CornerEdge& edge, std::map<uint32_t, std::vector<uint32_t>>& parts) {
+  constexpr std::array kShares{0.45, 0.55};  // different points have different places
+  for (std::size_t i = 0; i < kShares.size(); ++i) {
+    const auto middle = static_cast<uint32_t>(soup.position.size());
+    const Point3 a = soup.position[edge.a], b = soup.position[edge.b];
+    soup.position.push_back(a + (b - a) * kShares[i]);
+    for (const uint32_t face : edge.layer[i]) {
+      std::vector<uint32_t>& pieces = parts.try_emplace(face, 1, face).first->second;
+      const auto has = [&](uint32_t t, uint32_t p) { return std::ranges::count(soup.triangle[t], p) > 0; };
+      const auto piece = std::ranges::find_if(pieces, [&](uint32_t t) { return has(t, edge.a) && has(t, edge.b); });
+      if (piece == pieces.end()) continue;
+      const Triangle whole = soup.triangle[*piece];
+      Triangle second = whole;
+      *std::ranges::find(soup.triangle[*piece], edge.b) = middle;
+      *std::ranges::find(second, edge.a) = middle;
+      pieces.push_back(static_cast<uint32_t>(soup.triangle.size()));
+      soup.triangle.push_back(second);
+      soup.source.push_back(soup.source[face]);
+    }
+  }
+}
+
+double area_of(const Soup& soup, const Triangle& t) {
+  return triangle_area(soup.position[t[0]], soup.position[t[1]], soup.position[t[2]]);
+}
+
+/// Marks all triangles of a class but the first. Both of a flattened corner stay, with an edge for each layer, unless
+/// it is so small that nobody misses it, as those are that rounded coordinates make: then both go, which joins the
+/// layers.
+uint64_t mark_duplicate_triangles(Soup& soup, std::vector<bool>& keep) {
   const Classes classes = classes_of(soup, keep);
   if (classes.at.size() == classes.order.size()) return 0;
+  constexpr double kMissed = 1e-4;  // of all area
+  double least = 0;
+  for (const Triangle& t : soup.triangle) least += kMissed * area_of(soup, t);
   const FlattenedCorners corners(soup, classes);
+  std::vector<CornerEdge> edges;
   for (uint32_t c = 0; c < classes.at.size(); ++c) {
     const auto [begin, end] = classes.at[c];
     if (end - begin == 1) continue;
-    for (std::size_t i = corners.is_one(c) ? begin : begin + 1; i < end; ++i) keep[classes.order[i]] = false;
+    for (std::size_t i = begin + 1; i < end; ++i) keep[classes.order[i]] = false;
+    if (!corners.is_one(c)) continue;
+    const Triangle t = soup.triangle[classes.order[begin]];
+    if (area_of(soup, t) < least) {
+      keep[classes.order[begin]] = false;
+      continue;
+    }
+    std::size_t other = begin + 1;
+    while (turns_up(soup.triangle[classes.order[other]]) == turns_up(t)) ++other;
+    keep[classes.order[other]] = true;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const uint32_t a = t[k], b = t[(k + 1) % 3];
+      const std::vector<uint32_t> beyond = corners.beyond(edge_key(a, b), c);
+      if (!beyond.empty())
+        edges.push_back(corner_edge(soup, a, b, {classes.order[begin], classes.order[other]}, beyond));
+    }
   }
-  return static_cast<uint64_t>(
+  const auto gone = static_cast<uint64_t>(
       std::count_if(classes.order.begin(), classes.order.end(), [&](uint32_t i) { return !keep[i]; }));
+  std::map<uint32_t, std::vector<uint32_t>> parts;
+  for (const CornerEdge& edge : edges) split_between_layers(soup, edge, parts);
+  keep.resize(soup.triangle.size(), true);
+  return gone;
 }
 
 /// Finds triangles of double-sided sheets whose back is cut along the other diagonals: two triangles across a diagonal

@@ -49,7 +49,8 @@ struct BorderSide {
 uint64_t drop_collapsed(Soup& soup);
 
 /// Drops all but the first of the triangles over the same three points, whichever way round, and all but the first of
-/// the polygons over the same points. Of corners that two layers sewn round the border have in common, both triangles.
+/// the polygons over the same points. Corners that two layers sewn round the border have in common stay; they and what
+/// is beside them are split so that the layers have no edge in common there; without both where they are tiny.
 /// Of double-sided parts whose back is cut along other diagonals than the front, and so shares no triangle with it, the
 /// back. @param polygon  per triangle of the file; may be empty @returns how many faces
 uint64_t drop_duplicates(Soup& soup, std::span<const uint32_t> polygon);
