@@ -196,8 +196,8 @@ void sample_triangle(const Point3& a, const Point3& b, const Point3& c, std::siz
   }
 }
 
-/// Distances of area-uniform samples of one surface from another. Samples go along the triangles, so that each query
-/// starts from the answer of one nearby.
+/// Distances of area-uniform samples of one surface from another; the largest is also looked for at its vertices, since
+/// corners are what samples miss. Both go along the triangles, so that each query starts from the answer of one nearby.
 Deviation deviation(const Surface& from, const Surface& to) {
   const auto area_of = [&](const Triangle& v) {
     return triangle_area(from.position[v[0]], from.position[v[1]], from.position[v[2]]);
@@ -230,6 +230,13 @@ Deviation deviation(const Surface& from, const Surface& to) {
     sample_triangle(from.position[t[0]], from.position[t[1]], from.position[t[2]], count, uniform, visit);
   }
   result.rms = std::sqrt(squares / kSamples);
+  std::vector<bool> is_met(from.position.size(), false);
+  for (const Triangle& t : from.triangle) {
+    for (const uint32_t v : t) {
+      if (!is_met[v]) visit(from.position[v]);
+      is_met[v] = true;
+    }
+  }
   return result;
 }
 
