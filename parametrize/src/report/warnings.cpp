@@ -165,6 +165,23 @@ void warn_of_carried(const ConvertReport& report, std::vector<std::string>& out)
                 " of the area, have no pixels: they ride on the cloth beside them, and their weight is not counted");
 }
 
+/// An object of the file of which nothing is simulated is worth a word, unless it has few of the triangles, as buttons
+/// have.
+void warn_of_parts_left_out(const ConvertReport& report, const ClothAsset& asset, std::vector<std::string>& out) {
+  constexpr double kMany = 0.05;                                           // of the triangles
+  if (std::ranges::any_of(report.carried, &CarriedPart::is_side)) return;  // it rides on the other side on purpose
+  double faces = 0;
+  for (const PartShape& part : report.parts) faces += part.faces;
+  for (const PartShape& part : report.parts) {
+    if (part.area_share > 0 || part.faces < kMany * faces) continue;
+    out.push_back("part \"" + part.name + "\" (" + std::to_string(part.faces) +
+                  " triangles) has no pixels of its own: beside the rest it is smaller than a spring (" +
+                  size_in_words(double{asset.spacing}) +
+                  ") and rides on it; where it is cloth, convert it by itself with --parts, and look for parts of " +
+                  "another scale");
+  }
+}
+
 /// Whether the largest chart is a strip, and much longer than the box around it.
 bool winds(const ClothAsset& asset) {
   struct ChartBox {
@@ -305,6 +322,7 @@ std::vector<std::string> plain_warnings(const ConvertReport& report, const Cloth
         "the inner ones with --parts");
   }
   warn_of_carried(report, out);
+  warn_of_parts_left_out(report, asset, out);
   constexpr double kLargestBindingError = 1e-6;
   if (q.binding_error > kLargestBindingError) {
     out.push_back("single precision moves vertices by up to " + rounded(q.binding_error) +
