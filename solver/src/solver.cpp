@@ -204,7 +204,14 @@ uint32_t Solver::Impl::add_cloth(const ClothDesc& desc) {
     next_number_ = number;
     throw;
   }
-  if (!inter.parts.empty()) take_inter(std::move(inter), origin_);
+  try {
+    if (!inter.parts.empty()) take_inter(std::move(inter), origin_);
+  } catch (...) {
+    backend_->remove_cloth(static_cast<uint32_t>(cloths_.size() - 1));
+    cloths_.pop_back();
+    next_number_ = number;
+    throw;
+  }
   return number;
 }
 
@@ -264,26 +271,32 @@ InterData Solver::Impl::inter_data(std::span<const Version> cloths, const Vec3& 
 }
 
 /// Colliders go on from where those of the last call are that they are the same as; others are placed.
-void Solver::Impl::take_places(std::span<const Collider> asked_before) {
-  if (std::ranges::equal(asked_before, colliders_to_, {}, &Collider::name, &Collider::name)) return;
+/// @returns as of match_colliders(); none: each is the one at its place
+std::optional<Solver::Impl::Matches> Solver::Impl::take_places(std::span<const Collider> asked_before) {
+  if (std::ranges::equal(asked_before, colliders_to_, {}, &Collider::name, &Collider::name)) return std::nullopt;
   std::vector<Vec3> expected = collider_ways_;
   for (size_t i = 0; i < expected.size(); ++i) expected[i] = frames_from_[i].translate + collider_ways_[i];
-  const std::vector<std::optional<uint32_t>> before = match_colliders(asked_before, expected, colliders_to_);
+  Matches before = match_colliders(asked_before, expected, colliders_to_);
   follow_colliders(before);
   const std::vector<Transform> from = std::exchange(frames_from_, frames_of(colliders_to_));
   const std::vector<Vec3> ways = std::exchange(collider_ways_, std::vector<Vec3>(colliders_to_.size()));
   const std::vector<Vec3> seen = std::exchange(places_seen_, places_of(colliders_to_));
   const std::vector<float> deform = std::exchange(deform_, std::vector<float>(colliders_to_.size(), kPlaced));
-  size_t known = 0;
+  std::vector<bool> is_left(asked_before.size(), false);
   for (size_t i = 0; i < before.size(); ++i) {
-    if (!before[i]) continue;
-    ++known;
+    if (!before[i]) {
+      groups_changed_ |= colliders_to_[i].groups;
+      continue;
+    }
+    is_left[*before[i]] = true;
     frames_from_[i] = from[*before[i]];
     collider_ways_[i] = ways[*before[i]];
     places_seen_[i] = seen[*before[i]];
     deform_[i] = deform[*before[i]];
   }
-  scene_changed_ = scene_changed_ || known < std::max(from.size(), colliders_to_.size());
+  for (size_t i = 0; i < is_left.size(); ++i)
+    if (!is_left[i]) groups_changed_ |= asked_before[i].groups;
+  return before;
 }
 
 void Solver::Impl::set_colliders(std::span<const Collider> colliders, bool teleport) {
@@ -297,16 +310,16 @@ void Solver::Impl::set_colliders(std::span<const Collider> colliders, bool telep
   for (Collider& c : colliders_to_) {
     if (auto* plane = std::get_if<Plane>(&c.shape)) plane->normal = normalized(plane->normal);
   }
-  take_places(asked_before);
+  const std::optional<Matches> before = take_places(asked_before);
   for (size_t i = 0; i < colliders_to_.size(); ++i) {
     if (!teleport && !colliders_to_[i].teleport) continue;
     const Transform frame = collider_frame(colliders_to_[i]);
-    scene_changed_ = scene_changed_ || !same_place(frames_from_[i], frame);
+    if (!same_place(frames_from_[i], frame)) groups_changed_ |= colliders_to_[i].groups;
     frames_from_[i] = frame;
     deform_[i] = kPlaced;
   }
   take_deformations(asked_before);
-  take_shapes(asked_before);
+  take_shapes(asked_before, before);
 }
 
 /// A body deforms in the frame that follows its new field, and in no other.
@@ -328,25 +341,26 @@ bool Solver::Impl::anything_deforms() const {
   return std::ranges::any_of(deform_, [](float way) { return way > 0; });
 }
 
-void Solver::Impl::take_shapes(std::span<const Collider> asked_before) {
+/// @param before  as of take_places()
+void Solver::Impl::take_shapes(std::span<const Collider> asked_before, const std::optional<Matches>& before) {
   // Most often only poses change, and the field of a body has half a million numbers.
   const auto looks_the_same = [](const Collider& a, const Collider& b) {
     return a.shape == b.shape && a.friction == b.friction && a.groups == b.groups;
   };
   if (collider_numbers_ && std::ranges::equal(asked_before, colliders_to_, looks_the_same)) return;
   std::vector<float> numbers;
-  const std::vector<shader::ColliderShape> before = std::exchange(shapes_, {});
+  const std::vector<shader::ColliderShape> shapes_before = std::exchange(shapes_, {});
   for (const Collider& c : colliders_to_) shapes_.push_back(collider_shape_of(c, numbers));
   const bool same_numbers = collider_numbers_ && *collider_numbers_ == numbers;
   if (!same_numbers) collider_numbers_ = std::make_shared<const std::vector<float>>(std::move(numbers));
-  if (anything_deforms() && asked_before.size() == colliders_to_.size()) {
+  for (size_t i = 0; i < colliders_to_.size(); ++i) {
+    const auto was = before ? (*before)[i] : std::optional(static_cast<uint32_t>(i));
     // Bodies that deform wake what they reach, as all that moves evenly does.
-    for (size_t i = 0; i < colliders_to_.size(); ++i)
-      scene_changed_ = scene_changed_ || !(deform_[i] > 0 || looks_the_same(asked_before[i], colliders_to_[i]));
-  } else {
-    scene_changed_ = scene_changed_ || !same_numbers ||
-                     !std::equal(before.begin(), before.end(), shapes_.begin(), shapes_.end(), same_shape) ||
-                     !std::ranges::equal(asked_before, colliders_to_, {}, &Collider::groups, &Collider::groups);
+    if (!was || deform_[i] > 0) continue;
+    const Collider &old = asked_before[*was], &now = colliders_to_[i];
+    const bool same = looks_the_same(old, now) ||
+                      (same_numbers && same_shape(shapes_before[*was], shapes_[i]) && old.groups == now.groups);
+    if (!same) groups_changed_ |= old.groups | now.groups;
   }
 }
 

@@ -32,6 +32,7 @@ void Solver::Impl::sum_contacts(Cloth& cloth, ClothFrame& frame, bool all_in_gro
   Touched& touched = cloth.touched;
   touched.colliders.clear();
   touched.about.clear();
+  touched.restored.clear();
   const auto touch = [&](uint32_t i) {
     touched.colliders.emplace_back(i);
     touched.about.push_back(colliders_to_[i].pose.translate);
@@ -56,6 +57,17 @@ void Solver::Impl::follow_colliders(std::span<const std::optional<uint32_t>> bef
   }
 }
 
+/// Of the last step, or of a state that has been restored since. Waits for the device.
+void Solver::Impl::read_contacts(uint32_t cloth, std::vector<ContactSum>& sums) const {
+  const Touched& touched = cloths_[cloth].touched;
+  if (touched.restored.empty() && !touched.colliders.empty()) {
+    backend_->read_contacts(cloth, sums);
+    sums.resize(touched.colliders.size());
+  } else {
+    sums = touched.restored;
+  }
+}
+
 std::vector<ContactForce> Solver::Impl::contact_forces(std::optional<uint32_t> only) {
   if (!settings_.contact_forces) {
     throw Error(ErrorCode::invalid_argument, "solver: it was made without contact_forces");
@@ -65,8 +77,8 @@ std::vector<ContactForce> Solver::Impl::contact_forces(std::optional<uint32_t> o
   for (uint32_t c = 0; c < cloths_.size(); ++c) {
     const Touched& touched = cloths_[c].touched;
     if ((only && c != *only) || touched.colliders.empty()) continue;
-    backend_->read_contacts(c, sums);
-    for (size_t k = 0; k < std::min(sums.size(), touched.colliders.size()); ++k) {
+    read_contacts(c, sums);
+    for (size_t k = 0; k < sums.size(); ++k) {
       if (!touched.colliders[k]) continue;
       // What the cloth did to the collider, and not the other way round.
       const auto value = [&](size_t n) { return -touched.force * static_cast<double>(sums[k][n]); };

@@ -404,10 +404,11 @@ void Solver::Impl::fall_asleep() {
   frame_.measure_motion = frame_.may_sleep || std::ranges::any_of(cloths_, &Cloth::is_free);
   frame_.motion_word = 1 - frame_.motion_word;
   const bool stirred = std::exchange(scene_changed_, false) || blows(wind_) || !frame_.may_sleep;
+  const uint32_t groups_changed = std::exchange(groups_changed_, 0);
   bool others_wake = false;  // of the cloths that collide with each other
   for (uint32_t c = 0; c < cloths_.size(); ++c) {
     Cloth& cloth = cloths_[c];
-    const bool disturbed = std::exchange(cloth.disturbed, false);
+    const bool disturbed = std::exchange(cloth.disturbed, false) || (cloth.meets & groups_changed) != 0;
     if (!stirred && !disturbed && !(cloth.asleep && is_reached(c))) continue;
     wake(cloth);
     others_wake = others_wake || meets_others(cloth);

@@ -111,6 +111,7 @@ class Solver::Impl {
     std::vector<Vec3> about;                         ///< [m, world] where their torques turn
     Vec3 origin;                                     ///< [m, world] where moments are summed about
     double force = 0;                                ///< [N] of a sum of 1
+    std::vector<ContactSum> restored;                ///< one for each, of a state until the next step; else a backend's
   };
   struct Cloth {
     uint32_t number = 0;
@@ -190,6 +191,7 @@ class Solver::Impl {
   void check_colliders(Saved& saved);
   void check_versions(Saved& saved) const;
   void check_cloth(SavedCloth& saved, uint32_t cloth) const;
+  static void check_touched(const Touched& touched, size_t colliders, const std::string& where);
   void take_scene(Saved& saved);
   void take_cloth(SavedCloth& saved, uint32_t cloth);
   [[nodiscard]] uint64_t mark_of_cloth(Cloth& cloth) const;
@@ -208,8 +210,9 @@ class Solver::Impl {
   [[nodiscard]] static float pull_of_pins(const Cloth& cloth, float least);
   [[nodiscard]] bool has_pins_above(const Cloth& cloth) const;
   [[nodiscard]] static bool sags_between_pins(const Cloth& cloth);
-  void take_places(std::span<const Collider> asked_before);
-  void take_shapes(std::span<const Collider> asked_before);
+  using Matches = std::vector<std::optional<uint32_t>>;  ///< of match_colliders()
+  std::optional<Matches> take_places(std::span<const Collider> asked_before);
+  void take_shapes(std::span<const Collider> asked_before, const std::optional<Matches>& before);
   void take_deformations(std::span<const Collider> asked_before);
   [[nodiscard]] bool anything_deforms() const;
   void carry_over();
@@ -258,6 +261,7 @@ class Solver::Impl {
   [[nodiscard]] float longest_way(const Cloth& cloth) const;
   void run_group(uint32_t factor);
   void sum_contacts(Cloth& cloth, ClothFrame& frame, bool all_in_groups) const;
+  void read_contacts(uint32_t cloth, std::vector<ContactSum>& sums) const;
   void follow_colliders(std::span<const std::optional<uint32_t>> before);
   [[nodiscard]] const Ride* ride_of(uint32_t cloth);
   [[nodiscard]] float way_seen_from(const Ride* ride, uint32_t collider) const;
@@ -290,7 +294,8 @@ class Solver::Impl {
   std::vector<Meets> meets_;      ///< of the cloths that were told about the next frame
   std::vector<ClothBox> swept_;   ///< about each collider in that frame
   std::vector<uint32_t> met_;     ///< memory of met_by()
-  bool scene_changed_ = true;     ///< since the last step, other than by what moves evenly
+  bool scene_changed_ = true;     ///< since the last step, other than colliders
+  uint32_t groups_changed_ = 0;   ///< of colliders that have changed since then, other than by moving evenly
   double time_ = 0;               ///< [s] at the start of the next frame
   double step_length_ = 0;        ///< [s] of a substep, that the last frame's were to have without haste; 0: no frame
   double calm_step_;              ///< [s] of a substep, about which steps may vary without waking cloth

@@ -25,7 +25,7 @@ namespace {
 using shader::vec4;
 
 constexpr uint32_t kMagic = 0x53434C47;  // "GLCS"; read in another order of bytes it is another number
-constexpr uint32_t kVersion = 9;         ///< one more whenever what is written changes, or what a frame makes of it
+constexpr uint32_t kVersion = 10;        ///< one more whenever what is written changes, or what a frame makes of it
 
 /// Of one point.
 struct SavedPoint {
@@ -293,6 +293,7 @@ struct Solver::Impl::SavedCloth {
   uint32_t calm_frames = 0, meets = 0;
   std::array<float, 2> longest_way{};
   std::array<uint32_t, 2> left_behind{};
+  Touched touched;
   std::vector<SavedPoint> points;  ///< valid pixels in their order
   std::vector<Vec3> offsets;       ///< [m] of each point; only with fine steps
   SavedFound found;
@@ -344,6 +345,13 @@ struct Solver::Impl::SavedCloth {
     bytes.value(calm_frames);
     bytes.value(longest_way);
     bytes.value(left_behind);
+    bytes.entries(touched.colliders, 1, [&](std::optional<uint32_t>& collider) {
+      bytes.optional(collider, [&](uint32_t& c) { bytes.value(c); });
+    });
+    bytes.values(touched.about);
+    bytes.value(touched.origin);
+    bytes.value(touched.force);
+    bytes.values(touched.restored);
     bytes.values(points);
     bytes.values(offsets);
     geocloth::exchange(bytes, found);
@@ -360,7 +368,7 @@ struct Solver::Impl::Saved {
   std::optional<Wind> wind;
   Vec3 origin, inter_origin;
   double time = 0, step_length = 0, calm_step = 0;
-  uint32_t motion_word = 0;
+  uint32_t motion_word = 0, groups_changed = 0;
   bool scene_changed = false;
   bool has_colliders = false;  ///< set_colliders() was called
   std::vector<SavedCollider> colliders;
@@ -389,6 +397,7 @@ struct Solver::Impl::Saved {
     for (double* time_of : {&time, &step_length, &calm_step}) bytes.value(*time_of);
     bytes.value(motion_word);
     bytes.flag(scene_changed);
+    bytes.value(groups_changed);
     bytes.flag(has_colliders);
     bytes.entries(colliders, kLeast, [&](SavedCollider& c) { geocloth::exchange(bytes, c); });
     bytes.entries(cloths, kLeast, [&](SavedCloth& c) { c.exchange(bytes); });
@@ -491,6 +500,8 @@ void Solver::Impl::keep_cloth(uint32_t index, SavedCloth& saved) {
   saved.sewn_to = cloth.sewn_to;
   saved.meets = cloth.meets;
   saved.calm_frames = cloth.calm_frames;
+  saved.touched = cloth.touched;
+  if (!saved.touched.colliders.empty()) read_contacts(index, saved.touched.restored);
   ClothMemory memory;
   backend_->read_memory(index, memory);
   saved.longest_way = memory.longest_way;
@@ -519,6 +530,7 @@ void Solver::Impl::save(std::vector<std::byte>& out) {
   saved.calm_step = calm_step_;
   saved.motion_word = frame_.motion_word;
   saved.scene_changed = scene_changed_;
+  saved.groups_changed = groups_changed_;
   saved.has_colliders = collider_numbers_ != nullptr;
   for (size_t i = 0; i < colliders_to_.size(); ++i) {
     SavedCollider& c = saved.colliders.emplace_back();
@@ -673,6 +685,18 @@ void Solver::Impl::check_cloth(SavedCloth& saved, uint32_t index) const {
   saved.found_points = saved.found.unpacked(saved.data ? saved.data->self.numbers.points : cloth.self.points, where);
 }
 
+/// @param colliders  that were saved
+void Solver::Impl::check_touched(const Touched& touched, size_t colliders, const std::string& where) {
+  constexpr double kMostForce = 1e12;  // [N] that the sum's last digit may stand for
+  const size_t count = touched.colliders.size();
+  require(touched.about.size() == count && touched.restored.size() == count, where, ": its contacts do not agree");
+  for (const std::optional<uint32_t>& collider : touched.colliders)
+    require(!collider || *collider < colliders, where, ": it touched a collider that is not there");
+  require(std::ranges::all_of(touched.about, [](const Vec3& v) { return finite(v); }) && finite(touched.origin), where,
+          ": what it touched is not finite");
+  require(touched.force >= 0 && touched.force <= kMostForce, where, ": its contacts have no such force");
+}
+
 void Solver::Impl::take_scene(Saved& saved) {
   settings_.frame_time = saved.frame_time;
   settings_.substeps = saved.substeps;
@@ -696,12 +720,13 @@ void Solver::Impl::take_scene(Saved& saved) {
     deform_.push_back(c.deform);
   }
   if (saved.has_colliders) {
-    take_shapes(before);
+    take_shapes(before, Matches(colliders_to_.size()));
   } else {
     shapes_.clear();
     collider_numbers_.reset();
   }
   scene_changed_ = saved.scene_changed;
+  groups_changed_ = saved.groups_changed;
 }
 
 void Solver::Impl::take_cloth(SavedCloth& saved, uint32_t index) {
@@ -726,7 +751,7 @@ void Solver::Impl::take_cloth(SavedCloth& saved, uint32_t index) {
   cloth.collide_cells = saved.collide_cells;
   cloth.teleport = saved.teleport;
   cloth.rides_on = saved.rides_on;
-  cloth.touched = {};
+  cloth.touched = std::move(saved.touched);
   cloth.asleep = saved.asleep;
   cloth.disturbed = saved.disturbed;
   cloth.placed_at = saved.placed_at;
@@ -793,7 +818,10 @@ void Solver::Impl::restore(std::span<const std::byte> bytes) {
   checked([&] {
     check_colliders(saved);
     check_versions(saved);
-    for (uint32_t c = 0; c < cloths_.size(); ++c) check_cloth(saved.cloths[c], c);
+    for (uint32_t c = 0; c < cloths_.size(); ++c) {
+      check_cloth(saved.cloths[c], c);
+      check_touched(saved.cloths[c].touched, saved.colliders.size(), name_of(c));
+    }
   });
 
   for (uint32_t c = 0; c < cloths_.size(); ++c)

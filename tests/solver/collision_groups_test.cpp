@@ -210,6 +210,49 @@ TEST_P(CollisionGroups, SleepersSleepOnBesideWhatTheyDoNotMeet) {
   }
 }
 
+// Nor does what comes, jumps, grows or goes of that: in a crowd each has colliders of its own, and some always come.
+TEST_P(CollisionGroups, SleepersSleepOnWhateverHappensToWhatTheyDoNotMeet) {
+  Material material;
+  material.damping = 40;
+  const test::SheetOptions flat{.nx = 6, .ny = 6, .horizontal = true, .center = {0, 0.003F, 0}};
+  ClothDesc cloth = test::describe(test::make_sheet(flat), material);
+  cloth.meets = kFloor;
+  SolverSettings settings;
+  settings.substeps = 2;
+  settings.sleep_speed = 0.05F;
+  settings.sleep_time = 0.05F;
+  Solver solver = make(cloth, settings);
+  const Collider floor{"floor", Plane{{0, 0, 0}, {0, 1, 0}}, 0.3F, {}, false, kFloor};
+  std::vector<Collider> scene{floor};
+  solver.set_colliders(scene);
+  for (int f = 0; f < 60 && !solver.asleep(0); ++f) solver.step();
+  ASSERT_TRUE(solver.asleep(0));
+  const auto sleeps_on = [&](const std::vector<Collider>& colliders) {
+    solver.set_colliders(colliders);
+    solver.step();
+    return solver.asleep(0);
+  };
+  scene.insert(scene.begin(), {"ball", Sphere{{0, 0, 0}, 0.2F}, 0.3F, {}, false, kBall});
+  EXPECT_TRUE(sleeps_on(scene)) << "one comes";
+  scene[0].pose.translate = {1, 0, 0};
+  scene[0].teleport = true;
+  EXPECT_TRUE(sleeps_on(scene)) << "it jumps";
+  scene[0].teleport = false;
+  scene[0].shape = Sphere{{0, 0, 0}, 0.3F};
+  EXPECT_TRUE(sleeps_on(scene)) << "it grows";
+  std::vector<Collider> grown = scene;
+  grown[0].friction = 0.5F;
+  EXPECT_TRUE(sleeps_on(grown)) << "it becomes rough";
+  const std::vector<std::byte> state = solver.save();
+  solver.set_colliders(std::vector{floor});
+  solver.restore(state);
+  EXPECT_TRUE(sleeps_on(scene)) << "a state is restored";
+  EXPECT_TRUE(sleeps_on({floor})) << "it goes";
+  scene[0].groups = kBall | kFloor;
+  scene[0].pose.translate = {9, 0, 0};
+  EXPECT_FALSE(sleeps_on(scene)) << "one comes that it meets";
+}
+
 INSTANTIATE_TEST_SUITE_P(On, CollisionGroups, test::first_machine(), test::kMachineName);
 INSTANTIATE_TEST_SUITE_P(On, CollisionGroupsOnEveryPath, test::every_machine(), test::kMachineName);
 

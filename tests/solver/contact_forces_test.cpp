@@ -250,6 +250,21 @@ TEST_P(ContactForces, AreOfTheColliderThatFeltThem) {
   EXPECT_NEAR(static_cast<double>(asleep.y), -mass_of(cloths[0]) * kGravity, 0.05 * mass_of(cloths[0]) * kGravity);
   solver.step();
   EXPECT_EQ(solver.contact_forces(0)[2].force, asleep);
+  const std::vector<std::byte> state = solver.save();
+  solver.set_gravity({});
+  test::run(solver, 3);
+  ASSERT_FALSE(solver.asleep(0));
+  solver.restore(state);
+  EXPECT_EQ(solver.contact_forces(0)[2].force, asleep) << "a body that carries it would be free of it after a rollback";
+  test::run(solver, 2);
+  ASSERT_TRUE(solver.asleep(0));
+  EXPECT_EQ(solver.contact_forces(0)[2].force, asleep);
+  EXPECT_EQ(solver.save(), [&] {
+    Solver again = make(cloths, settings);
+    again.restore(state);
+    test::run(again, 2);
+    return again.save();
+  }());
   solver.remove_cloth(0);
   EXPECT_THROW(static_cast<void>(solver.contact_forces(0)), Error);
   EXPECT_EQ(solver.contact_forces()[0].force, solver.contact_forces(1)[0].force);
@@ -267,6 +282,13 @@ TEST_P(ContactForces, AreToBeAskedForFirst) {
   summed.step();
   summed.restore(state);
   EXPECT_EQ(summed.contact_forces().at(0).force, Vec3());
+  summed.step();
+  const Vec3 pressed = summed.contact_forces().at(0).force;
+  ASSERT_NE(pressed, Vec3());
+  const std::vector<std::byte> later = summed.save();
+  test::run(summed, 3);
+  summed.restore(later);
+  EXPECT_EQ(summed.contact_forces().at(0).force, pressed);
 }
 
 // Shaders have no whole numbers of 64 bits, and the cpu takes a short cut past this.

@@ -249,9 +249,7 @@ void place_colliders(const RandomScene& scene, uint32_t frame, Solver& solver) {
   solver.set_colliders(colliders);
 }
 
-/// 0 where a cloth sleeps: how it presses is not in a state that is restored.
 uint64_t hash_forces(Solver& solver) {
-  if (std::ranges::any_of(solver.cloths(), [&](uint32_t c) { return solver.asleep(c); })) return 0;
   uint64_t hash = 1;
   for (const ContactForce& contact : solver.contact_forces())
     for (const Vec3& v : {contact.force, contact.torque})

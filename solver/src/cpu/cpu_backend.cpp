@@ -176,9 +176,16 @@ class CpuBackend final : public SolverBackend {
   }
 
   void add_cloth(ClothData data) override {
-    make_cloth(data);
-    data_.cloths.push_back(std::move(data));
-    meets_others_.push_back(false);
+    const size_t count = cloths_.size();
+    try {
+      make_cloth(data);
+      data_.cloths.push_back(std::move(data));
+      meets_others_.push_back(false);
+    } catch (...) {  // the others are to go on
+      cloths_.resize(count);
+      data_.cloths.resize(count);
+      throw;
+    }
   }
 
   void remove_cloth(uint32_t cloth) override {

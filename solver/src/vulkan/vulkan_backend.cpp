@@ -121,7 +121,6 @@ VulkanBackend::VulkanBackend(std::shared_ptr<const Context> context, SimulationD
   data_.inter = {};
   for (ClothData& cloth : data_.cloths) make_cloth(cloth);
   take_parts();
-  make_slots();
   std::vector<uint32_t> all(cloths_.size());
   std::iota(all.begin(), all.end(), 0U);
   compute_normals(all);
@@ -135,12 +134,14 @@ void VulkanBackend::make_cloth(ClothData& data) {
   drop_uploaded(data);
 }
 
-/// Anew where buffers of cloths are other ones.
-void VulkanBackend::make_slots() {
-  slots_.clear();
-  for (size_t i = 0; i < kSlots; ++i)
-    slots_.push_back(
+/// Made anew when they are asked for, after buffers of cloths have become other ones.
+VulkanBackend::Slot& VulkanBackend::slot(size_t index) {
+  std::vector<std::unique_ptr<Slot>> made;
+  while (slots_.empty() && made.size() < kSlots)
+    made.push_back(
         std::make_unique<Slot>(context_, kernels_, tile_kernels_, cloths_, inter_.get(), data_.contact_forces));
+  if (slots_.empty()) slots_ = std::move(made);
+  return *slots_[index];
 }
 
 VulkanBackend::Recipe VulkanBackend::recipe_of(const FrameInput& frame) const {
@@ -156,7 +157,7 @@ void VulkanBackend::run_frame(const FrameInput& frame) {
   guarded("run a frame", [&] {
     for (uint32_t c = 0; c < cloths_.size(); ++c)
       if (frame.cloths[c].pins_changed) change_pins(c, frame.cloths[c]);
-    Slot& slot = *slots_[next_slot_];
+    Slot& slot = this->slot(next_slot_);
     next_slot_ = (next_slot_ + 1) % kSlots;
     finish(slot);
     for (uint32_t c = 0; c < cloths_.size(); ++c) {
@@ -262,7 +263,7 @@ void VulkanBackend::change_pins(uint32_t cloth, const ClothFrame& frame) {
   upload.run();
   run_once(context_, [&](const vk::raii::CommandBuffer& commands) {
     begin_barrier(commands);
-    kernels_.bind(commands, slots_.front()->frame.set(cloth));
+    kernels_.bind(commands, slot(0).frame.set(cloth));
     kernels_.dispatch_inverse_mass(commands, cloths_[cloth]);
     end_barrier(commands);
   });
@@ -272,7 +273,7 @@ void VulkanBackend::compute_normals(const std::vector<uint32_t>& cloths) {
   run_once(context_, [&](const vk::raii::CommandBuffer& commands) {
     begin_barrier(commands);
     for (const uint32_t c : cloths) {
-      kernels_.bind(commands, slots_.front()->frame.set(c));
+      kernels_.bind(commands, slot(0).frame.set(c));
       for (const PassStep& step : frame_schedule({.splits = cloths_[c].split_rows > 0})) {
         kernels_.dispatch(commands, cloths_[c], step, 0, 1, 0);
         pass_barrier(commands);
@@ -406,10 +407,19 @@ void VulkanBackend::shift(const Vec3& by) {
 void VulkanBackend::add_cloth(ClothData data) {
   guarded("add a cloth", [&] {
     wait();
-    make_cloth(data);
-    data_.cloths.push_back(std::move(data));
-    make_slots();
-    compute_normals({static_cast<uint32_t>(cloths_.size() - 1)});
+    slots_.clear();
+    const auto count = static_cast<uint32_t>(cloths_.size());
+    try {
+      make_cloth(data);
+      data_.cloths.push_back(std::move(data));
+      compute_normals({count});
+    } catch (...) {  // the others are to go on
+      slots_.clear();
+      if (cloths_.size() > count) cloths_.pop_back();
+      contacts_.resize(count);
+      data_.cloths.resize(count);
+      throw;
+    }
   });
 }
 
@@ -424,7 +434,6 @@ void VulkanBackend::remove_cloth(uint32_t cloth) {
     data_.cloths.erase(data_.cloths.begin() + cloth);
     if (inter_) renumber_parts(inter_->parts, cloth);
     take_parts();
-    make_slots();
   });
 }
 
@@ -434,7 +443,7 @@ void VulkanBackend::replace_topology(uint32_t cloth, ClothData data) {
     const bool grown = cloths_[cloth].upload_topology(context_, data);
     drop_uploaded(data);
     data_.cloths[cloth] = std::move(data);
-    if (grown) make_slots();
+    if (grown) slots_.clear();
     for (const std::unique_ptr<Slot>& slot : slots_) slot->recipe = {};  // lists have other lengths
     compute_normals({cloth});
   });
@@ -452,7 +461,6 @@ void VulkanBackend::replace_inter(InterData inter) {
     slots_.clear();
     inter_ = inter.parts.empty() ? nullptr : std::make_unique<InterResources>(context_, inter);
     take_parts();
-    make_slots();
   });
 }
 
@@ -471,14 +479,14 @@ void VulkanBackend::take_parts() {
 
 float VulkanBackend::longest_way(uint32_t cloth, uint32_t word) {
   return guarded("measure how far a cloth moves", [&] {
-    finish(*slots_[next_slot_]);
+    finish(slot(next_slot_));
     return std::bit_cast<float>(cloths_[cloth].measures.as<uint32_t>()[shader::kMeasureWay + word]);
   });
 }
 
 uint32_t VulkanBackend::left_behind(uint32_t cloth, uint32_t word) {
   return guarded("measure what carries a cloth", [&] {
-    finish(*slots_[next_slot_]);
+    finish(slot(next_slot_));
     return cloths_[cloth].measures.as<uint32_t>()[shader::kMeasureLeft + word];
   });
 }

@@ -72,7 +72,7 @@ class VulkanBackend final : public SolverBackend {
 
   [[nodiscard]] Recipe recipe_of(const FrameInput& frame) const;
   void make_cloth(ClothData& data);
-  void make_slots();
+  [[nodiscard]] Slot& slot(size_t index);
   void record(Slot& slot);
   void record_dispatch(const Slot& slot, const vk::raii::CommandBuffer& commands, size_t cloth,
                        const Dispatch& dispatch);

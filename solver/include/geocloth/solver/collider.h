@@ -43,11 +43,11 @@ struct MeshSolid {
 
 using ColliderShape = std::variant<Plane, Sphere, Capsule, Box, Ellipsoid, Convex, MeshSolid>;
 
-/// A solid that cloth cannot enter. The shape is given at rest; `pose` moves it.
+/// A solid that cloth cannot enter. The shape is given at rest, its sizes and coordinates up to 1e6 m; `pose` moves it.
 struct Collider {
   std::string name = {};  ///< by which Solver::set_colliders() knows it again; need not be unique
   ColliderShape shape = {};
-  float friction = 0.3F;  ///< Coulomb coefficient >= 0
+  float friction = 0.3F;  ///< Coulomb coefficient, 0..1e3
   Transform pose = {};    ///< scale must be 1
   bool teleport = false;  ///< in the next frame it is at its pose at once, without a velocity
   uint32_t groups = 1;    ///< bits: a cloth meets it that meets one of these, see Solver::set_meets()

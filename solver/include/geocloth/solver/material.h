@@ -17,8 +17,8 @@ struct Material {
   float bend_bias = -1.F;       ///< [N m] the same at 45 degrees to both: a sheet without grain has the same in all
                                 ///< directions; below 0: a weave without twisting rigidity, (warp + weft) / 4
   float damping = 1.0F;         ///< [1/s] share of the velocity lost per second; >= 0
-  float thickness = 0.002F;     ///< [m] the cloth's middle surface keeps this distance from colliders; >= 0
-  float friction = 0.3F;        ///< Coulomb coefficient, combined with the collider's by the geometric mean; >= 0
+  float thickness = 0.002F;     ///< [m] the cloth's middle surface keeps this distance from colliders; 0..1
+  float friction = 0.3F;        ///< Coulomb coefficient, combined with the collider's by the geometric mean; 0..1e3
   float max_speed = 0.F;        ///< [m/s] 0 = no limit
   float max_stretch = -1.F;  ///< long-range attachments: largest strain along the surface to a pin and, where the cloth
                              ///< meets colliders, over eight pixels; 0 = off; below 0: automatic, above what the

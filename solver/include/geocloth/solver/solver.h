@@ -21,14 +21,15 @@ namespace geocloth {
 /// How the layers of a cloth keep apart. Points of the grid are balls, so that it holds for the whole of the cloth (its
 /// several parts too) while it is not far more stretched than the distance; see solver/README.md for what it costs.
 struct SelfCollision {
-  float distance = -1;  ///< [m] that points keep; below 0: 1.2 times the spacing
+  float distance = -1;  ///< [m] that points keep, up to 3 spacings; below 0: 1.2 times the spacing
 };
 
 /// How a cloth keeps apart from all other cloths of the solver that have one too. Points are balls here as well. Two
 /// cloths keep the mean of their distances, and three quarters of the larger one at least; points of two cloths that
-/// start nearer than that keep nine tenths of what they start with. Friction is the mean of both materials'.
+/// start nearer than that keep nine tenths of what they start with. Friction is the mean of both materials'. The
+/// coarsest of them has at most ten times the spacing of the finest.
 struct InterCollision {
-  float distance = -1;  ///< [m] that points keep; below 0: 1.2 times the spacing
+  float distance = -1;  ///< [m] that points keep, up to 3 spacings; below 0: 1.2 times the spacing
 };
 
 /// Cells of a cloth that are of another fabric: a collar, a waistband, a leather patch. A cell is a fabric's if all of
@@ -42,7 +43,7 @@ struct Fabric {
 
 /// One garment in the solver.
 struct ClothDesc {
-  std::shared_ptr<const ClothAsset> asset = {};  ///< must outlive construction only
+  std::shared_ptr<const ClothAsset> asset = {};  ///< not null; the solver keeps it
   Material material = {};
   Transform transform = {};  ///< where its rest shape starts; scale also scales rest lengths and areas
   std::optional<SelfCollision> self_collision = {};    ///< none: it passes through itself
@@ -52,11 +53,11 @@ struct ClothDesc {
 };
 
 struct Wind {
-  Vec3 velocity = {};    ///< [m/s]
-  float turbulence = 0;  ///< gust speed as a share of |velocity|; >= 0
-  float frequency = 1;   ///< [1/s] of the slowest gust; > 0
-  float drag = 1;        ///< drag coefficient across the cloth; >= 0
-  float lift = 0;        ///< lift coefficient; >= 0
+  Vec3 velocity = {};    ///< [m/s] components up to 1e4
+  float turbulence = 0;  ///< gust speed as a share of |velocity|; 0..1e3
+  float frequency = 1;   ///< [1/s] of the slowest gust; above 0, up to 1e4
+  float drag = 1;        ///< drag coefficient across the cloth; 0..1e4
+  float lift = 0;        ///< lift coefficient; 0..1e4
   bool operator==(const Wind&) const = default;
 };
 
@@ -74,14 +75,14 @@ enum class SolverPath : uint8_t {
 struct SolverSettings {
   Backend backend = Backend::automatic;
   std::string device = {};        ///< part of a device's name; empty: by backend
-  uint32_t threads = 1;           ///< cpu backend; the result does not depend on it
+  uint32_t threads = 1;           ///< cpu backend, 1..1024; the result does not depend on it
   double frame_time = 1.0 / 60;   ///< [s] up to 10; a substep must be 1e-7 at least
   uint32_t substeps = 16;         ///< per frame, 1..256; more is stiffer and loses less energy
   uint32_t relaxation_steps = 1;  ///< sweeps over all constraints per substep, 1..256
   /// Springs pull along where they were when the substep began, on positions of twice the digits: free cloth keeps its
   /// angular momentum, which it loses else by the share w^2 dt a second of a spin w [1/s]. About three times as slow.
   bool keep_momentum = false;
-  Vec3 gravity{0, -9.81F, 0};  ///< [m/s^2]
+  Vec3 gravity{0, -9.81F, 0};  ///< [m/s^2] components up to 1e4
   /// How far gravity strays up and down along a wave in space, as a share of it, 0..0.01. A sheet in a plane whose
   /// forces all lie in that plane never leaves it, however much it is squeezed, as a column without imperfections never
   /// buckles: 1e-6 lets a flat curtain fold. Which folds then come hangs on rounding, on cuts and on resolution.
@@ -89,11 +90,11 @@ struct SolverSettings {
   bool timings = false;  ///< measure every pass (slower)
   SolverPath path = SolverPath::automatic;
   /// [m/s] A cloth none of whose points has been faster for `sleep_time` is asleep: it stays as it is and costs
-  /// nothing, until a collider moves so that it may touch it, a pin of it or its parent moves, or it is cut, written
-  /// to, or anything is set to another value (a substep's length to one that differs by a quarter). Wind keeps cloth
-  /// awake. 0: never. Speeds are known two frames late.
+  /// nothing, until a collider that it meets moves so that it may touch it, comes, changes or goes, a pin of it or its
+  /// parent moves, or it is cut, written to, or anything else is set to another value (a substep's length to one that
+  /// differs by a quarter). Wind keeps cloth awake. 0: never; up to 1e4. Speeds are known two frames late.
   float sleep_speed = 0;
-  float sleep_time = 0.5F;      ///< [s] >= 0
+  float sleep_time = 0.5F;      ///< [s] 0..1e6
   bool check_copies = false;    ///< measure the copy gap and the penetration after every substep (slower)
   bool contact_forces = false;  ///< sum what cloth does to colliders, for Solver::contact_forces()
 };
@@ -110,9 +111,9 @@ struct Backstop {
 /// neither a frequency nor a largest distance it is held there.
 struct Pin {
   uint32_t pixel = 0;
-  Vec3 target = {};        ///< [m]
-  float frequency = 0;     ///< [1/s] above 0: soft, drawn by a critically damped spring of this frequency
-  float max_distance = 0;  ///< [m] above 0: it moves freely, or softly, as far as that from its target
+  Vec3 target = {};        ///< [m] components up to 1e6
+  float frequency = 0;     ///< [1/s] above 0, up to 1e4: soft, drawn by a critically damped spring of this frequency
+  float max_distance = 0;  ///< [m] above 0, up to 1e4: it moves freely, or softly, as far as that from its target
   std::optional<Backstop> backstop = {};  ///< not of points that are held
 };
 
@@ -163,10 +164,11 @@ class Solver {
   Solver& operator=(Solver&&) noexcept;
   ~Solver();
 
-  /// Adds a cloth, which takes part in the next step. The others go on as if it were not there, but for those that it
-  /// collides with: where it begins nearer to one of them than they keep, they part at once, unless that one has come
-  /// since the last step as well. Costs what making a solver of it costs, less the device; waits for the device, which
-  /// is told anew what all cloths have to do.
+  /// Adds a cloth, which takes part in the next step. The others go on as if it were not there, but for rounding (the
+  /// origin that positions are kept relative to is near the middle of all cloths; hundreds of metres from it they
+  /// tremble by more than a usual sleep_speed), and but for those that it collides with: where it begins nearer to one
+  /// of them than they keep, they part at once, unless that one has come since the last step as well. Costs what making
+  /// a solver of it costs, less the device; waits for the device, which is told anew what all cloths have to do.
   /// @return its number: one more than that of the cloth that was added last, never again that of another
   /// @throws Error as the constructor does, and leaves the solver as it is
   uint32_t add_cloth(const ClothDesc& cloth);
@@ -182,10 +184,13 @@ class Solver {
   /// shape as before, in their order, as many as there can be; among equal shapes those that are nearest to where
   /// they would be if all went on as in the last frame. The others are placed without a velocity, as are all with
   /// teleport. Give names to what comes and goes in one call.
+  /// @throws Error(invalid_argument), as all that follow here do for values out of range and for cloths that there are
+  ///   not; the solver stays as it is
   void set_colliders(std::span<const Collider> colliders, bool teleport = false);
   void set_wind(const Wind& wind);
   void set_gravity(const Vec3& gravity);
-  /// Replaces the pins of a cloth. A pin that was not there before starts from where its point is.
+  /// Replaces the pins of a cloth. A point that was not held before goes evenly over the next step from where it is to
+  /// its target; soft pins and those with a distance pull towards their targets from the first substep on.
   void set_pins(uint32_t cloth, std::span<const Pin> pins);
   /// Ascending pixels that its pins hold, all copies of a point; soft ones and those with a distance hold nothing.
   [[nodiscard]] std::vector<uint32_t> held_pixels(uint32_t cloth) const;
@@ -270,7 +275,9 @@ class Solver {
   void read_normals(uint32_t cloth, std::vector<Vec3>& out);
   /// Velocities [m/s] over the last substep.
   void read_velocities(uint32_t cloth, std::vector<Vec3>& out);
-  /// Puts a cloth into a given state, one position and velocity per pixel; copies must agree.
+  /// Puts a cloth into a given state, one position [m] and velocity [m/s] per pixel; copies must agree to 1e-6 m. What
+  /// pins hold is where they have it again in the next step.
+  /// @throws Error(invalid_argument) where there are not as many as pixels, where copies disagree, or one is not finite
   void write_state(uint32_t cloth, std::span<const Vec3> positions, std::span<const Vec3> velocities);
 
   /// All that the frames to come follow from, as bytes, for rollback and replays: restored they give the same bits as
@@ -297,7 +304,7 @@ class Solver {
   /// substeps: with few of them they tremble where cloth rests, and are right in the mean. They are estimates where
   /// something hits cloth, and up to a third too small where cloth that collides with itself or with other cloth hangs
   /// from few points of it (solver/README.md). The same bits with any path and any number of threads. Waits for the
-  /// device. Not of a state that was restored, before the next step.
+  /// device. Right after restore() those of the step before save().
   /// @throws Error(invalid_argument) without SolverSettings::contact_forces
   [[nodiscard]] std::vector<ContactForce> contact_forces();
   /// The same of one cloth.
