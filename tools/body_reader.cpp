@@ -79,7 +79,7 @@ PlayedBody play_cache(const SceneMesh& body) {
   }
   for (std::vector<Vec3>& frame : cache.frames)
     for (Vec3& p : frame) p = apply(plays.cache_transform, p);
-  const double rate = plays.rate.value_or(cache.frame_rate) / cache.step;
+  const double rate = plays.rate.value_or(cache.frame_rate.value_or(plays.scene_rate)) / cache.step;
   const auto motion =
       std::make_shared<const CachedMotion>(std::move(cache.frames), rate, options_of(body), surface.position);
   return {std::move(surface.triangle), std::move(surface.position), [motion](double time) { return motion->at(time); },
@@ -100,7 +100,8 @@ PosedVertices read_vertices(const SceneStart& start) {
     if (start.frame)
       throw Error(ErrorCode::invalid_data,
                   start.file.string() + ": is a mesh; frames are for point caches (.pc2, .mdd)");
-    return {positions_of(import_mesh(start.file))};
+    const TriangleMesh mesh = import_mesh(start.file);
+    return {positions_of(mesh), {mesh.triangle.begin(), mesh.triangle.end()}};
   }
   PointCache cache = read_point_cache(start.file);
   const size_t count = cache.frames.size(), frame = start.frame.value_or(count > 0 ? count - 1 : 0);
@@ -109,7 +110,7 @@ PosedVertices read_vertices(const SceneStart& start) {
                 fmt::format("{}: has {} frames, and no frame {}; the first is 0", start.file.string(), count, frame));
   PosedVertices vertices{std::move(cache.frames[frame])};
   if (frame > 0) vertices.before = std::move(cache.frames[frame - 1]);
-  if (ending == ".mdd") vertices.rate = cache.frame_rate;
+  vertices.rate = cache.frame_rate;
   return vertices;
 }
 

@@ -69,7 +69,7 @@ Playback open_point_cache(const RenderArguments& options) {
                             options.input.string(), cache.points, options.asset.string(), source.file_vertex_count()));
   std::vector<std::vector<std::vector<Vec3>>> frames;
   for (const std::vector<Vec3>& points : cache.frames) frames.push_back({in_render_order(source, points)});
-  return play_vertices({source}, std::move(frames), frame_rate(options, cache.frame_rate));
+  return play_vertices({source}, std::move(frames), frame_rate(options, cache.frame_rate.value_or(60)));
 }
 
 /// An asset where the file is one, else an animated .glb.

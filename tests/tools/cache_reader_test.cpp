@@ -161,6 +161,8 @@ TEST_F(CacheReader, AnMddMayBeginLater) {
   for (const float time : {2.0F, 2.5F, 3.0F}) append(time);
   for (int number = 0; number < 9; ++number) append(0.0F);
   EXPECT_EQ(decode_point_cache(bytes, "x.mdd").frame_rate, 2);
+  std::fill_n(bytes.begin() + 8, 3 * sizeof(float), std::byte{0});
+  EXPECT_EQ(decode_point_cache(bytes, "x.mdd").frame_rate, std::nullopt) << "no times: as fast as the scene's";
 }
 
 TEST_F(CacheReader, BrokenFilesAreRefused) {

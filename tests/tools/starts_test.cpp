@@ -3,6 +3,7 @@
 // earlier simulation has left it.
 
 #include <filesystem>
+#include <fstream>
 #include <string>
 
 #include <fmt/format.h>
@@ -12,6 +13,7 @@
 
 #include "export/cache_reader.h"
 #include "geocloth/asset/asset_file.h"
+#include "geocloth/asset/grid_mesh.h"
 #include "support/make_sheet.h"
 #include "support/run_program.h"
 #include "support/temporary_folder.h"
@@ -64,6 +66,38 @@ TEST_F(Starts, WhereTheGridOfAGarmentWas) {
   const ProgramResult again = simulate(R"(,"start":"first.obj")", 0, "again");
   ASSERT_EQ(again.status, 0) << again.err;
   EXPECT_EQ(state("again"), state("first"));
+}
+
+// A grid that has as many points as the mesh has vertices has them in another order.
+TEST_F(Starts, WhereTheGridOfAGridWas) {
+  {
+    std::ofstream obj(folder_ / "grid.obj");
+    constexpr int kSide = 13;
+    for (int y = 0; y < kSide; ++y)
+      for (int x = 0; x < kSide; ++x) obj << fmt::format("v {} {} 0\n", 0.05 * x, 0.05 * y);
+    for (int y = 0; y + 1 < kSide; ++y)
+      for (int x = 0; x + 1 < kSide; ++x) {
+        const int v = y * kSide + x + 1;
+        obj << fmt::format("f {} {} {} {}\n", v, v + 1, v + 1 + kSide, v + kSide);
+      }
+  }
+  ASSERT_EQ(run_program({"convert", folder_ / "grid.obj", "-o", folder_ / "sheet.glb", "--spacing", "0.05", "--quiet"})
+                .status,
+            0);
+  const ClothAsset asset = read_asset(folder_ / "sheet.glb");
+  ASSERT_EQ(asset.source.file_vertex_count(), welded_grid_mesh(asset, asset.rest_position).pixel.size());
+  ASSERT_EQ(simulate("", 10, "first").status, 0);
+  const ProgramResult again = simulate(R"(,"start":"first.obj")", 0, "again");
+  ASSERT_EQ(again.status, 0) << again.err;
+  EXPECT_EQ(state("again"), state("first"));
+  const ProgramResult posed = simulate(R"(,"start":"grid.obj")", 0, "posed");
+  ASSERT_EQ(posed.status, 0) << posed.err;
+  const ProgramResult rest = simulate("", 0, "rest");
+  ASSERT_EQ(rest.status, 0) << rest.err;
+  const std::vector<Vec3> was = read_point_cache(folder_ / "rest.pc2").frames.back(),
+                          is = read_point_cache(folder_ / "posed.pc2").frames.back();
+  ASSERT_EQ(was.size(), is.size());
+  for (std::size_t i = 0; i < was.size(); ++i) EXPECT_LT(length(was[i] - is[i]), 1e-6F) << i;
 }
 
 // A mesh is posed, and its cache laid on it, by programs that know nothing of the triangles that were divided.

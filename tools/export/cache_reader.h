@@ -31,7 +31,7 @@ struct Cache {
 /// A .pc2 or .mdd file.
 struct PointCache {
   uint32_t points = 0;
-  double frame_rate = 60;                 ///< [1/s]; of an .mdd with more than one frame, else 60
+  std::optional<double> frame_rate;       ///< [1/s]; of an .mdd of several frames whose times say it
   double step = 1;                        ///< of a .pc2, > 0: that many frames of its time line go by with each
   std::vector<std::vector<Vec3>> frames;  ///< each has `points` entries [m]
 };

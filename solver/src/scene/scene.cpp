@@ -301,11 +301,10 @@ std::string name_or_number(const JsonReader& json) {
 
 constexpr std::string_view kPointCaches = "a point cache (.pc2 or .mdd)";
 
-/// Of the name of a point cache without capitals; empty for another file.
-std::string cache_ending(const std::filesystem::path& file) {
+bool is_point_cache(const std::filesystem::path& file) {
   std::string ending = file.extension().string();
   std::ranges::transform(ending, ending.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; });
-  return ending == ".pc2" || ending == ".mdd" ? ending : "";
+  return ending == ".pc2" || ending == ".mdd";
 }
 
 /// What of an animation only point caches have.
@@ -317,7 +316,7 @@ void read_cache(const JsonReader& json, const std::filesystem::path& folder, Bod
     return;
   }
   animation.cache = folder / std::filesystem::path(json.at("file").text());
-  if (cache_ending(animation.cache).empty()) json.at("file").fail("must name " + std::string(kPointCaches));
+  if (!is_point_cache(animation.cache)) json.at("file").fail("must name " + std::string(kPointCaches));
   if (json.has("clip")) json.at("clip").fail("is an animation of the mesh file; the point cache is in its place");
   if (json.has("rate")) animation.rate = in_range(json.at("rate"), kSlowest, kFastest);
   if (json.has("transform")) animation.cache_transform = read_transform(json.at("transform"));
@@ -328,7 +327,7 @@ BodyAnimation read_animation(const JsonReader& json, const std::filesystem::path
   BodyAnimation animation;
   if (!json.is_object()) {
     animation.clip = name_or_number(json);
-    if (cache_ending(animation.clip).empty()) return animation;
+    if (!is_point_cache(animation.clip)) return animation;
     animation.cache = folder / std::exchange(animation.clip, {});
     return animation;
   }
@@ -636,11 +635,9 @@ struct ShapeCenter {
   Vec3 operator()(const MeshSolid& s) const { return s.field ? middle_of_bounds(s.field->surface) : Vec3{}; }
 };
 
-/// PC2 files do not say how fast their frames go by: as fast as the scene's.
 void set_cache_rates(Scene& scene) {
   const auto set_rate = [&](std::optional<SceneMesh>& mesh) {
-    if (!mesh || !mesh->animation || mesh->animation->rate) return;
-    if (cache_ending(mesh->animation->cache) == ".pc2") mesh->animation->rate = scene.frame_rate;
+    if (mesh && mesh->animation) mesh->animation->scene_rate = scene.frame_rate;
   };
   for (SceneCloth& cloth : scene.cloths) set_rate(cloth.skin);
   for (SceneCollider& collider : scene.colliders) set_rate(collider.mesh);

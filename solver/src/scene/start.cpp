@@ -26,13 +26,13 @@ double size_of(const ClothAsset& asset, std::span<const Vec3> position) {
 /// From the points of a file to the pixels.
 class FilePixels {
  public:
-  FilePixels(const SceneStart& start, const ClothDesc& cloth, size_t points)
-      : start_(start),
-        cloth_(cloth),
-        by_grid_(points != cloth.asset->source.file_vertex_count() &&
-                 points != cloth.asset->source.source_vertex_count) {
+  FilePixels(const SceneStart& start, const ClothDesc& cloth, const PosedVertices& file)
+      : start_(start), cloth_(cloth), grid_(welded_grid_mesh(*cloth.asset, cloth.asset->rest_position)) {
     const ClothAsset& asset = *cloth.asset;
-    if (by_grid_) grid_ = welded_grid_mesh(asset, asset.rest_position);
+    const size_t points = file.position.size();
+    const bool may_be_mesh = points == asset.source.file_vertex_count() || points == asset.source.source_vertex_count;
+    // A grid may have as many vertices as the mesh, in another order; only its triangles tell then.
+    by_grid_ = !may_be_mesh || (points == grid_.pixel.size() && file.triangle == grid_.triangle);
     if (!by_grid_ || points == grid_.pixel.size()) {
       binding_.emplace(by_grid_ ? PixelBinding(asset, asset) : PixelBinding(asset));
       return;
@@ -78,8 +78,8 @@ class FilePixels {
  private:
   const SceneStart& start_;
   const ClothDesc& cloth_;
-  bool by_grid_;  ///< or by the vertices of the mesh
   GridMesh grid_;
+  bool by_grid_ = false;                 ///< or by the vertices of the mesh
   std::optional<PixelBinding> binding_;  ///< to those points
 };
 
@@ -100,7 +100,7 @@ void check_unit(const SceneStart& start, const ClothDesc& cloth, std::span<const
 StartState start_state(const SceneStart& start, const ClothDesc& cloth, const ReadVertices& read, double frame_rate) {
   if (!read) throw Error(ErrorCode::unsupported, "this program reads no starts");
   const PosedVertices file = read(start);
-  const FilePixels pixels(start, cloth, file.position.size());
+  const FilePixels pixels(start, cloth, file);
   StartState state{pixels.positions(file.position), std::vector<Vec3>(cloth.asset->pixel_count())};
   check_unit(start, cloth, state.position);
   if (!start.moving) return state;

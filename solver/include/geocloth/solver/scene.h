@@ -104,6 +104,7 @@ struct BodyAnimation {
   std::string clip = {};             ///< its name or its number, from 0; empty: the first one; "*": all at once
   std::filesystem::path cache = {};  ///< .pc2 or .mdd, resolved against the scene file's folder; empty: a clip
   std::optional<double> rate = {};   ///< [1/s] > 0 frames of the cache; not set: as it says itself
+  double scene_rate = 60;            ///< [1/s] where it does not say: as fast as the scene's
   Transform cache_transform = {};    ///< from the cache's coordinates to the file's
   /// [s] >= 0. Until then the body goes from how it stands in the file to the animation's first pose.
   double start = 0;
@@ -197,9 +198,10 @@ struct MovingBody {
 using ReadMovingBody = std::function<MovingBody(const SceneMesh&)>;
 /// All vertices of a mesh in the order of their file, as they stand in a frame.
 struct PosedVertices {
-  std::vector<Vec3> position;       ///< [m]
-  std::vector<Vec3> before = {};    ///< [m] in the frame before; empty where there is none
-  std::optional<double> rate = {};  ///< [1/s] frames; not set: the file does not say
+  std::vector<Vec3> position;        ///< [m]
+  std::vector<Triangle> triangle{};  ///< of a mesh, which tell a grid from a mesh of as many vertices; else empty
+  std::vector<Vec3> before = {};     ///< [m] in the frame before; empty where there is none
+  std::optional<double> rate = {};   ///< [1/s] frames; not set: the file does not say
 };
 /// Of a start.
 using ReadVertices = std::function<PosedVertices(const SceneStart&)>;
