@@ -126,7 +126,7 @@ void write_reports(const ConvertArguments& options, const ConvertResult& result,
             : std::string();
   auto file = files.begin();
   for (const std::filesystem::path& report : options.reports) {
-    file->write(is_page(report) ? page : to_json(result) + "\n");
+    file->write(is_page(report) ? page : to_json(result));
     file->close();
     ++file;
   }

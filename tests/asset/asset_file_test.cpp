@@ -245,6 +245,11 @@ TEST(AssetFile, AbsurdSizesAllocateNothing) {
   cloth["width"] = cloth["height"] = kMaxImageSide;
   EXPECT_FALSE(accepted(assemble(root, container.binary)));
 
+  // As many vertices as point caches of it would have: bytes that the file at hand does not pay for.
+  root = container.json;
+  root["extensions"][kAssetExtension]["sourceVertices"]["count"] = 4'000'000'000U;
+  EXPECT_FALSE(accepted(assemble(root, container.binary)));
+
   // Thousands of groups that all point at the same bytes: the bytes can be taken once.
   root = container.json;
   const json group = {{"name", "g"}, {"vertices", root["extensions"][kAssetExtension]["sourceVertices"]["indices"]}};

@@ -114,7 +114,7 @@ class Pick : public testing::Test {
   ScreenMap screen_{kFromFront, kSize};
 
   std::optional<Picked> pick(const Vec3& at, std::span<const Collider> colliders = {}) {
-    const PosedCloth cloth{&sheet_, position_};
+    const PickedFrom cloth{&sheet_, position_};
     return pick_pixel(screen_, screen_.place(at).value(), {&cloth, 1}, colliders);
   }
 };
@@ -128,7 +128,7 @@ TEST_F(Pick, takes_the_nearest_pixel_under_the_mouse) {
 
 TEST_F(Pick, reaches_a_few_pixels_beside_the_cloth) {
   const Vec2 corner = screen_.place({0.5F, 0.5F, 0}).value();
-  const PosedCloth cloth{&sheet_, position_};
+  const PickedFrom cloth{&sheet_, position_};
   const auto beside = pick_pixel(screen_, {corner.x + 5, corner.y - 5}, {&cloth, 1}, {});
   ASSERT_TRUE(beside);
   EXPECT_EQ(beside->pixel, test::sheet_pixel(options_, 10, 0));
@@ -138,7 +138,7 @@ TEST_F(Pick, reaches_a_few_pixels_beside_the_cloth) {
 TEST_F(Pick, takes_the_foremost_cloth) {
   std::vector<Vec3> behind = position_;
   for (Vec3& p : behind) p.z = -1;
-  const std::array cloths{PosedCloth{&sheet_, behind}, PosedCloth{&sheet_, position_}};
+  const std::array cloths{PickedFrom{&sheet_, behind}, PickedFrom{&sheet_, position_}};
   const auto picked = pick_pixel(screen_, {320, 240}, cloths, {});
   ASSERT_TRUE(picked);
   EXPECT_EQ(picked->cloth, 1U);
@@ -147,6 +147,10 @@ TEST_F(Pick, takes_the_foremost_cloth) {
 TEST_F(Pick, does_not_reach_through_colliders) {
   const Collider ball{.shape = Sphere{{0, 0, 1}, 0.2F}};
   EXPECT_FALSE(pick({0, 0, 0}, {&ball, 1}));
+  ClothAsset in_centimetres = sheet_;
+  in_centimetres.spacing *= 100;
+  const PickedFrom scaled{&in_centimetres, position_, 0.01F};
+  EXPECT_FALSE(pick_pixel(screen_, screen_.place({0, 0, 0}).value(), {&scaled, 1}, {&ball, 1}));
   EXPECT_TRUE(pick({0.45F, 0.45F, 0}, {&ball, 1}));
   const Collider behind{.shape = Sphere{{0, 0, -0.21F}, 0.2F}};  // the cloth lies on it
   EXPECT_TRUE(pick({0, 0, 0}, {&behind, 1}));

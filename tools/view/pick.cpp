@@ -36,10 +36,10 @@ struct Hit {
   float spacing = 0;  ///< [m] of the cloth
 };
 
-Hit foremost_triangle(const Ray& ray, std::span<const PosedCloth> cloths) {
+Hit foremost_triangle(const Ray& ray, std::span<const PickedFrom> cloths) {
   Hit hit;
   for (uint32_t c = 0; c < cloths.size(); ++c) {
-    const PosedCloth& cloth = cloths[c];
+    const PickedFrom& cloth = cloths[c];
     for (uint32_t pixel = 0; pixel < cloth.asset->pixel_count(); ++pixel) {
       for (const Triangle& t : cell_triangles(*cloth.asset, pixel)) {
         const std::array<Vec3, 3> corner{cloth.position[t[0]], cloth.position[t[1]], cloth.position[t[2]]};
@@ -49,18 +49,18 @@ Hit foremost_triangle(const Ray& ray, std::span<const PosedCloth> cloths) {
         size_t nearest = 0;
         for (size_t k = 1; k < 3; ++k)
           if (length(corner.at(k) - at) < length(corner.at(nearest) - at)) nearest = k;
-        hit = {depth, {c, t.at(nearest), corner.at(nearest)}, cloth.asset->spacing};
+        hit = {depth, {c, t.at(nearest), corner.at(nearest)}, cloth.scale * cloth.asset->spacing};
       }
     }
   }
   return hit;
 }
 
-Hit nearest_pixel(const ScreenMap& screen, const Vec2& place, std::span<const PosedCloth> cloths) {
+Hit nearest_pixel(const ScreenMap& screen, const Vec2& place, std::span<const PickedFrom> cloths) {
   Hit hit;
   float distance = kReach;
   for (uint32_t c = 0; c < cloths.size(); ++c) {
-    const PosedCloth& cloth = cloths[c];
+    const PickedFrom& cloth = cloths[c];
     for (uint32_t pixel = 0; pixel < cloth.asset->pixel_count(); ++pixel) {
       const Vec3& point = cloth.position[pixel];
       if (!cloth.asset->valid(pixel) || !is_finite(point)) continue;
@@ -69,7 +69,7 @@ Hit nearest_pixel(const ScreenMap& screen, const Vec2& place, std::span<const Po
       const float beside = std::hypot(seen->x - place.x, seen->y - place.y);
       if (!(beside < distance)) continue;
       distance = beside;
-      hit = {screen.depth(point), {c, pixel, point}, cloth.asset->spacing};
+      hit = {screen.depth(point), {c, pixel, point}, cloth.scale * cloth.asset->spacing};
     }
   }
   return hit;
@@ -92,7 +92,7 @@ float enter(const Ray& ray, const Collider& collider, float farthest) {
 
 }  // namespace
 
-std::optional<Picked> pick_pixel(const ScreenMap& screen, const Vec2& place, std::span<const PosedCloth> cloths,
+std::optional<Picked> pick_pixel(const ScreenMap& screen, const Vec2& place, std::span<const PickedFrom> cloths,
                                  std::span<const Collider> colliders) {
   const Ray ray = screen.ray(place);
   Hit hit = foremost_triangle(ray, cloths);

@@ -12,9 +12,10 @@
 namespace geocloth::view {
 
 /// A cloth as it stands.
-struct PosedCloth {
+struct PickedFrom {
   const ClothAsset* asset = nullptr;
   std::span<const Vec3> position;  ///< [m] one per pixel
+  float scale = 1;                 ///< of its transform
 };
 
 struct Picked {
@@ -27,6 +28,6 @@ struct Picked {
 /// count.
 /// @param colliders  that can be seen
 [[nodiscard]] std::optional<Picked> pick_pixel(const ScreenMap& screen, const Vec2& place,
-                                               std::span<const PosedCloth> cloths, std::span<const Collider> colliders);
+                                               std::span<const PickedFrom> cloths, std::span<const Collider> colliders);
 
 }  // namespace geocloth::view

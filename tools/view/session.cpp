@@ -291,8 +291,9 @@ void Session::on(const MousePressed& event) {
 }
 
 void Session::grasp_cloth_or_orbit(const Vec2& at) {
-  std::vector<PosedCloth> cloths;
-  for (uint32_t c = 0; c < states_.size(); ++c) cloths.push_back({stage_.cloths[c].asset.get(), positions(c)});
+  std::vector<PickedFrom> cloths;
+  for (uint32_t c = 0; c < states_.size(); ++c)
+    cloths.push_back({stage_.cloths[c].asset.get(), positions(c), scene_.cloths[c].transform.scale});
   const std::vector<Collider> seen = display_.colliders ? simulation_->colliders() : std::vector<Collider>{};
   const std::optional<Picked> picked = pick_pixel(screen(), at, cloths, seen);
   if (!picked) {
@@ -326,9 +327,7 @@ void Session::cut_along(const CutLine& line) {
   CutResult all;
   try {
     for (uint32_t c = 0; c < states_.size(); ++c) {
-      const CutResult cut = simulation_->solver().cut(c, *triangle);
-      all.springs += cut.springs;
-      all.parted_points += cut.parted_points;
+      all += simulation_->solver().cut(c, *triangle);
     }
   } catch (const Error& error) {
     if (error.code() != ErrorCode::invalid_argument) throw;

@@ -216,7 +216,6 @@ class SceneCheck {
 
   /// The hierarchy has to be a forest of bounded depth: assimp descends it by recursion.
   void check_depth(const std::vector<std::size_t>& parent) const {
-    std::vector<std::size_t> depth(parent.size(), 0);
     for (std::size_t i = 0; i < parent.size(); ++i) {
       std::size_t steps = 0;
       for (std::size_t at = i; at < parent.size(); at = parent[at]) {

@@ -3,6 +3,7 @@
 #include "import/gltf_file.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -30,7 +31,17 @@ GltfFile::GltfFile(const std::filesystem::path& file, Bytes bytes, bool binary) 
   json = Json::parse(text.begin(), text.end(), nullptr, false);
   if (json.is_discarded()) bad("its JSON is broken; is the file cut off?");
   if (!json.is_object()) bad("its JSON is not an object, so this is no glTF file");
+  for (const auto& [name, value] : json.items()) check_objects(name, value);
   check_version();
+}
+
+/// Those of its arrays that elements of the file refer to hold objects.
+void GltfFile::check_objects(const std::string& name, const Json& value) const {
+  constexpr std::array kNames{"accessors", "animations", "bufferViews", "buffers", "images", "materials",
+                              "meshes",    "nodes",      "samplers",    "scenes",  "skins",  "textures"};
+  if (std::ranges::find(kNames, name) == kNames.end()) return;
+  if (!value.is_array()) bad("'" + name + "' is not an array");
+  if (!std::ranges::all_of(value, &Json::is_object)) bad("'" + name + "' holds something that is not an object");
 }
 
 void GltfFile::bad(const std::string& what) const {
@@ -83,12 +94,7 @@ void GltfFile::check_nesting(std::string_view text) const {
 const GltfFile::Json& GltfFile::array(const char* name) const {
   static const Json none = Json::array();
   const auto it = json.find(name);
-  if (it == json.end()) return none;
-  if (!it->is_array()) bad("'" + std::string(name) + "' is not an array");
-  for (const Json& element : *it) {
-    if (!element.is_object()) bad("'" + std::string(name) + "' holds something that is not an object");
-  }
-  return *it;
+  return it == json.end() ? none : *it;
 }
 
 std::size_t GltfFile::number(const Json& object, const char* key, const std::string& where,

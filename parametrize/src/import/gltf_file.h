@@ -25,7 +25,7 @@ class GltfFile {
 
   [[noreturn]] void bad(const std::string& what) const;
 
-  /// json[name], an array of objects; empty when it is missing.
+  /// json[name], an array of objects as those of glTF 2.0 are; empty when it is missing.
   [[nodiscard]] const Json& array(const char* name) const;
   /// object[key] as a whole number, or `otherwise` when it is missing.
   [[nodiscard]] std::size_t number(const Json& object, const char* key, const std::string& where,
@@ -49,6 +49,7 @@ class GltfFile {
   void check_nesting(std::string_view text) const;
   [[nodiscard]] std::size_t whole(const Json& value, const std::string& where) const;
   void check_version() const;
+  void check_objects(const std::string& name, const Json& value) const;
 };
 
 /// "nodes[3]"

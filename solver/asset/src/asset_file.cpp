@@ -20,6 +20,7 @@ using glb::Json;
 using glb::Reader;
 
 constexpr uint64_t kFormatVersion = 1;
+constexpr uint32_t kMostSourceVertices = 100'000'000;  // as many as a mesh that is converted
 
 // ---- writing ----
 
@@ -148,6 +149,10 @@ SourceMesh read_source_mesh(Reader& reader, const Json& cloth) {
   source.material = reader.materials();
   const Json& vertices = reader.member(cloth, "sourceVertices");
   source.source_vertex_count = reader.number32(vertices, "count");
+  if (source.source_vertex_count > kMostSourceVertices) {
+    reader.refuse("sourceVertices.count is " + std::to_string(source.source_vertex_count) +
+                  ", and no mesh has more than 100 million vertices");
+  }
   source.source_vertex = reader.values<uint32_t>(vertices, "indices", source.position.size());
   if (Reader::find(vertices, "middles")) source.middle = reader.values<std::array<uint32_t, 2>>(vertices, "middles");
   return source;

@@ -16,7 +16,8 @@ struct ImportOptions {
 /// Reads OBJ, glTF (.gltf with files or data URIs, .glb, .vrm), PLY, STL, OFF, FBX or DAE with assimp: all meshes and
 /// primitives of the file with their node transforms, quads and polygons triangulated. Skinned and morphed glTF and
 /// skinned DAE are taken as viewers show them before anything moves; in FBX skinned meshes keep their bind pose. glTF
-/// may be compressed by EXT_meshopt_compression or KHR_draco_mesh_compression. Lines and points are left out. Vertices
+/// may be compressed by EXT_meshopt_compression or KHR_draco_mesh_compression. Points are left out; lines are kept as
+/// TriangleMesh::loose_edge, which sewing follows. Vertices
 /// keep the file's order; for OBJ the order of its `v` records.
 /// @throws Error(io) when the file is missing, a directory or unreadable; Error(invalid_data) when it is no mesh, is
 ///   truncated, has no faces, or has coordinates that are not finite; Error(unsupported) when it needs an extension
