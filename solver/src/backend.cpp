@@ -35,7 +35,7 @@ ScheduleOptions schedule_options(const SimulationData& data, uint32_t cloth, con
           .attachments = attached,
           .spans = spans,
           .ties = (spans || (attached && c.evenness != Evenness::even)) && !f.pulled_apart && !data.fine &&
-                  !f.held_open && !frame.may_sleep,
+                  !f.held_open && !f.restless && !frame.may_sleep,
           .self_collision = f.params.self_points > 0,
           .inter_collision = f.params.inter_points > 0,
           .collide = f.params.collider_count > 0 || f.params.max_step > 0,

@@ -131,6 +131,7 @@ struct ClothFrame {
   bool sewn = false;          ///< sewing threads hold
   bool seams_closed = false;  ///< and have drawn seams together
   bool held_open = false;     ///< a fast collider may open cells, which ties at the frame's end would draw over it
+  bool restless = false;      ///< ties at the frame's end move it for ever, though nothing disturbs it
   bool pulled_apart = false;  ///< two of its pins are farther from each other than the cloth may stretch
   bool slack_pins = false;    ///< attachments to its pins are slack: they lie one above the other, as a flag's on its
                               ///< pole, or the cloth sags between them, or few springs carry it

@@ -398,17 +398,37 @@ bool Solver::Impl::is_reached(uint32_t index) {
   });
 }
 
+/// Adds up for how long nothing has disturbed a cloth that nothing holds, whether it may sleep or not; to be asked once
+/// a frame. Nor is one that falls, or is thrown, left alone, nor one that is inflated, whose ties hold it together.
+///
+/// Cloth that is left alone for long lies on something. What ties hold up there gravity draws down in a frame; where
+/// points are faster than that, ties and colliders move them there and back, or round in a heap, and would for ever.
+void Solver::Impl::leave_alone(uint32_t c, bool is_disturbed) {
+  constexpr double kFast = 2, kLeast = 0.02;  // [m/s]
+  constexpr double kLong = 4, kFaster = 1.25;
+  Cloth& cloth = cloths_[c];
+  const double speed = cloth.is_free() ? speed_of(c) : 0;
+  is_disturbed = is_disturbed || !cloth.is_free() || cloth.pressure != 0 || blows(wind_) || !(speed < kFast) ||
+                 std::ranges::any_of(movers_, [&](uint32_t i) { return meets(cloth, i); });
+  cloth.alone_for = is_disturbed ? 0 : cloth.alone_for + settings_.frame_time;
+  const double drawn = double{length(gravity_of(cloth))} * settings_.frame_time;
+  if (is_disturbed) cloth.restless = false;
+  if (cloth.alone_for >= kLong && speed > std::max(kFaster * drawn, kLeast)) cloth.restless = true;
+}
+
 /// Decides by what was measured two frames ago, on both backends, so that none waits and both decide alike.
 void Solver::Impl::fall_asleep() {
   frame_.may_sleep = settings_.sleep_speed > 0;
   frame_.measure_motion = frame_.may_sleep || std::ranges::any_of(cloths_, &Cloth::is_free);
   frame_.motion_word = 1 - frame_.motion_word;
-  const bool stirred = std::exchange(scene_changed_, false) || blows(wind_) || !frame_.may_sleep;
+  const bool changed = std::exchange(scene_changed_, false);
+  const bool stirred = changed || blows(wind_) || !frame_.may_sleep;
   const uint32_t groups_changed = std::exchange(groups_changed_, 0);
   bool others_wake = false;  // of the cloths that collide with each other
   for (uint32_t c = 0; c < cloths_.size(); ++c) {
     Cloth& cloth = cloths_[c];
     const bool disturbed = std::exchange(cloth.disturbed, false) || (cloth.meets & groups_changed) != 0;
+    leave_alone(c, changed || disturbed);
     if (!stirred && !disturbed && !(cloth.asleep && is_reached(c))) continue;
     wake(cloth);
     others_wake = others_wake || meets_others(cloth);
@@ -512,6 +532,7 @@ void Solver::Impl::run_group(uint32_t factor) {
     frame.params.spacing = spacing;
     const bool leaves = cloth.collide_cells && !hasty;
     frame.params.leave_near = leaves ? shader::kLeaveNear * spacing : 0;
+    frame.restless = cloth.restless;
     const std::span<const shader::ColliderShape> shapes =
         std::span(frame_.shapes).subspan(shared.first_shape, shared.count);
     frame.held_open = hasty && may_open_cells(shapes, spacing);

@@ -177,6 +177,8 @@ class Solver::Impl {
     bool disturbed = true;                   ///< since the last step
     uint32_t calm_frames = 0;                ///< since it was disturbed
     double calm_for = 0;                     ///< [s] that it has been slow
+    double alone_for = 0;                    ///< [s] that nothing has disturbed it, of one that nothing holds
+    bool restless = false;                   ///< it has not come to rest for long then
     std::optional<ClothBox> resting;         ///< about it where it sleeps, once a collider has moved meanwhile
     double displaced_in = 0;                 ///< [s] step length of the displacements that the backend holds
     double compliance_step = 0;              ///< [s] the length that compliances are of
@@ -267,6 +269,7 @@ class Solver::Impl {
   [[nodiscard]] float way_seen_from(const Ride* ride, uint32_t collider) const;
   void measure_ride(Cloth& cloth, ClothFrame& frame) const;
   void find_movers();
+  void leave_alone(uint32_t cloth, bool is_disturbed);
   [[nodiscard]] bool is_reached(uint32_t cloth);
   void fall_asleep();
   static void wake(Cloth& cloth);

@@ -283,7 +283,9 @@ struct Solver::Impl::SavedCloth {
   Transform parent_first;
   Vec3 middle, inertia_scale;
   bool collide_cells = false, teleport = false, rides_on = false, asleep = false, disturbed = false;
-  double placed_at = 0, pulled_at = 0, calm_for = 0, displaced_in = 0, compliance_step = 0, last_step = 0;
+  bool restless = false;
+  double placed_at = 0, pulled_at = 0, calm_for = 0, alone_for = 0, displaced_in = 0, compliance_step = 0,
+         last_step = 0;
   std::array<double, 2> measured_steps{};
   std::array<Ride, 2> rides;
   std::optional<Seen> seen;
@@ -321,8 +323,8 @@ struct Solver::Impl::SavedCloth {
     bytes.value(parent_first);
     bytes.value(middle);
     bytes.value(inertia_scale);
-    for (bool* flag : {&collide_cells, &teleport, &rides_on, &asleep, &disturbed}) bytes.flag(*flag);
-    for (double* time : {&placed_at, &pulled_at, &calm_for, &displaced_in, &compliance_step, &last_step})
+    for (bool* flag : {&collide_cells, &teleport, &rides_on, &asleep, &disturbed, &restless}) bytes.flag(*flag);
+    for (double* time : {&placed_at, &pulled_at, &calm_for, &alone_for, &displaced_in, &compliance_step, &last_step})
       bytes.value(*time);
     bytes.value(measured_steps);
     for (Ride& ride : rides) {
@@ -481,9 +483,11 @@ void Solver::Impl::keep_cloth(uint32_t index, SavedCloth& saved) {
   saved.rides_on = cloth.rides_on;
   saved.asleep = cloth.asleep;
   saved.disturbed = cloth.disturbed;
+  saved.restless = cloth.restless;
   saved.placed_at = cloth.placed_at;
   saved.pulled_at = cloth.pulled_at;
   saved.calm_for = cloth.calm_for;
+  saved.alone_for = cloth.alone_for;
   saved.displaced_in = cloth.displaced_in;
   saved.compliance_step = cloth.compliance_step;
   saved.last_step = cloth.last_step;
@@ -649,7 +653,8 @@ void Solver::Impl::check_cloth(SavedCloth& saved, uint32_t index) const {
   require(!saved.teleport || saved.parent_to, where, " follows a parent that it does not have");
   check_parent(saved.parent_first, saved.inertia_scale, where + ": parent");
   require(finite(saved.middle) && finite(saved.strayed), where, ": its place is not finite");
-  for (const double time : {saved.arrived, saved.placed_at, saved.pulled_at, saved.calm_for, saved.look_again})
+  for (const double time :
+       {saved.arrived, saved.placed_at, saved.pulled_at, saved.calm_for, saved.alone_for, saved.look_again})
     require(finite(time), where, ": a time is not finite");
   for (const double time : {saved.compliance_step, saved.last_step, saved.measured_steps[0], saved.measured_steps[1]})
     require(finite(time) && time >= 0, where, ": a step is not finite, or below 0");
@@ -754,9 +759,11 @@ void Solver::Impl::take_cloth(SavedCloth& saved, uint32_t index) {
   cloth.touched = std::move(saved.touched);
   cloth.asleep = saved.asleep;
   cloth.disturbed = saved.disturbed;
+  cloth.restless = saved.restless;
   cloth.placed_at = saved.placed_at;
   cloth.pulled_at = saved.pulled_at;
   cloth.calm_for = saved.calm_for;
+  cloth.alone_for = saved.alone_for;
   cloth.displaced_in = saved.displaced_in;
   cloth.compliance_step = saved.compliance_step;
   cloth.last_step = saved.last_step;

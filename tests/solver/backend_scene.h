@@ -39,10 +39,12 @@ class Recorder final : public SolverBackend {
   void add_cloth(ClothData) override {}
   void remove_cloth(uint32_t) override {}
   void replace_inter(InterData) override {}
-  float longest_way(uint32_t, uint32_t) override { return 0; }
+  float longest_way(uint32_t, uint32_t) override { return longest; }
   uint32_t left_behind(uint32_t, uint32_t) override { return 0; }
   void read_contacts(uint32_t, std::vector<ContactSum>&) override {}
   void fill_statistics(SolverStatistics&) override {}
+
+  float longest = 0;  ///< [m] way in a substep of every cloth's fastest point
 
  private:
   FrameInput& frame_;

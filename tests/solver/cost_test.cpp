@@ -208,6 +208,60 @@ uint32_t colors_over_seams(const ClothData& cloth) {
   return cloth.seam_bend_colors + cloth.seam_span_colors;
 }
 
+// They would keep it trembling; what comes to rest, is disturbed, hangs or is blown at has them.
+TEST(Cost, ClothThatDoesNotComeToRestEndsItsFramesWithoutTies) {
+  const ClothDesc cloth = test::describe(test::make_sheet({.nx = 8, .ny = 8}), attached());
+  BackendScene scene;
+  const SolverSettings settings;
+  test::Recorder* recorder = nullptr;
+  Solver::Impl solver(std::vector{cloth}, settings, [&](SimulationData data) {
+    scene.data = std::move(data);
+    auto backend = std::make_unique<test::Recorder>(scene.frame);
+    recorder = backend.get();
+    return backend;
+  });
+  std::vector<Collider> ball{{"ball", Sphere{{0, 0, 0.1F}, 0.15F}, 0.3F, {}}};
+  solver.set_colliders(ball, true);
+  const auto has_ties_after = [&](int frames) {
+    for (int f = 0; f < frames; ++f) solver.step();
+    return schedule_options(scene.data, 0, scene.frame).ties;
+  };
+  const auto move_at = [&](double speed) {
+    recorder->longest = static_cast<float>(speed * settings.frame_time / settings.substeps);
+  };
+  constexpr int kLong = 250;  // frames, of four seconds and a little
+  constexpr double kDrawn = 9.81 / 60, kTrembling = 1.5 * kDrawn;
+  move_at(1.1 * kDrawn);
+  EXPECT_TRUE(has_ties_after(2 * kLong)) << "gravity draws it down by what ties hold up";
+  move_at(kTrembling);
+  EXPECT_FALSE(has_ties_after(3));
+  move_at(0);
+  EXPECT_FALSE(has_ties_after(kLong)) << "they would begin again";
+  ball[0].pose.translate = {0, 0, 0.01F};
+  solver.set_colliders(ball, false);
+  EXPECT_TRUE(has_ties_after(1)) << "a collider moves";
+  EXPECT_TRUE(has_ties_after(kLong)) << "and it is at rest";
+  move_at(kTrembling);
+  EXPECT_FALSE(has_ties_after(3));
+  solver.set_gravity({0, -10, 0});
+  EXPECT_TRUE(has_ties_after(1));
+  EXPECT_FALSE(has_ties_after(kLong));
+  move_at(3);
+  EXPECT_TRUE(has_ties_after(kLong)) << "it falls";
+  move_at(kTrembling);
+  EXPECT_FALSE(has_ties_after(kLong));
+  solver.set_wind({.velocity = {1, 0, 0}});
+  EXPECT_TRUE(has_ties_after(kLong)) << "wind never leaves it alone";
+  solver.set_wind({});
+  EXPECT_FALSE(has_ties_after(kLong));
+  solver.set_pressure(0, 1);
+  EXPECT_TRUE(has_ties_after(kLong)) << "it is inflated";
+  solver.set_pressure(0, 0);
+  EXPECT_FALSE(has_ties_after(kLong));
+  solver.set_pins(0, test::pins_at_rest(*cloth.asset, "top"));
+  EXPECT_TRUE(has_ties_after(kLong)) << "it hangs";
+}
+
 TEST(Cost, ThePlainPathIsOneDispatchForEachGroup) {
   const auto count = [](const Material& material, uint32_t charts) {
     const BackendScene scene = make_scene({.nx = 64, .ny = 64, .charts_x = charts}, material);

@@ -165,19 +165,17 @@ void warn_of_carried(const ConvertReport& report, std::vector<std::string>& out)
                 " of the area, have no pixels: they ride on the cloth beside them, and their weight is not counted");
 }
 
-/// An object of the file of which nothing is simulated is worth a word, unless it has few of the triangles, as buttons
-/// have.
-void warn_of_parts_left_out(const ConvertReport& report, const ClothAsset& asset, std::vector<std::string>& out) {
-  constexpr double kMany = 0.05;                                           // of the triangles
-  if (std::ranges::any_of(report.carried, &CarriedPart::is_side)) return;  // it rides on the other side on purpose
+/// A piece of many triangles that rides along is no button: its file may have parts of several scales.
+void warn_of_fine_pieces(const ConvertReport& report, const ClothAsset& asset, std::vector<std::string>& out) {
+  constexpr double kMany = 0.05;  // of the triangles
   double faces = 0;
   for (const PartShape& part : report.parts) faces += part.faces;
-  for (const PartShape& part : report.parts) {
-    if (part.area_share > 0 || part.faces < kMany * faces) continue;
-    out.push_back("part \"" + part.name + "\" (" + std::to_string(part.faces) +
-                  " triangles) has no pixels of its own: beside the rest it is smaller than a spring (" +
+  for (const CarriedPart& piece : report.carried) {
+    if (piece.is_side || piece.faces < kMany * faces || piece.part >= report.parts.size()) continue;
+    out.push_back(std::to_string(piece.faces) + " triangles of part \"" + report.parts[piece.part].name +
+                  "\" have no pixels: beside the rest they are smaller than a spring (" +
                   size_in_words(double{asset.spacing}) +
-                  ") and rides on it; where it is cloth, convert it by itself with --parts, and look for parts of " +
+                  ") and ride on it; where that is cloth, convert it by itself with --parts, and look for parts of " +
                   "another scale");
   }
 }
@@ -322,7 +320,7 @@ std::vector<std::string> plain_warnings(const ConvertReport& report, const Cloth
         "the inner ones with --parts");
   }
   warn_of_carried(report, out);
-  warn_of_parts_left_out(report, asset, out);
+  warn_of_fine_pieces(report, asset, out);
   constexpr double kLargestBindingError = 1e-6;
   if (q.binding_error > kLargestBindingError) {
     out.push_back("single precision moves vertices by up to " + rounded(q.binding_error) +
