@@ -159,7 +159,10 @@ std::vector<CutSurface> all_cuts(const CleanSurface& clean, const CutOptions& op
   if (!prefer.folds.empty()) {
     CutOptions along_folds{options.extra_edges, {}};
     along_folds.extra_edges.insert(along_folds.extra_edges.end(), prefer.folds.begin(), prefer.folds.end());
-    cuts.push_back(cut_to_disks(clean, along_folds, progress));
+    try {
+      cuts.push_back(cut_to_disks(clean, along_folds, progress));
+    } catch (const Error&) {  // there are the others
+    }
   }
   return cuts;
 }

@@ -623,12 +623,15 @@ DevelopedSurface develop(std::span<const CutSurface> cuts, const DevelopOptions&
   std::vector<CutWay> ways;
   for (const CutSurface& cut : cuts) ways.push_back(examined(cut, options));
   const std::vector<SheetLayout> developed = develop_sheets(ways, false, options);
-  const std::vector<SheetLayout> layered = with_layers_apart(ways, developed, options);
   if (progress) progress("flatten", 0.3);
   ChartedSurface result = finished(cuts, developed, options);
-  if (!layered.empty()) {
-    ChartedSurface other = finished(cuts, layered, options);
-    if (fills_better(other, result, options.parting)) result = std::move(other);
+  try {
+    const std::vector<SheetLayout> layered = with_layers_apart(ways, developed, options);
+    if (!layered.empty()) {
+      ChartedSurface other = finished(cuts, layered, options);
+      if (fills_better(other, result, options.parting)) result = std::move(other);
+    }
+  } catch (const Error&) {  // some piece between folds has no layout; the whole has one
   }
   even_out_stretch(result.charts);
   open_met_holes(result.charts);
