@@ -155,17 +155,25 @@ TEST_P(CollisionGroups, ChangeWhileItRuns) {
   EXPECT_THROW(solver.set_meets(2, 0), Error);
 }
 
-// What lies on something falls when that is not there for it any more, though it was asleep.
-TEST_P(CollisionGroups, AChangeWakesCloth) {
+/// A sheet that lies on a floor at once, and soon sleeps.
+ClothDesc just_above_the_floor() {
   Material material;
   material.damping = 40;
-  const test::SheetOptions flat{.nx = 6, .ny = 6, .horizontal = true, .center = {0, 0.003F, 0}};
-  const std::vector<ClothDesc> cloths(2, test::describe(test::make_sheet(flat), material));
+  return test::describe(test::make_sheet({.nx = 6, .ny = 6, .horizontal = true, .center = {0, 0.003F, 0}}), material);
+}
+
+SolverSettings sleepy() {
   SolverSettings settings;
   settings.substeps = 2;
   settings.sleep_speed = 0.05F;
   settings.sleep_time = 0.05F;
-  Solver solver = make(cloths, settings);
+  return settings;
+}
+
+// What lies on something falls when that is not there for it any more, though it was asleep.
+TEST_P(CollisionGroups, AChangeWakesCloth) {
+  const std::vector<ClothDesc> cloths(2, just_above_the_floor());
+  Solver solver = make(cloths, sleepy());
   std::vector<Collider> floor{{"", Plane{{0, 0, 0}, {0, 1, 0}}}};
   solver.set_colliders(floor);
   for (int f = 0; f < 60 && !(solver.asleep(0) && solver.asleep(1)); ++f) solver.step();
@@ -183,16 +191,9 @@ TEST_P(CollisionGroups, AChangeWakesCloth) {
 
 // What is not met does not wake it, however near it comes.
 TEST_P(CollisionGroups, SleepersSleepOnBesideWhatTheyDoNotMeet) {
-  Material material;
-  material.damping = 40;
-  const test::SheetOptions flat{.nx = 6, .ny = 6, .horizontal = true, .center = {0, 0.003F, 0}};
-  ClothDesc cloth = test::describe(test::make_sheet(flat), material);
+  ClothDesc cloth = just_above_the_floor();
   cloth.meets = kFloor;
-  SolverSettings settings;
-  settings.substeps = 2;
-  settings.sleep_speed = 0.05F;
-  settings.sleep_time = 0.05F;
-  Solver solver = make(cloth, settings);
+  Solver solver = make(cloth, sleepy());
   const auto scene_at = [](float x) {
     return std::vector<Collider>{{"", Plane{{0, 0, 0}, {0, 1, 0}}, 0.3F, {}, false, kFloor},
                                  {"", Sphere{{x, 0, 0}, 0.2F}, 0.3F, {}, false, kBall}};
@@ -212,16 +213,9 @@ TEST_P(CollisionGroups, SleepersSleepOnBesideWhatTheyDoNotMeet) {
 
 // Nor does what comes, jumps, grows or goes of that: in a crowd each has colliders of its own, and some always come.
 TEST_P(CollisionGroups, SleepersSleepOnWhateverHappensToWhatTheyDoNotMeet) {
-  Material material;
-  material.damping = 40;
-  const test::SheetOptions flat{.nx = 6, .ny = 6, .horizontal = true, .center = {0, 0.003F, 0}};
-  ClothDesc cloth = test::describe(test::make_sheet(flat), material);
+  ClothDesc cloth = just_above_the_floor();
   cloth.meets = kFloor;
-  SolverSettings settings;
-  settings.substeps = 2;
-  settings.sleep_speed = 0.05F;
-  settings.sleep_time = 0.05F;
-  Solver solver = make(cloth, settings);
+  Solver solver = make(cloth, sleepy());
   const Collider floor{"floor", Plane{{0, 0, 0}, {0, 1, 0}}, 0.3F, {}, false, kFloor};
   std::vector<Collider> scene{floor};
   solver.set_colliders(scene);

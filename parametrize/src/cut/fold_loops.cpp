@@ -21,7 +21,8 @@ constexpr double kMostLength = 9;   // of all lines of a part, likewise: more of
 
 class FoldLines {
  public:
-  explicit FoldLines(const CleanSurface& surface)
+  /// @param is_left_out  per component
+  FoldLines(const CleanSurface& surface, const std::vector<bool>& is_left_out)
       : surface_(surface),
         opposite_(opposite_half_edges(surface.triangle)),
         on_line_(opposite_.size(), 0),
@@ -31,7 +32,8 @@ class FoldLines {
     for (uint32_t h = 0; h < opposite_.size(); ++h) {
       const uint32_t o = opposite_[h];
       if (o == kNone) is_on_border_[tail(triangle, h)] = is_on_border_[head(triangle, h)] = 1;
-      if (o == kNone || o < h || fold_between(surface.position, triangle[h / 3], triangle[o / 3]) < kSharp) continue;
+      if (o == kNone || o < h || is_left_out[surface.component[h / 3]]) continue;
+      if (fold_between(surface.position, triangle[h / 3], triangle[o / 3]) < kSharp) continue;
       on_line_[h] = 1;
       at_[tail(triangle, h)].push_back(h);
       at_[head(triangle, h)].push_back(h);
@@ -88,12 +90,6 @@ class FoldLines {
     }
   }
 
-  void take_away_of(const std::vector<char>& component) {
-    for (uint32_t h = 0; h < on_line_.size(); ++h) {
-      if (component[surface_.component[h / 3]]) on_line_[h] = 0;
-    }
-  }
-
   [[nodiscard]] std::vector<std::array<uint32_t, 2>> edges() const {
     std::vector<std::array<uint32_t, 2>> result;
     for (uint32_t h = 0; h < on_line_.size(); ++h) {
@@ -127,11 +123,9 @@ std::vector<std::array<uint32_t, 2>> fold_loops(const CleanSurface& surface, siz
     ++triangles[surface.component[t]];
   }
   for (double& s : size) s = std::sqrt(s);
-  std::vector<char> is_large(triangles.size());
-  std::transform(triangles.begin(), triangles.end(), is_large.begin(),
-                 [&](size_t n) { return static_cast<char>(n > most_triangles); });
-  FoldLines lines(surface);
-  lines.take_away_of(is_large);
+  std::vector<bool> is_large(triangles.size());
+  std::transform(triangles.begin(), triangles.end(), is_large.begin(), [&](size_t n) { return n > most_triangles; });
+  FoldLines lines(surface, is_large);
   lines.take_away_dead_ends();
   lines.take_away_short_ones(size);
   lines.take_away_pleats(size);

@@ -27,11 +27,12 @@ double size_of(const ClothAsset& asset, std::span<const Vec3> position) {
 class FilePixels {
  public:
   FilePixels(const SceneStart& start, const ClothDesc& cloth, const PosedVertices& file)
-      : start_(start), cloth_(cloth), grid_(welded_grid_mesh(*cloth.asset, cloth.asset->rest_position)) {
+      : start_(start), cloth_(cloth) {
     const ClothAsset& asset = *cloth.asset;
     const size_t points = file.position.size();
     const bool may_be_mesh = points == asset.source.file_vertex_count() || points == asset.source.source_vertex_count;
     // A grid may have as many vertices as the mesh, in another order; only its triangles tell then.
+    if (!may_be_mesh || !file.triangle.empty()) grid_ = welded_grid_mesh(asset, asset.rest_position);
     by_grid_ = !may_be_mesh || (points == grid_.pixel.size() && file.triangle == grid_.triangle);
     if (!by_grid_ || points == grid_.pixel.size()) {
       binding_.emplace(by_grid_ ? PixelBinding(asset, asset) : PixelBinding(asset));
