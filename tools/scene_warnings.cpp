@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <utility>
@@ -423,6 +424,35 @@ void warn_of_flat_cloth(Simulation& simulation, std::vector<std::string>& warnin
   }
 }
 
+/// Cloth that a pressure stretches because the substeps are too long for its springs, not because it is elastic.
+void warn_of_stretching_pressure(Simulation& simulation, std::vector<std::string>& warnings) {
+  constexpr double kMuch = 0.03, kWanted = 0.02;
+  constexpr double kMostSubsteps = 256;
+  const Scene& scene = simulation.scene();
+  for (size_t c = 0; c < simulation.cloths().size(); ++c) {
+    const auto index = static_cast<uint32_t>(c);
+    const float pressure = pressure_at(scene.cloths[c], simulation.time());
+    const Material& material = simulation.solver().material(index);
+    if (pressure == 0 || material.stiffness >= 0) continue;
+    const std::shared_ptr<const ClothAsset> asset = simulation.solver().asset(index);
+    const float scale = simulation.cloths()[c].transform.scale;
+    std::vector<Vec3> positions;
+    simulation.solver().read_positions(index, positions);
+    const double strain = measure_stretch(*asset, scale, positions).mean - 1;
+    // In a step of dt a spring resists like one of rho h^2 / dt^2 [N/m] that is in a row with its own.
+    const double own = double{std::max(material.stretch_warp, material.stretch_weft)};
+    const double way = double{asset->spacing} * double{scale} * scene.frame_rate * scene.substeps;
+    const double resists = double{material.areal_density} * way * way * scene.relaxation_steps;
+    const double too_long = strain * own / (own + resists);
+    if (!(too_long > kMuch) || scene.substeps >= kMostSubsteps) continue;
+    const double wanted = std::min(kMostSubsteps, 8 * std::ceil(scene.substeps * std::sqrt(too_long / kWanted) / 8));
+    warnings.push_back(fmt::format(
+        "{}: its pressure of {:g} Pa stretches it by {:.2g} %, its material alone by {:.2g} %: its springs "
+        "do not keep up in {} substeps; give the scene about {:.0f} \"substeps\", or less pressure",
+        name_of_cloth(scene, c), pressure, 100 * strain, 100 * (strain - too_long), scene.substeps, wanted));
+  }
+}
+
 }  // namespace
 
 std::string name_of_cloth(const Scene& scene, size_t cloth) {
@@ -457,6 +487,7 @@ std::vector<std::string> played_warnings(Simulation& simulation) {
                     name_of_cloth(simulation.scene(), cloth), list_of("cuts", cuts)));
   }
   warn_of_flat_cloth(simulation, warnings);
+  warn_of_stretching_pressure(simulation, warnings);
   return warnings;
 }
 

@@ -249,5 +249,18 @@ TEST_F(SceneWarnings, TellThatFlatClothCannotFold) {
   EXPECT_THAT(warnings(R"({"asset":"sheet.glb","pins":[{"where":{"vertex_group":"top"}}]})"), IsEmpty());
 }
 
+/// A cushion at 200 Pa was half as large again, and flew off.
+TEST_F(SceneWarnings, TellThatSubstepsDoNotHoldAPressure) {
+  const auto sail = [](double pressure) {
+    return fmt::format(R"({{"asset":"sheet.glb","pressure":{},"pins":[{{"where":{{"vertex_group":"top"}}}},
+        {{"where":{{"vertex_group":"bottom"}}}}]}})",
+                       pressure);
+  };
+  EXPECT_THAT(warnings(sail(500), "", 1),
+              ElementsAre(AllOf(HasSubstr("cloths[0] (sheet.glb): its pressure of 500 Pa stretches it by"),
+                                HasSubstr("\"substeps\""))));
+  EXPECT_THAT(warnings(sail(2)), IsEmpty());
+}
+
 }  // namespace
 }  // namespace geocloth::test
