@@ -427,7 +427,7 @@ void warn_of_flat_cloth(Simulation& simulation, std::vector<std::string>& warnin
 /// Cloth that a pressure stretches because the substeps are too long for its springs, not because it is elastic.
 void warn_of_stretching_pressure(Simulation& simulation, std::vector<std::string>& warnings) {
   constexpr double kMuch = 0.03, kWanted = 0.02;
-  constexpr double kMostSubsteps = 256;
+  constexpr double kMostSubsteps = 256, kFastest = 5000;  // [1/s] shorter substeps are several times as slow
   const Scene& scene = simulation.scene();
   for (size_t c = 0; c < simulation.cloths().size(); ++c) {
     const auto index = static_cast<uint32_t>(c);
@@ -445,7 +445,8 @@ void warn_of_stretching_pressure(Simulation& simulation, std::vector<std::string
     const double resists = double{material.areal_density} * way * way * scene.relaxation_steps;
     const double too_long = strain * own / (own + resists);
     if (!(too_long > kMuch) || scene.substeps >= kMostSubsteps) continue;
-    const double wanted = std::min(kMostSubsteps, 8 * std::ceil(scene.substeps * std::sqrt(too_long / kWanted) / 8));
+    const double fast = std::floor(kFastest / scene.frame_rate), most = scene.substeps < fast ? fast : kMostSubsteps;
+    const double wanted = std::min(most, 8 * std::ceil(scene.substeps * std::sqrt(too_long / kWanted) / 8));
     warnings.push_back(fmt::format(
         "{}: its pressure of {:g} Pa stretches it by {:.2g} %, its material alone by {:.2g} %: its springs "
         "do not keep up in {} substeps; give the scene about {:.0f} \"substeps\", or less pressure",
