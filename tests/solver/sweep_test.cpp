@@ -336,10 +336,25 @@ void expect_same(const State& fast, const State& plain, const std::string& where
   EXPECT_EQ(differences(fast.normals, plain.normals), 0U) << where;
 }
 
+/// Steps below 1/5000 s, in which constraints act on offsets.
+std::vector<Case> cases_in_tiny_steps() {
+  std::vector<Case> list = cases();
+  for (Case& c : list) {
+    c.settings.frame_time = c.settings.substeps / 6000.0;
+    c.collider_step /= 20;
+  }
+  return list;
+}
+
 constexpr uint32_t kFrames = 16;
 
-TEST(Sweep, HasTheBitsOfThePlainPathForAnyNumberOfThreads) {
-  for (const Case& c : cases()) {
+class Lists : public testing::TestWithParam<bool> {
+ public:
+  static std::vector<Case> list() { return GetParam() ? cases_in_tiny_steps() : cases(); }
+};
+
+TEST_P(Lists, HaveTheBitsOfThePlainPathForAnyNumberOfThreads) {
+  for (const Case& c : list()) {
     const State plain = state_after(c, true, 1, kFrames);
     ASSERT_TRUE(test::all_finite(plain.positions)) << c.name;
     for (const uint32_t threads : {1U, 2U, 5U}) {
@@ -358,13 +373,18 @@ TEST(Sweep, HasTheBitsOfThePlainPathForAnyNumberOfThreads) {
   }
 }
 
+INSTANTIATE_TEST_SUITE_P(Sweep, Lists, testing::Bool(),
+                         [](const auto& tiny) { return std::string(tiny.param ? "TinySteps" : "Steps"); });
+
 using Targets = test::OnVectorTarget;
 
 TEST_P(Targets, HaveTheBitsOfThePlainPath) {
-  for (const Case& c : cases()) {
-    const State fast = state_after(c, false, 1, kFrames);
-    EXPECT_EQ(fast.statistics.path, std::string("sweep ") + hwy::TargetName(GetParam()));
-    expect_same(fast, state_after(c, true, 1, kFrames), c.name);
+  for (const std::vector<Case>& list : {cases(), cases_in_tiny_steps()}) {
+    for (const Case& c : list) {
+      const State fast = state_after(c, false, 1, kFrames);
+      EXPECT_EQ(fast.statistics.path, std::string("sweep ") + hwy::TargetName(GetParam()));
+      expect_same(fast, state_after(c, true, 1, kFrames), c.name);
+    }
   }
 }
 

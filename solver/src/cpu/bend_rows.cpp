@@ -103,7 +103,7 @@ SweepOp bends_along(const RowSource& source, BendOrder order, RowStream& stream)
       });
       const auto blocks = std::span(stream.pixel).subspan(before);
       stream.row_first[y + 1] += static_cast<uint32_t>(blocks.size());
-      for (uint32_t& block : blocks) block += third_row(y, source.strip, line);
+      for (uint32_t& block : blocks) block += third_row(y, source.strip, line, source.on_offsets);
     }
     stream.group_first.push_back(static_cast<uint32_t>(stream.pixel.size()));
   }

@@ -78,10 +78,9 @@ struct BendWeights {
 
 /// lib/bend.h with inverse = 1 / (w + compliance), 0 where there is no bend.
 template <class D>
-HWY_INLINE Points<D> bend_way(D d, const Points<D>& a, const Points<D>& middle, const Points<D>& b,
-                              const float* constants) {
+HWY_INLINE Points<D> bend_way(D d, const Points<D>& to_a, const Points<D>& to_b, const float* constants) {
   const auto chord = chord_of(d, constants), back = back_of(d, constants);
-  return add(scale(d, sub(a, middle), back), scale(d, sub(b, middle), chord));
+  return add(scale(d, to_a, back), scale(d, to_b, chord));
 }
 template <bool kSeveral, class D>
 HWY_INLINE void project_bend(D d, const Ways<D>& ways, Points<D>& a, Points<D>& middle, Points<D>& b,
@@ -189,14 +188,16 @@ class Thirds {
 };
 
 /// Where the three points of bends are, from some pixel on.
+template <bool kOnOffsets>
 struct BendLines {
-  PointBase a, middle, b;
+  PointsOf<kOnOffsets> a, middle, b;
 };
 
 /// Blocks of bends whose first points lie at stream.pixel of their line.
 /// @param kYields  whether the lines have yields that may be below 1
-template <bool kSeveral, bool kYields, class D>
-HWY_INLINE void project_bends(D d, const SweepOp& op, const BendLines& lines, uint32_t first, uint32_t last) {
+template <bool kSeveral, bool kYields, bool kOnOffsets, class D>
+HWY_INLINE void project_bends(D d, const SweepOp& op, const BendLines<kOnOffsets>& lines, uint32_t first,
+                              uint32_t last) {
   const size_t lanes = hn::Lanes(d);
   const uint32_t* const pixel = op.stream->pixel.data();
   const float* const constants = op.stream->constants.data();
@@ -205,8 +206,8 @@ HWY_INLINE void project_bends(D d, const SweepOp& op, const BendLines& lines, ui
       first, last,
       [&](uint32_t k, Ways<D>& ways) GEOCLOTH_LANES {
         const size_t i = pixel[k];
-        ways.set(d, bend_way(d, load(d, lines.a.at(i)), load(d, lines.middle.at(i)), load(d, lines.b.at(i)),
-                             constants + k * floats));
+        ways.set(d, bend_way(d, way_between(d, lines.middle, i, lines.a, i),
+                             way_between(d, lines.middle, i, lines.b, i), constants + k * floats));
       },
       [&](uint32_t k, const Ways<D>& ways) GEOCLOTH_LANES {
         const size_t i = pixel[k];
@@ -228,15 +229,16 @@ HWY_INLINE void project_bends(D d, const SweepOp& op, const BendLines& lines, ui
       });
 }
 
-template <bool kSeveral, bool kYields, class D>
+template <bool kSeveral, bool kYields, bool kOnOffsets, class D>
 HWY_NOINLINE void bends_across(D d, const SweepOp& op, ClothState& state, uint32_t first, uint32_t last) {
+  using Base = PointsOf<kOnOffsets>;
   const size_t offset = op.offset;
-  const BendLines lines{PointBase(state, 0), PointBase(state, offset), PointBase(state, 2 * offset)};
+  const BendLines<kOnOffsets> lines{Base(state, 0), Base(state, offset), Base(state, 2 * offset)};
   project_bends<kSeveral, kYields>(d, op, lines, first, last);
 }
 
 /// A row that is taken apart: of each residue modulo 3 every coordinate and the inverse mass times the yield,
-/// `op.offset` floats apart.
+/// `op.offset` floats apart; then of each the coordinates of the bases, if there are any.
 class ThirdRow {
  public:
   ThirdRow(float* scratch, size_t stride) : scratch_(scratch), stride_(stride) {}
@@ -245,10 +247,19 @@ class ThirdRow {
   [[nodiscard]] HWY_INLINE float* at(size_t residue, size_t coordinate, size_t n) const {
     return scratch_ + (4 * residue + coordinate) * stride_ + n;
   }
+  [[nodiscard]] HWY_INLINE float* base_at(size_t residue, size_t coordinate, size_t n) const {
+    return scratch_ + (12 + 3 * residue + coordinate) * stride_ + n;
+  }
   /// The columns column, column + 3, ...
-  [[nodiscard]] HWY_INLINE PointBase from(size_t column) const {
+  template <bool kOnOffsets>
+  [[nodiscard]] HWY_INLINE PointsOf<kOnOffsets> from(size_t column) const {
     const size_t r = column % 3, n = column / 3;
-    return {at(r, 0, n), at(r, 1, n), at(r, 2, n), at(r, 3, n), nullptr};
+    const PointBase points(at(r, 0, n), at(r, 1, n), at(r, 2, n), at(r, 3, n), nullptr);
+    if constexpr (kOnOffsets) {
+      return {points, base_at(r, 0, n), base_at(r, 1, n), base_at(r, 2, n)};
+    } else {
+      return points;
+    }
   }
 
  private:
@@ -270,18 +281,18 @@ HWY_INLINE void for_thirds(D d, const ClothState& state, const RowStream& stream
 
 /// Groups 0, 1 and 2 of bend_groups.h in some rows, group by group: what waits for roots in one row goes on in the
 /// next.
-template <bool kSeveral, class D>
+template <bool kSeveral, bool kOnOffsets, class D>
 HWY_NOINLINE void bends_along(D d, const SweepOp& op, ClothState& state, bool yields, const SweepFrame& frame,
                               const RowRange& rows) {
   const RowStream& stream = *op.stream;
   const Thirds<D> thirds(d);
   const size_t width = state.data.width;
   const auto apart = [&](uint32_t y) GEOCLOTH_LANES {
-    return ThirdRow(frame.scratch + third_row(y, frame.sweep->strip, op.offset), op.offset);
+    return ThirdRow(frame.scratch + third_row(y, frame.sweep->strip, op.offset, kOnOffsets), op.offset);
   };
   for (uint32_t y = rows.first; y < rows.last; ++y) {
     const ThirdRow row = apart(y);
-    const PointBase points(state, y * width);
+    const PointsOf<kOnOffsets> points(state, y * width);
     for_thirds(d, state, stream, y, [&](uint32_t n) GEOCLOTH_LANES {
       const auto take_apart = [&](const float* p, size_t coordinate) GEOCLOTH_LANES {
         const Third<D> third = thirds.take_apart(d, p + 3 * size_t{n});
@@ -293,6 +304,17 @@ HWY_NOINLINE void bends_along(D d, const SweepOp& op, ClothState& state, bool yi
       take_apart(points.y, 1);
       take_apart(points.z, 2);
       take_apart(points.inverse_mass, 3);
+      if constexpr (kOnOffsets) {
+        const auto take_base = [&](const float* p, size_t coordinate) GEOCLOTH_LANES {
+          const Third<D> third = thirds.take_apart(d, p + 3 * size_t{n});
+          hn::StoreU(third.a, d, row.base_at(0, coordinate, n));
+          hn::StoreU(third.middle, d, row.base_at(1, coordinate, n));
+          hn::StoreU(third.b, d, row.base_at(2, coordinate, n));
+        };
+        take_base(points.base_x, 0);
+        take_base(points.base_y, 1);
+        take_base(points.base_z, 2);
+      }
       if (!yields) return;
       const Third<D> yield = thirds.take_apart(d, points.yield + 3 * size_t{n});
       const auto lessen = [&](size_t residue, Vec<D> by) GEOCLOTH_LANES {
@@ -307,8 +329,9 @@ HWY_NOINLINE void bends_along(D d, const SweepOp& op, ClothState& state, bool yi
   const ThirdRow all(frame.scratch, op.offset);
   const auto project = [&](uint32_t group) GEOCLOTH_LANES {
     const uint32_t* const first = &stream.group_first[group * (size_t{state.data.height} + 1)];
-    project_bends<kSeveral, false>(d, op, {all.from(group), all.from(group + 1), all.from(group + 2)},
-                                   first[rows.first], first[rows.last]);
+    const BendLines<kOnOffsets> lines{all.from<kOnOffsets>(group), all.from<kOnOffsets>(group + 1),
+                                      all.from<kOnOffsets>(group + 2)};
+    project_bends<kSeveral, false>(d, op, lines, first[rows.first], first[rows.last]);
   };
   const bool back = op.order == BendOrder::backward;
   for (const uint32_t group : {back ? 2U : 0U, 1U, back ? 0U : 2U}) project(group);
@@ -317,7 +340,7 @@ HWY_NOINLINE void bends_along(D d, const SweepOp& op, ClothState& state, bool yi
   }
   for (uint32_t y = rows.first; y < rows.last; ++y) {
     const ThirdRow row = apart(y);
-    const PointBase points(state, y * width);
+    const PointsOf<kOnOffsets> points(state, y * width);
     for_thirds(d, state, stream, y, [&](uint32_t n) GEOCLOTH_LANES {
       const auto put_together = [&](float* p, size_t c) GEOCLOTH_LANES {
         thirds.put_together(d, hn::LoadU(d, row.at(0, c, n)), hn::LoadU(d, row.at(1, c, n)),

@@ -9,6 +9,8 @@
 #define GEOCLOTH_CPU_CONSTRAINTS_INL_H
 #endif
 
+#include <type_traits>
+
 #include "cpu/lanes_inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -56,14 +58,47 @@ struct PointBase {
 
   HWY_INLINE PointBase(float* px, float* py, float* pz, const float* weights, const float* yields)
       : x(px), y(py), z(pz), inverse_mass(weights), yield(yields) {}
-  HWY_INLINE PointBase(ClothState& state, size_t offset)
-      : x(state.position.x.data() + offset),
-        y(state.position.y.data() + offset),
-        z(state.position.z.data() + offset),
+  HWY_INLINE PointBase(Vec3Array& points, ClothState& state, size_t offset)
+      : x(points.x.data() + offset),
+        y(points.y.data() + offset),
+        z(points.z.data() + offset),
         inverse_mass(state.inverse_mass.data() + offset),
         yield(state.yield.data() + offset) {}
+  HWY_INLINE PointBase(ClothState& state, size_t offset) : PointBase(state.position, state, offset) {}
   [[nodiscard]] HWY_INLINE PointRow at(size_t i) const { return {x + i, y + i, z + i}; }
 };
+/// The same on offsets, see lib/fine.h: those move.
+struct OffsetBase : PointBase {
+  const float *base_x, *base_y, *base_z;
+
+  HWY_INLINE OffsetBase(const PointBase& offsets, const float* px, const float* py, const float* pz)
+      : PointBase(offsets), base_x(px), base_y(py), base_z(pz) {}
+  HWY_INLINE OffsetBase(ClothState& state, size_t offset)
+      : PointBase(state.offset, state, offset),
+        base_x(state.previous.x.data() + offset),
+        base_y(state.previous.y.data() + offset),
+        base_z(state.previous.z.data() + offset) {}
+};
+template <bool kOnOffsets>
+using PointsOf = std::conditional_t<kOnOffsets, OffsetBase, PointBase>;
+
+/// From one point to another by what moves, and where that is offsets by their bases, too.
+template <class D>
+HWY_INLINE Points<D> with_bases(D, const PointBase&, size_t, const PointBase&, size_t, const Points<D>& way) {
+  return way;
+}
+template <class D>
+HWY_INLINE Points<D> with_bases(D d, const OffsetBase& from, size_t i, const OffsetBase& to, size_t j,
+                                const Points<D>& way) {
+  const auto between = [&](const float* p, const float* q)
+                           GEOCLOTH_LANES { return hn::Sub(hn::LoadU(d, q + j), hn::LoadU(d, p + i)); };
+  return {hn::Add(between(from.base_x, to.base_x), way.x), hn::Add(between(from.base_y, to.base_y), way.y),
+          hn::Add(between(from.base_z, to.base_z), way.z)};
+}
+template <class Base, class D>
+HWY_INLINE Points<D> way_between(D d, const Base& from, size_t i, const Base& to, size_t j) {
+  return with_bases(d, from, i, to, j, sub(load(d, to.at(j)), load(d, from.at(i))));
+}
 
 /// Floats of a block's constants.
 constexpr size_t spring_floats(size_t lanes, bool several) {
@@ -71,11 +106,12 @@ constexpr size_t spring_floats(size_t lanes, bool several) {
 }
 
 /// What springs do besides lib/spring.h.
-template <bool kSomeSteps, bool kAll, bool kOnlyPull>
+template <bool kSomeSteps, bool kAll, bool kOnlyPull, bool kSmallSteps = false>
 struct SpringKind {
   static constexpr bool kSeveral = kSomeSteps;   ///< relaxation steps
   static constexpr bool kWhole = kAll;           ///< all of a spring's error is removed
   static constexpr bool kPullsOnly = kOnlyPull;  ///< ties and spans, lib/span.h
+  using Base = PointsOf<kSmallSteps>;            ///< of its points
 };
 
 /// Whether nothing of a vector is pulled: most of what only pulls is slack, and no root is needed to see that. Where a
@@ -121,8 +157,9 @@ HWY_INLINE bool nothing_moves(D d, Vec<D> factor) {
   return Kind::kPullsOnly && hn::AllFalse(d, hn::Gt(factor, hn::Zero(d)));
 }
 template <class D>
-HWY_INLINE void apply_spring(D d, Vec<D> factor, Points<D>& a, Vec<D> wa, Points<D>& b, Vec<D> wb) {
-  const Points<D> step = scale(d, sub(b, a), factor);
+HWY_INLINE void apply_spring(D d, const Points<D>& way, Vec<D> factor, Points<D>& a, Vec<D> wa, Points<D>& b,
+                             Vec<D> wb) {
+  const Points<D> step = scale(d, way, factor);
   a = add(a, scale(d, step, wa));
   b = sub(b, scale(d, step, wb));
 }
@@ -232,17 +269,32 @@ HWY_INLINE void put_together(D d, Vec<D> a, Vec<D> b, float* p, float* q) {
   }
 }
 
+/// with_bases() of springs along rows, whose ends are taken apart.
+template <size_t kColumns, class D>
+HWY_INLINE Points<D> with_bases_along(D, const PointBase&, size_t, size_t, const Points<D>& way) {
+  return way;
+}
+template <size_t kColumns, class D>
+HWY_INLINE Points<D> with_bases_along(D d, const OffsetBase& points, size_t i, size_t j, const Points<D>& way) {
+  const auto between = [&](const float* base) GEOCLOTH_LANES {
+    const Ends<D> ends = take_apart<kColumns>(d, base + i, base + j);
+    return hn::Sub(ends.b, ends.a);
+  };
+  return {hn::Add(between(points.base_x), way.x), hn::Add(between(points.base_y), way.y),
+          hn::Add(between(points.base_z), way.z)};
+}
+
 /// @param kYields  whether the points have yields that may be below 1
 template <class Kind, bool kYields, class D>
 HWY_NOINLINE void springs_across(D d, const SweepOp& op, ClothState& state, uint32_t first, uint32_t last) {
-  const PointBase points(state, 0);
+  const typename Kind::Base points(state, 0);
   const float* const constants = op.stream->constants.data();
   const size_t offset = op.offset;
   const auto share = hn::Set(d, op.share);
   in_turn(
       d, *op.stream, first, last,
       [&](size_t, size_t i)
-          GEOCLOTH_LANES { return first_length<Kind>(d, sub(load(d, points.at(i + offset)), load(d, points.at(i)))); },
+          GEOCLOTH_LANES { return first_length<Kind>(d, way_between(d, points, i, points, i + offset)); },
       [&](size_t block, Vec<D> l) GEOCLOTH_LANES { return spring_factor<Kind>(d, op, constants, block, l, share); },
       [&](size_t, size_t i, Vec<D> factor) GEOCLOTH_LANES {
         if (nothing_moves<Kind>(d, factor)) return;
@@ -250,7 +302,7 @@ HWY_NOINLINE void springs_across(D d, const SweepOp& op, ClothState& state, uint
         Points<D> a = load(d, points.at(i)), b = load(d, points.at(j));
         auto wa = hn::LoadU(d, points.inverse_mass + i), wb = hn::LoadU(d, points.inverse_mass + j);
         if constexpr (kYields) let_yield(d, wa, hn::LoadU(d, points.yield + i), wb, hn::LoadU(d, points.yield + j));
-        apply_spring(d, factor, a, wa, b, wb);
+        apply_spring(d, with_bases(d, points, i, points, j, sub(b, a)), factor, a, wa, b, wb);
         store(d, a, points.at(anew(i)));
         store(d, b, points.at(anew(j)));
       });
@@ -258,7 +310,7 @@ HWY_NOINLINE void springs_across(D d, const SweepOp& op, ClothState& state, uint
 
 template <size_t kColumns, class Kind, bool kYields, class D>
 HWY_NOINLINE void springs_along(D d, const SweepOp& op, ClothState& state, uint32_t first, uint32_t last) {
-  const PointBase points(state, 0);
+  const typename Kind::Base points(state, 0);
   const float* const constants = op.stream->constants.data();
   const uint32_t* const second = op.stream->second.data();
   const auto share = hn::Set(d, op.share);
@@ -268,7 +320,8 @@ HWY_NOINLINE void springs_along(D d, const SweepOp& op, ClothState& state, uint3
         const PointRow p = points.at(i), q = points.at(second[block]);
         const Ends<D> x = take_apart<kColumns>(d, p.x, q.x), y = take_apart<kColumns>(d, p.y, q.y);
         const Ends<D> z = take_apart<kColumns>(d, p.z, q.z);
-        return first_length<Kind>(d, Points<D>{hn::Sub(x.b, x.a), hn::Sub(y.b, y.a), hn::Sub(z.b, z.a)});
+        const Points<D> way{hn::Sub(x.b, x.a), hn::Sub(y.b, y.a), hn::Sub(z.b, z.a)};
+        return first_length<Kind>(d, with_bases_along<kColumns>(d, points, i, second[block], way));
       },
       [&](size_t block, Vec<D> l) GEOCLOTH_LANES { return spring_factor<Kind>(d, op, constants, block, l, share); },
       [&](size_t block, size_t i, Vec<D> factor) GEOCLOTH_LANES {
@@ -283,7 +336,7 @@ HWY_NOINLINE void springs_along(D d, const SweepOp& op, ClothState& state, uint3
           let_yield(d, w.a, parts.a, w.b, parts.b);
         }
         Points<D> a{x.a, y.a, z.a}, b{x.b, y.b, z.b};
-        apply_spring(d, factor, a, w.a, b, w.b);
+        apply_spring(d, with_bases_along<kColumns>(d, points, i, j, sub(b, a)), factor, a, w.a, b, w.b);
         const PointRow to = points.at(anew(i)), to_second = points.at(j);
         // The second half after the first one, whose lanes over the end of its row may lie on it.
         put_together<kColumns>(d, a.x, b.x, to.x, to_second.x);

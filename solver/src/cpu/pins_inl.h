@@ -40,9 +40,10 @@ HWY_INLINE Points<D> out_of_ball(D d, const Points<D>& position, const Points<D>
 
 /// pinned_position() of lib/pin.h.
 /// @param floats  of the block, see pin_rows.h
-template <class D>
+/// @param seen    seen(p) of a target: from where positions are
+template <class D, class Seen>
 HWY_INLINE Points<D> pinned(D d, const shader::Substep& step, const float* floats, const Points<D>& position,
-                            const Points<D>& previous) {
+                            const Points<D>& previous, const Seen& seen) {
   const size_t lanes = hn::Lanes(d);
   const auto one_of = [&](PinFloat n) GEOCLOTH_LANES { return hn::LoadU(d, floats + n * lanes); };
   const auto point_of = [&](PinFloat n) GEOCLOTH_LANES {
@@ -50,10 +51,10 @@ HWY_INLINE Points<D> pinned(D d, const shader::Substep& step, const float* float
                      hn::LoadU(d, floats + (n + 2) * lanes)};
   };
   const auto zero = hn::Zero(d), soft = one_of(kPinSoft), limit = one_of(kPinLimit);
-  const Points<D> target = point_of(kPinTarget), held = mix(d, position, target, step.pin_fraction);
+  const Points<D> target = seen(point_of(kPinTarget)), held = mix(d, position, target, step.pin_fraction);
   const auto is_held = hn::And(hn::Eq(soft, zero), hn::Eq(limit, zero));
   if (hn::AllTrue(d, is_held)) return held;
-  const Points<D> start = point_of(kPinStart), goal = mix(d, start, target, step.frame_fraction);
+  const Points<D> start = seen(point_of(kPinStart)), goal = mix(d, start, target, step.frame_fraction);
   const Points<D> along = shifted(d, previous, sub(target, start), hn::Set(d, step.substep_share));
   Points<D> drawn = shifted(d, position, sub(goal, position), soft);
   drawn = shifted(d, drawn, sub(along, position), one_of(kPinBraked));
@@ -67,17 +68,24 @@ HWY_INLINE Points<D> pinned(D d, const shader::Substep& step, const float* float
 }
 
 /// The blocks first .. last - 1.
-template <class D>
+/// @param kOnOffsets  offsets are moved, which see their targets from their bases: pin_from() of lib/fine.h
+template <bool kOnOffsets, class D>
 HWY_NOINLINE void pins(D d, const SweepFrame& frame, uint32_t substep, std::span<const Run> blocks, uint32_t first,
                        uint32_t last) {
   const PassContext& context = frame.contexts[substep];
   const shader::Substep& step = context.frame.substeps[substep];
-  const PointRow positions = at(frame.state->position, 0), before = at(frame.state->previous, 0);
+  ClothState& state = *frame.state;
+  const PointRow moving = at(kOnOffsets ? state.offset : state.position, 0);
+  const PointRow before = at(kOnOffsets ? state.carry : state.previous, 0), bases = at(state.previous, 0);
   for (uint32_t k = first; k < last; ++k) {
     const float* const floats = frame.pins + k * size_t{kPinFloats} * hn::Lanes(d);
     for_run(d, blocks[k], [&](uint32_t i, auto lanes) GEOCLOTH_LANES {
-      const PointRow p = after(positions, i);
-      store(d, pinned(d, step, floats, load(d, lanes, p), load(d, lanes, after(before, i))), lanes, p);
+      const PointRow p = after(moving, i);
+      const auto seen = [&](const Points<D>& target) GEOCLOTH_LANES {
+        if constexpr (!kOnOffsets) return target;
+        return sub(target, load(d, lanes, after(bases, i)));
+      };
+      store(d, pinned(d, step, floats, load(d, lanes, p), load(d, lanes, after(before, i)), seen), lanes, p);
     });
   }
 }

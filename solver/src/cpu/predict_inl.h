@@ -115,8 +115,9 @@ HWY_INLINE void fall(D d, float* positions, float* previous, float* carry, size_
 }
 
 /// lib/predict.h. What is pinned stays.
-/// @param kForces  air acts, or the cloth's parent moves
-template <bool kForces, class D>
+/// @param kForces     air acts, or the cloth's parent moves
+/// @param kOnOffsets  the way goes into the offset and nothing into the position, see lib/fine.h
+template <bool kForces, bool kOnOffsets, class D>
 HWY_NOINLINE void predict(D d, const PassContext& context, ClothState& state, std::span<const Run> runs) {
   const shader::ClothParams& params = context.cloth.params;
   const Points<D> gravity =
@@ -127,7 +128,7 @@ HWY_NOINLINE void predict(D d, const PassContext& context, ClothState& state, st
   const float* const inverse_mass = state.inverse_mass.data();
   for_vectors(d, runs, [&](uint32_t i) GEOCLOTH_LANES {
     const auto free = free_lanes(d, inverse_mass + i);
-    if (!kForces && hn::AllTrue(d, free)) {
+    if (!kForces && !kOnOffsets && hn::AllTrue(d, free)) {
       Points<D> falls = gravity;
       if (strays) falls = add(gravity, stray_at(d, params, load(d, after(positions, i))));
       fall(d, positions.x, before.x, carried.x, i, keep, falls.x);
@@ -162,8 +163,33 @@ HWY_NOINLINE void predict(D d, const PassContext& context, ClothState& state, st
     const Points<D> next = add(step.start, increment);
     const Points<D> lost = sub(increment, sub(next, step.start));
     store(d, choose<D>(free, step.start, position), pp);
+    if constexpr (kOnOffsets) {
+      const PointRow po = at(state.offset, k);
+      const Points<D> low = load(d, po);
+      const Points<D> ahead = add(low, add(sub(next, step.start), lost));
+      store(d, choose<D>(free, ahead, low), po);
+      return store(d, low, pc);
+    }
     store(d, choose<D>(free, next, position), p);
     store(d, choose<D>(free, lost, carry), pc);
+  });
+}
+
+/// lib/fine.h: settle().
+template <class D>
+HWY_NOINLINE void settle(D d, ClothState& state, std::span<const Run> runs) {
+  const PointRow positions = at(state.position, 0), before = at(state.previous, 0), carried = at(state.carry, 0);
+  const PointRow offsets = at(state.offset, 0);
+  for_vectors(d, runs, [&](uint32_t i) GEOCLOTH_LANES {
+    const size_t k = anew(i);
+    const PointRow po = after(offsets, k), pp = after(before, k), pc = after(carried, k);
+    const Points<D> base = load(d, pp), offset = load(d, po), low = load(d, pc);
+    const Points<D> position = add(base, offset), way = sub(offset, low);
+    const Points<D> previous = sub(position, way);
+    store(d, position, after(positions, k));
+    store(d, previous, pp);
+    store(d, sub(way, sub(position, previous)), pc);
+    store(d, sub(offset, sub(position, base)), po);
   });
 }
 

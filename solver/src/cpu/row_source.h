@@ -14,8 +14,9 @@ struct RowSource {
   const ClothFrame& cloth;
   uint32_t lanes;  ///< of a vector
   uint32_t width, height;
-  bool several;    ///< relaxation steps: constants hold compliances, too
-  uint32_t strip;  ///< rows that a pass works on at once
+  bool several;     ///< relaxation steps: constants hold compliances, too
+  uint32_t strip;   ///< rows that a pass works on at once
+  bool on_offsets;  ///< constraints are, see lib/fine.h
 
   /// [s^2/kg] of the component's constraint that starts at a pixel.
   [[nodiscard]] float scaled_compliance(uint32_t component, size_t pixel) const;

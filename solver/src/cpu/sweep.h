@@ -29,6 +29,7 @@ enum class RowKernel : uint8_t {
                       ///< inverse, chord, compliance
   spans_along,        ///< as ties_across, blocks of kSpanLanes at most
   short_spans_along,  ///< as ties_across, blocks of kShortSpanLanes at most
+  settle,             ///< runs of whole vectors
   limit,              ///< blocks: longest; anchors
   collide,            ///< runs of whole vectors
   hold_way,           ///< runs of whole vectors
@@ -40,10 +41,13 @@ enum class RowKernel : uint8_t {
 inline constexpr uint32_t kSpanLanes = shader::kSpanPixels, kShortSpanLanes = shader::kShortSpanPixels;
 
 /// Where bends_along takes a row apart to, of lines so many floats long: of each residue modulo 3 three coordinates and
-/// the inverse mass. Rows of a strip follow each other, and the next strip's take their place.
-inline constexpr uint32_t kThirdLines = 12;
-[[nodiscard]] inline uint32_t third_row(uint32_t y, uint32_t strip, uint32_t line) {
-  return y % strip * kThirdLines * line;
+/// the inverse mass, and where bends act on offsets three of the base. Rows of a strip follow each other, and the next
+/// strip's take their place.
+[[nodiscard]] constexpr uint32_t third_lines(bool on_offsets) {
+  return on_offsets ? 21 : 12;
+}
+[[nodiscard]] inline uint32_t third_row(uint32_t y, uint32_t strip, uint32_t line, bool on_offsets) {
+  return y % strip * third_lines(on_offsets) * line;
 }
 
 /// Neighbouring pixels, first <= i < last.
@@ -125,6 +129,7 @@ struct SweepOp {
   uint32_t offset = 0;  ///< pixels from one end of a constraint to the next; bends_along: see ThirdRow
   BendOrder order = BendOrder::forward;  ///< of bends_along
   float share = 1;
+  bool on_offsets = false;  ///< it is done before points settle, see lib/fine.h
   const RowStream* stream = nullptr;
   float* multipliers = nullptr;  ///< the stream's; nullptr: of one relaxation step
   bool read_multipliers = false, write_multipliers = false;

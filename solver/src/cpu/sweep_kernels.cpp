@@ -54,7 +54,12 @@ struct Chosen {
 /// pieces that are read as a whole.
 template <bool kYields, class Body>
 HWY_INLINE void with_kind(const SweepOp& op, const Body& body) {
-  if (op.multipliers != nullptr) return body(Chosen<SpringKind<true, false, false>, kYields>());
+  const bool several = op.multipliers != nullptr;
+  if (op.on_offsets) {
+    return several ? body(Chosen<SpringKind<true, false, false, true>, kYields>())
+                   : body(Chosen<SpringKind<false, false, false, true>, kYields>());
+  }
+  if (several) return body(Chosen<SpringKind<true, false, false>, kYields>());
   if (op.share == 1) return body(Chosen<SpringKind<false, true, false>, kYields>());
   body(Chosen<SpringKind<false, false, false>, kYields>());
 }
@@ -62,12 +67,41 @@ template <class Body>
 HWY_INLINE void with_kind(const SweepOp& op, bool yields, const Body& body) {
   yields ? with_kind<true>(op, body) : with_kind<false>(op, body);
 }
-using Pulls = SpringKind<false, true, true>;
+template <bool kOnOffsets>
+using Pulls = SpringKind<false, true, true, kOnOffsets>;
 
 template <class D>
 HWY_INLINE void pull_across(D d, const SweepOp& op, ClothState& state, bool yields, uint32_t first, uint32_t last) {
-  yields ? springs_across<Pulls, true>(d, op, state, first, last)
-         : springs_across<Pulls, false>(d, op, state, first, last);
+  if (op.on_offsets) {
+    yields ? springs_across<Pulls<true>, true>(d, op, state, first, last)
+           : springs_across<Pulls<true>, false>(d, op, state, first, last);
+  } else {
+    yields ? springs_across<Pulls<false>, true>(d, op, state, first, last)
+           : springs_across<Pulls<false>, false>(d, op, state, first, last);
+  }
+}
+
+template <bool kSeveral, class D>
+HWY_INLINE void bend_across(D d, const SweepOp& op, ClothState& state, bool yields, uint32_t first, uint32_t last) {
+  if (op.on_offsets) {
+    yields ? bends_across<kSeveral, true, true>(d, op, state, first, last)
+           : bends_across<kSeveral, false, true>(d, op, state, first, last);
+  } else {
+    yields ? bends_across<kSeveral, true, false>(d, op, state, first, last)
+           : bends_across<kSeveral, false, false>(d, op, state, first, last);
+  }
+}
+template <bool kSeveral, class D>
+HWY_INLINE void bend_along(D d, const SweepOp& op, ClothState& state, bool yields, const SweepFrame& frame,
+                           const RowRange& rows) {
+  op.on_offsets ? bends_along<kSeveral, true>(d, op, state, yields, frame, rows)
+                : bends_along<kSeveral, false>(d, op, state, yields, frame, rows);
+}
+
+template <bool kOnOffsets, class D>
+HWY_INLINE void predict_or_fall(D d, const PassContext& context, ClothState& state, std::span<const Run> runs) {
+  const bool forces = context.cloth.params.air != 0 || context.cloth.params.moving != 0;
+  forces ? predict<true, kOnOffsets>(d, context, state, runs) : predict<false, kOnOffsets>(d, context, state, runs);
 }
 
 template <class D>
@@ -86,12 +120,13 @@ HWY_INLINE void run_turn(D d, const SweepFrame& frame, uint32_t substep, const S
       break;
     case RowKernel::predict: {
       const PassContext& context = frame.contexts[substep];
-      const bool forces = context.cloth.params.air != 0 || context.cloth.params.moving != 0;
-      forces ? predict<true>(d, context, state, runs()) : predict<false>(d, context, state, runs());
+      op.on_offsets ? predict_or_fall<true>(d, context, state, runs())
+                    : predict_or_fall<false>(d, context, state, runs());
       break;
     }
     case RowKernel::pins:
-      pins(d, frame, substep, stream.runs, first, last);
+      op.on_offsets ? pins<true>(d, frame, substep, stream.runs, first, last)
+                    : pins<false>(d, frame, substep, stream.runs, first, last);
       break;
     case RowKernel::springs_across:
       with_kind(op, yields(), [&](auto kind) GEOCLOTH_LANES {
@@ -118,24 +153,19 @@ HWY_INLINE void run_turn(D d, const SweepFrame& frame, uint32_t substep, const S
       pull_across(d, op, state, yields(), first, last);
       break;
     case RowKernel::ties_along:
-      yields() ? springs_along<1, Pulls, true>(d, op, state, first, last)
-               : springs_along<1, Pulls, false>(d, op, state, first, last);
+      yields() ? springs_along<1, Pulls<false>, true>(d, op, state, first, last)
+               : springs_along<1, Pulls<false>, false>(d, op, state, first, last);
       break;
     case RowKernel::short_spans_along:
       pull_across(hn::CappedTag<float, kShortSpanLanes>(), op, state, yields(), first, last);
       break;
     case RowKernel::bends_across:
-      if (yields()) {
-        several ? bends_across<true, true>(d, op, state, first, last)
-                : bends_across<false, true>(d, op, state, first, last);
-      } else {
-        several ? bends_across<true, false>(d, op, state, first, last)
-                : bends_across<false, false>(d, op, state, first, last);
-      }
+      several ? bend_across<true>(d, op, state, yields(), first, last)
+              : bend_across<false>(d, op, state, yields(), first, last);
       break;
     case RowKernel::bends_along:
-      several ? bends_along<true>(d, op, state, yields(), frame, rows)
-              : bends_along<false>(d, op, state, yields(), frame, rows);
+      several ? bend_along<true>(d, op, state, yields(), frame, rows)
+              : bend_along<false>(d, op, state, yields(), frame, rows);
       break;
     case RowKernel::limit: {
       const float* const anchors = frame.anchors + size_t{3} * frame.anchor_line * substep;
@@ -145,6 +175,9 @@ HWY_INLINE void run_turn(D d, const SweepFrame& frame, uint32_t substep, const S
              : limit<ChosenAnchors>(d, op, state, anchors, frame.anchor_line, first, last);
       break;
     }
+    case RowKernel::settle:
+      settle(d, state, runs());
+      break;
     case RowKernel::collide:
       collide(d, frame, substep, runs());
       break;

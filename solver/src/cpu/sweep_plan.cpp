@@ -28,14 +28,15 @@ constexpr uint32_t kLastTies = 4;
 class SweepPlanner {
  public:
   SweepPlanner(const ClothState& state, const ClothFrame& cloth, const std::vector<Run>& runs,
-               uint32_t relaxation_steps, uint32_t lanes)
+               uint32_t relaxation_steps, uint32_t lanes, bool on_offsets)
       : source_{.state = state,
                 .cloth = cloth,
                 .lanes = lanes,
                 .width = state.data.width,
                 .height = state.data.height,
                 .several = relaxation_steps > 1,
-                .strip = rows_at_once(runs, state.data.height)},
+                .strip = rows_at_once(runs, state.data.height),
+                .on_offsets = on_offsets},
         runs_(runs),
         relaxation_steps_(relaxation_steps) {
     plan_->lanes_ = lanes;
@@ -57,7 +58,7 @@ class SweepPlanner {
       if (sweep == nullptr) sweep = &std::get<Sweep>(plan_->parts_.emplace_back(Sweep{}));
       append(*sweep, step.pass, make_op(step));
     }
-    plan_->seams_ = seam_stream(source_.state, source_.cloth, substep, relaxation_steps_);
+    if (!source_.on_offsets) plan_->seams_ = seam_stream(source_.state, source_.cloth, substep, relaxation_steps_);
     for (SweepPlan::Part& part : plan_->parts_)
       if (auto* whole = std::get_if<Sweep>(&part)) lay_turns(*whole, whole->whole);
     return std::move(plan_);
@@ -66,6 +67,8 @@ class SweepPlanner {
  private:
   void append(Sweep& sweep, Pass pass, SweepOp op) {
     op.pass = pass;
+    settled_ = settled_ || pass == Pass::settle;
+    op.on_offsets = source_.on_offsets && !settled_;
     op.spills = gives_back(op) || reaches_too_far_down(op);
     lay_reach(op);
     for (const SweepOp& before : sweep.ops) op.lag = std::max(op.lag, before.lag + op.down + before.up);
@@ -73,7 +76,7 @@ class SweepPlanner {
     sweep.whole.end_time = source_.height + op.lag;  // lags ascend
     sweep.strip = source_.strip;
     if (op.kernel == RowKernel::bends_along)
-      sweep.scratch = std::max(sweep.scratch, source_.strip * kThirdLines * op.offset);
+      sweep.scratch = std::max(sweep.scratch, source_.strip * third_lines(op.on_offsets) * op.offset);
     sweep.ops.push_back(op);
   }
 
@@ -160,6 +163,7 @@ class SweepPlanner {
       case Pass::bending:
       case Pass::curvature:
       case Pass::spans:
+      case Pass::settle:
       case Pass::limit:
       case Pass::collide:
       case Pass::hold_way:
@@ -178,6 +182,8 @@ class SweepPlanner {
         return over_runs(RowKernel::normals);
       case Pass::predict:
         return over_runs(RowKernel::predict);
+      case Pass::settle:
+        return over_runs(RowKernel::settle);
       case Pass::collide:
         return over_runs(RowKernel::collide);
       case Pass::hold_way:
@@ -298,6 +304,7 @@ class SweepPlanner {
   const RowSource source_;
   const std::vector<Run>& runs_;
   uint32_t relaxation_steps_;
+  bool settled_ = false;  ///< by the passes until now
   std::unique_ptr<SweepPlan> plan_ = std::make_unique<SweepPlan>();
   std::array<RowStream*, 2> run_streams_{};                        ///< of pixels, of whole vectors
   std::map<std::pair<Pass, uint32_t>, SweepOp> first_relaxation_;  ///< of what comes again, by pass and group
@@ -308,7 +315,9 @@ std::unique_ptr<SweepPlan> SweepPlan::make(const ClothState& state, const std::v
                                            uint32_t relaxation_steps) {
   for (uint32_t lanes = vector_lanes(); lanes >= 4; lanes /= 2) {
     if (!SweepPlanner::wide_enough(state.data.width, lanes)) continue;
-    return SweepPlanner(state, cloth, runs, relaxation_steps, lanes).run(substep);
+    const bool on_offsets =
+        std::ranges::any_of(substep, [](const PassStep& step) { return step.pass == Pass::settle; });
+    return SweepPlanner(state, cloth, runs, relaxation_steps, lanes, on_offsets).run(substep);
   }
   return nullptr;
 }
@@ -318,7 +327,8 @@ namespace {
 /// But for the streams and what follows from them.
 bool are_alike(const SweepOp& a, const SweepOp& b) {
   const auto facts = [](const SweepOp& op) {
-    return std::tuple(op.kernel, op.pass, op.lag, op.up, op.down, op.spills, op.offset, op.order, op.share);
+    return std::tuple(op.kernel, op.pass, op.lag, op.up, op.down, op.spills, op.offset, op.order, op.share,
+                      op.on_offsets);
   };
   return facts(a) == facts(b);
 }
@@ -368,10 +378,11 @@ size_t SweepPlan::bytes_per_substep() const {
   size_t sum = 0;
   for (const Part& part : parts_) {
     if (!std::holds_alternative<Sweep>(part)) continue;
-    bool moves_history = false;
+    bool moves_history = false, on_offsets = false;
     for (const SweepOp& op : std::get<Sweep>(part).ops) {
       moves_history = moves_history || op.kernel == RowKernel::predict || op.kernel == RowKernel::collide ||
                       op.kernel == RowKernel::hold_way;
+      on_offsets = on_offsets || op.on_offsets;
       sum += sizeof(float) * (op.stream->constants.size() + op.stream->anchors.size()) +
              sizeof(uint32_t) * (op.stream->pixel.size() + op.stream->second.size());
       if (op.kernel == RowKernel::pins) sum += op.stream->runs.size() * kPinFloats * lanes_ * sizeof(float);
@@ -379,6 +390,7 @@ size_t SweepPlan::bytes_per_substep() const {
     }
     sum += pixels * (2 * kPoint + sizeof(float));         // position both ways, inverse mass
     if (moves_history) sum += pixels * (2 * kPoint * 2);  // previous and carry both ways
+    if (on_offsets) sum += pixels * (2 * kPoint);         // both ways, too
   }
   return sum;
 }

@@ -9,6 +9,7 @@
 #include "cpu/collider_guards.h"
 #include "cpu/pin_rows.h"
 #include "lib/cell_groups.h"
+#include "lib/fine.h"
 
 namespace geocloth::cpu {
 namespace {
@@ -21,7 +22,7 @@ constexpr uint32_t kLineBlockGrain = 2;  ///< blocks of lines
 void SweepRunner::prepare(const ClothState& state, const ClothFrame& cloth, const ScheduleOptions& options,
                           uint32_t threads) {
   const shader::ClothParams& p = cloth.params;
-  if (p.fine != shader::kFineOff) {  // offsets are not among what the kernels know
+  if (p.fine == shader::kFineMomentum) {  // the kernels do not know where springs were
     substep_ = {};
     second_half_ = {};
     finish_ = {};
@@ -88,7 +89,8 @@ void SweepRunner::run_step(const Plan& plan, const PassStep& step, const SweepFr
                            const RunPass& pass) {
   if (step.pass == Pass::lines) return run_line_blocks(*plan.sweeps, frame, context, step.group);
   if (step.pass == Pass::collide_cells) return run_cell_rows(frame, context, step.group);
-  if (!run_seams(plan.sweeps->seams(), step, context, *frame.state)) pass(step, context);
+  const bool on_offsets = context.cloth.params.fine != shader::kFineOff;  // not what seams are laid out for
+  if (on_offsets || !run_seams(plan.sweeps->seams(), step, context, *frame.state)) pass(step, context);
 }
 
 void SweepRunner::run_part(Plan& plan, uint32_t part, SweepFrame frame, const PassContext& context,
@@ -142,12 +144,21 @@ uint32_t SweepRunner::place_anchors(const ClothState& state) {
   const std::vector<shader::PinTarget>& pins = contexts_.front().cloth.pins;
   const std::vector<uint32_t>& anchor_of_pin = substep_.sweeps->anchor_of_pin();
   const size_t count = anchor_of_pin.size(), line = (count + kLineOfFloats - 1) / kLineOfFloats * kLineOfFloats;
+  const bool fine = contexts_.front().cloth.params.fine != shader::kFineOff;
   anchors_.resize(3 * line * contexts_.size() + substep_.sweeps->lanes());  // vectors reach over the last one
   for (size_t k = 0; k < count; ++k) {
     if (state.inverse_mass[pins[k].pixel.x] > 0) continue;  // nothing is attached to what is not held
     shader::vec3 position = state.position.at(pins[k].pixel.x);
+    shader::vec3 low = fine ? state.offset.at(pins[k].pixel.x) : shader::vec3(0, 0, 0);
     for (size_t s = 0; s < contexts_.size(); ++s) {
-      position = pinned_position(contexts_[s], pins[k], position, position);
+      if (fine) {
+        const shader::vec3 offset = pinned_position(contexts_[s], shader::pin_from(pins[k], position), low, low);
+        const shader::Settled settled = shader::settle(position, offset, low);
+        position = settled.point.position;
+        low = settled.low;
+      } else {
+        position = pinned_position(contexts_[s], pins[k], position, position);
+      }
       float* const of_substep = &anchors_[3 * line * s + anchor_of_pin[k]];
       of_substep[0] = position.x;
       of_substep[line] = position.y;
