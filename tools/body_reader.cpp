@@ -110,6 +110,7 @@ PosedVertices read_vertices(const SceneStart& start) {
                 fmt::format("{}: has {} frames, and no frame {}; the first is 0", start.file.string(), count, frame));
   PosedVertices vertices{std::move(cache.frames[frame])};
   if (frame > 0) vertices.before = std::move(cache.frames[frame - 1]);
+  vertices.step = cache.step;
   vertices.rate = cache.frame_rate;
   return vertices;
 }

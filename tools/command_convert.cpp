@@ -175,7 +175,7 @@ void run(const ConvertArguments& options) {
   for (OutputFile& file : report_files) file.commit();
   asset_file.commit();
   for (const std::string& warning : result.report.warnings) {
-    fmt::print(stderr, "geocloth convert: {}: warning: {}\n", options.mesh.string(), warning);
+    say(fmt::format("geocloth convert: {}: warning: {}\n", options.mesh.string(), warning));
   }
   print_summary(options, result);
 }

@@ -142,7 +142,7 @@ std::vector<Shot> plan_shots(const RenderArguments& options, const Playback& pla
 template <class Take>
 void draw_shots(const RenderArguments& options, const Playback& playback, const std::vector<Shot>& shots, Take&& take) {
   Renderer renderer(playback.scene, options.render);
-  for (const std::string& warning : renderer.warnings()) fmt::print(stderr, "geocloth render: {}\n", warning);
+  for (const std::string& warning : renderer.warnings()) say(fmt::format("geocloth render: {}\n", warning));
   ProgressDisplay progress("render", options.quiet);
   std::vector<PlayedCloth> state;
   std::optional<size_t> drawn;
@@ -183,7 +183,7 @@ void write_picture(const RenderArguments& options, const Playback& playback, con
 void run(const RenderArguments& options) {
   const bool film = ending_of(options.output) == ".mp4";
   Playback playback = name_file_in_errors(options.input, [&] { return open_playback(options); });
-  if (playback.frame_count > 1 && options.render.show != Show::cloth)
+  if (playback.is_cache && options.render.show != Show::cloth)
     throw Error(ErrorCode::unsupported,
                 options.input.string() +
                     ": a cache holds the garment and not the grid, so --show can only be cloth; "

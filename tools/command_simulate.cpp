@@ -131,7 +131,7 @@ void print_check(const SimulateArguments& options, Simulation& simulation) {
 
 void print_warnings(const SimulateArguments& options, const std::vector<std::string>& warnings) {
   for (const std::string& warning : warnings)
-    fmt::print(stderr, "geocloth simulate: {}: warning: {}\n", options.input.string(), warning);
+    say(fmt::format("geocloth simulate: {}: warning: {}\n", options.input.string(), warning));
 }
 
 CacheDescription describe_caches(const SimulateArguments& options, const Simulation& simulation) {

@@ -61,7 +61,7 @@ void run(const ViewArguments& options) {
   if (options.frames_option->count() > 0) window.frames = options.frames;
   const auto viewer = name_file_in_errors(
       options.input, [&] { return std::make_unique<view::Viewer>(std::move(scene), window, body_reader()); });
-  for (const std::string& warning : viewer->warnings()) fmt::print(stderr, "geocloth view: {}\n", warning);
+  for (const std::string& warning : viewer->warnings()) say(fmt::format("geocloth view: {}\n", warning));
   while (viewer->turn()) {
   }
   if (!screenshot) return;

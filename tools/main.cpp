@@ -3,6 +3,7 @@
 // (exit status 2) is told apart from work that failed (1).
 #include <array>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <new>
 #include <string>
@@ -12,7 +13,9 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "command.h"
 #include "geocloth/asset/error.h"
@@ -45,7 +48,7 @@ void print_error(std::string_view command, std::string message) {
   for (char& c : message) {
     if (c == '\n' || c == '\r') c = ' ';
   }
-  fmt::print(stderr, "geocloth{}{}: {}\n", command.empty() ? "" : " ", command, message);
+  geocloth::say(fmt::format("geocloth{}{}: {}\n", command.empty() ? "" : " ", command, message));
 }
 
 int report_usage(const CLI::App& program, const std::string& command, const CLI::ParseError& error) {
@@ -59,7 +62,7 @@ int run_command(const std::string& name, const CommandRun& run) {
     run();
     return kDone;
   } catch (const std::bad_alloc&) {
-    print_error(name, "out of memory; use a smaller --resolution or a smaller mesh");
+    print_error(name, "out of memory; use less resolution, a smaller mesh, or smaller or fewer pictures");
   } catch (const std::exception& error) {
     print_error(name, error.what());
   }
@@ -117,12 +120,24 @@ int run_program(int argc, char** argv) {
 
 }  // namespace
 
+/// A file that is opened would take the place of a closed one, and messages would be written into it.
+void open_standard_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (fcntl(stream, F_GETFD) < 0 && open("/dev/null", O_RDWR) < 0) std::abort();
+}
+
 int main(int argc, char** argv) {
+  open_standard_streams();
   geocloth::remove_unfinished_files_on_interrupt();
+  int status = kFailed;
   try {
-    return run_program(argc, argv);
+    status = run_program(argc, argv);
   } catch (const std::exception& error) {
     print_error("", error.what());
+  }
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+    print_error("", "standard output cannot be written; is its disk full?");
     return kFailed;
   }
+  return status;
 }

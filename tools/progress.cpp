@@ -39,11 +39,15 @@ void handle_interrupt(int signal) {
 
 }  // namespace
 
+void say(const std::string& words) {
+  std::fputs(words.c_str(), stderr);
+}
+
 ProgressDisplay::ProgressDisplay(std::string command, bool quiet)
     : command_(std::move(command)), quiet_(quiet), terminal_(isatty(STDERR_FILENO) == 1) {}
 
 ProgressDisplay::~ProgressDisplay() {
-  if (!quiet_ && terminal_ && percent_ >= 0) fmt::print(stderr, "\r\x1b[K");
+  if (!quiet_ && terminal_ && percent_ >= 0) say("\r\x1b[K");
 }
 
 void ProgressDisplay::show(std::string_view stage, double fraction) {
@@ -60,9 +64,9 @@ void ProgressDisplay::show(std::string_view stage, double fraction) {
   shown_at_ = now;
   if (terminal_) {
     const int filled = percent * kBarWidth / 100;
-    fmt::print(stderr, "\r\x1b[K{} [{:#<{}}{:.<{}}] {:3} %", stage_, "", filled, "", kBarWidth - filled, percent_);
+    say(fmt::format("\r\x1b[K{} [{:#<{}}{:.<{}}] {:3} %", stage_, "", filled, "", kBarWidth - filled, percent_));
   } else {
-    fmt::print(stderr, "geocloth {}: {} {} %\n", command_, stage_, percent_);
+    say(fmt::format("geocloth {}: {} {} %\n", command_, stage_, percent_));
   }
   std::fflush(stderr);
 }

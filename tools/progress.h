@@ -7,6 +7,9 @@
 
 namespace geocloth {
 
+/// On standard error, where it can be written.
+void say(const std::string& words);
+
 /// Says on standard error how far a long command is: a bar that redraws itself on a terminal, otherwise a plain line
 /// when a stage starts and then at most one in two seconds; nothing when quiet. Use from one thread.
 class ProgressDisplay {

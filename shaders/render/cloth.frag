@@ -38,6 +38,7 @@ vec4 surface_color() {
 void main() {
   vec4 surface = surface_color();
   if (surface.a < draw.alpha_cutoff) discard;
+  if (draw.alpha_cutoff != 0.0) surface.a = 1.0;
 
   vec3 view = frame.eye.xyz - in_point;
   vec3 facet = normalize(cross(dFdx(in_point), dFdy(in_point)));

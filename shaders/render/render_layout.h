@@ -44,7 +44,7 @@ struct ClothDraw {
   uint mode;           // kDraw*
   uint shadow_pass;    // 1: project for the light
   float scale;         // of the garment in its scene
-  float alpha_cutoff;  // below it there is nothing
+  float alpha_cutoff;  // below it there is nothing, and all is opaque above; 0: blended
   float strain_range;  // strain at the end of the heat scale
 };
 

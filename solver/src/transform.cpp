@@ -36,8 +36,8 @@ Quat about_axes(double x, double y, double z) {
 
 /// Whether the way from a to b is that of their angles, not the short one.
 bool turns_as_written(const Keyframe& a, const Keyframe& b) {
-  constexpr float kHalfTurn = 180;  // [degrees]
-  constexpr double kBaked = 0.1;    // [s]
+  constexpr float kHalfTurn = 180;       // [degrees]
+  constexpr double kBaked = 0.1 - 1e-9;  // [s] 0.3 - 0.2 is less than 0.1
   if (!a.rotate_deg || !b.rotate_deg || b.time - a.time < kBaked) return false;
   const Vec3 turn = *b.rotate_deg - *a.rotate_deg;
   return std::max({std::abs(turn.x), std::abs(turn.y), std::abs(turn.z)}) >= kHalfTurn;

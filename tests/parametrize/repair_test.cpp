@@ -223,6 +223,22 @@ TEST(Repair, FindsCracks) {
   EXPECT_EQ(find_cracks(repair_mesh(sheet(10, 10)).surface).edges, 0U);
 }
 
+// Both sides of a narrow spike end in its tip: that was told as a gap of 0 m, to be joined.
+TEST(Repair, FindsNoCracksInAStar) {
+  TriangleMesh star;
+  star.position.push_back({0, 0, 0});
+  constexpr uint32_t kSpikes = 12;
+  for (uint32_t k = 0; k < 2 * kSpikes; ++k) {
+    const double angle = std::numbers::pi * k / kSpikes, radius = k % 2 == 0 ? 1 : 0.1;
+    star.position.push_back({radius * std::cos(angle), radius * std::sin(angle), 0});
+    star.triangle.push_back({0, 1 + k, 1 + (k + 1) % (2 * kSpikes)});
+    star.polygon.push_back(k);
+  }
+  star.part = {{"star", 0, 0, 2 * kSpikes}};
+  star.material = {SourceMaterial{}};
+  EXPECT_EQ(find_cracks(repair_mesh(star).surface).edges, 0U);
+}
+
 /// Repairs with the distance that is to be said of the cracks.
 RepairResult repair_cracks(const TriangleMesh& mesh) {
   return repair_mesh(mesh, {.weld_distance = 1.1 * find_cracks(repair_mesh(mesh).surface).widest});

@@ -189,6 +189,29 @@ TEST_F(PlayingBodies, PinsRideOnTheSurfaceOfABodyThatDeforms) {
   EXPECT_NEAR(signed_distance(body, {0, 0.95F, 1}), -0.3, 0.05);
 }
 
+// A waistband that turned on a walking body was flung from it: it turned about where the body had begun.
+TEST_F(PlayingBodies, PinsTurnAboutWhereTheBodyHasTakenThem) {
+  const auto walking_box = [](const SceneMesh& mesh) {
+    MovingBody body = swaying_box(mesh);
+    body.positions_at = [first = body.positions_at(0)](double time) {
+      std::vector<Vec3> position = first;
+      for (Vec3& p : position) p.z += 2 * static_cast<float>(time);
+      return position;
+    };
+    return body;
+  };
+  const Vec3 left{-0.5F, 1.5F, 0}, half_way{0, 1.5F, 0};
+  for (const auto& [pivot, center] : {std::pair{"", half_way}, std::pair{R"("pivot":[-0.5,1.5,0],)", left}}) {
+    Simulation simulation =
+        play(std::string(R"(,"transform":{"translate":[0,1,0]},"pins":[{"where":{"top":0},)") + pivot +
+                 R"("follow":"box","motion":[{"time":0},{"time":0.5,"rotate_deg":[0,90,0]}]}])",
+             R"(,"colliders":[{"name":"box","shape":"mesh","file":"box.glb","animation":0}])", {.moving = walking_box});
+    for (int f = 0; f < 30; ++f) simulation.step();
+    const Quat turn = quat_from_euler_deg({0, 90, 0});
+    EXPECT_LT(length(point(simulation, 0, 0) - (center + rotate(turn, left - center) + Vec3{0, 0, 1})), 1e-5F) << pivot;
+  }
+}
+
 // A garment of a character moves as its rig says where it is held, whatever else is near.
 TEST_F(PlayingBodies, PinsRideOnTheSkinOfTheirCloth) {
   const std::string skin = R"(,"transform":{"translate":[0,1,0]},"skin":{"file":"box.glb","animation":0,

@@ -143,6 +143,12 @@ TEST(Scene, BakedAnglesMayJump) {
   EXPECT_LT(length(right_side_at(keys, 0.0208333) - Vec3{-0.5F, 0, 0}), 1e-5F);
 }
 
+// In doubles 0.3 - 0.2 is less than 0.1: one pair of even keys was taken for baked ones, and turned back.
+TEST(Scene, KeysATenthOfASecondApartAreNotBaked) {
+  const std::string keys = R"({ "time": 0.2, "rotate_deg": [0, 540, 0] }, { "time": 0.3, "rotate_deg": [0, 810, 0] })";
+  EXPECT_LT(length(right_side_at(keys, 0.2 + 1.0 / 30) - Vec3{0, 0, 0.5F}), 1e-5F);  // 630 degrees
+}
+
 TEST(Scene, PresetsAreNamed) {
   const Scene scene = parse_scene(R"({"version":1,"cloths":[{"asset":"a.glb","material":"denim"}]})", "s.json");
   EXPECT_EQ(scene.cloths[0].material.areal_density, find_material_preset("denim")->material.areal_density);
@@ -494,6 +500,25 @@ TEST_F(Playing, PinsOfOnePivotTurnTogether) {
   const auto turned = [](const Vec3& p) { return Vec3{-p.y, p.x, p.z}; };
   EXPECT_LT(length(point(simulation, 0, 0) - turned(left)), 1e-5F);
   EXPECT_LT(length(point(simulation, 8, 0) - turned(right)), 1e-5F);
+}
+
+// What is thrown flies as fast as the hand was, at every frame rate: the last bit of a motion that ends within a frame
+// once was a whole frame's way.
+TEST(Scene, ThrownClothIsAsFastAsItsPinsWere) {
+  const test::TemporaryFolder folder;
+  write_asset(test::make_sheet({.nx = 5, .ny = 5}), folder / "sheet.glb");
+  for (const int rate : {24, 25, 30, 60, 90, 120}) {
+    const std::string text =
+        R"({"version":1,"substeps":8,"gravity":[0,0,0],"frame_rate":)" + std::to_string(rate) +
+        R"(,"cloths":[{"asset":"sheet.glb","material":{"damping":0},"pins":[{"where":{"top":1},"until":0.49,
+                             "motion":[{"time":0},{"time":0.49,"translate":[1,0,0]}]}]}]})";
+    Simulation simulation(parse_scene(text, folder / "scene.json"), test::cpu_settings());
+    while (simulation.time() < 0.6) simulation.step();
+    const std::vector<Vec3> before = test::positions_of(simulation.solver());
+    simulation.step();
+    const std::vector<Vec3> after = test::positions_of(simulation.solver());
+    EXPECT_NEAR(static_cast<float>(rate) * (after[12].x - before[12].x), 1 / 0.49F, 0.02F) << rate;
+  }
 }
 
 // A hem is a boundary and what lies within a hand of it, in metres of the scene.

@@ -3,6 +3,7 @@
 #include "support/run_program.h"
 
 #include <cerrno>
+#include <cstdlib>
 #include <system_error>
 #include <thread>
 
@@ -55,6 +56,11 @@ ProgramResult run_program(const std::vector<std::string>& arguments, std::chrono
   result.out = read_text(out);
   result.err = read_text(err);
   return result;
+}
+
+int run_in_shell(const std::string& arguments, const std::string& before) {
+  const int status = std::system((before + "; exec '" GEOCLOTH_PROGRAM "' " + arguments).c_str());
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
 }  // namespace geocloth::test

@@ -19,4 +19,9 @@ struct ProgramResult {
 [[nodiscard]] ProgramResult run_program(const std::vector<std::string>& arguments,
                                         std::chrono::milliseconds interrupt_after = {}, int signal = SIGINT);
 
+/// Runs `geocloth` through a shell, so that arguments may redirect its streams.
+/// @param before  what the shell does first, such as "ulimit -f 4"
+/// @return exit status, or -1
+[[nodiscard]] int run_in_shell(const std::string& arguments, const std::string& before = "true");
+
 }  // namespace geocloth::test

@@ -111,6 +111,28 @@ TEST_F(CommandRender, cuts_of_a_motion_come_at_their_time) {
   EXPECT_EQ(differing(early[0], early[1]), 0U);
 }
 
+// A shirt whose texture kept something else in its alpha was drawn as nothing but its shadow.
+TEST_F(CommandRender, what_is_opaque_is_drawn_whatever_its_alpha_is) {
+  const auto drawn = [&](float alpha, bool blends) {
+    ClothAsset sheet = make_sheet({.nx = 12, .ny = 12});
+    sheet.source.material.resize(1);
+    sheet.source.material[0].base_color = {0.8F, 0.2F, 0.1F, alpha};
+    sheet.source.material[0].alpha_blend = blends;
+    write_asset(sheet, folder_ / "alpha.glb");
+    EXPECT_EQ(render({folder_ / "alpha.glb", "-o", folder_ / "alpha.png"}).status, 0);
+    return read_picture(folder_ / "alpha.png").pixel;
+  };
+  const auto opaque = drawn(1, false);
+  EXPECT_EQ(drawn(0, false), opaque);
+  EXPECT_NE(drawn(0, true), opaque);
+}
+
+// An asset's grid is known, that of the garment in a cache is not, however few frames it has.
+TEST_F(CommandRender, a_cache_of_one_frame_has_no_grid) {
+  ASSERT_EQ(run_program({"simulate", asset_, "-o", folder_ / "still.glb", "--frames", "0", "-q"}).status, 0);
+  expect_refused({folder_ / "still.glb", "-o", folder_ / "grid.png", "--show", "grid"}, "--show can only be cloth");
+}
+
 TEST_F(CommandRender, simulate_numbers_its_pictures_from_one) {
   ASSERT_EQ(run_program({"simulate", asset_, "-o", folder_ / "p.png", "--frames", "2", "--size", "64x64", "-q"}).status,
             0);
@@ -127,6 +149,24 @@ TEST_F(CommandRender, both_backends_draw_the_same_pictures) {
   size_t differing = 0;
   for (size_t i = 0; i < cpu.pixel.size(); ++i) differing += cpu.pixel[i] == vulkan.pixel[i] ? 0U : 1U;
   EXPECT_LT(differing, cpu.pixel.size() / 50);
+}
+
+// ffmpeg ends as if all were well when the disk is full, and the film took the place of an older one.
+TEST_F(CommandRender, a_film_that_does_not_fit_is_refused) {
+  if (!has_ffmpeg()) GTEST_SKIP() << "ffmpeg is not installed";
+  const std::string said = folder_ / "said", film = folder_ / "a.mp4";
+  EXPECT_EQ(
+      run_in_shell("simulate " + asset_ + " --frames 30 -o " + film + " --size 256x256 -q 2> " + said, "ulimit -f 4"),
+      1);
+  EXPECT_THAT(read_text(said), HasSubstr("a.mp4"));
+  EXPECT_THAT(folder_.entries(), ElementsAre("said", "sheet.glb"));
+}
+
+TEST_F(CommandRender, a_film_may_have_a_colon_in_its_name) {
+  if (!has_ffmpeg()) GTEST_SKIP() << "ffmpeg is not installed";
+  const ProgramResult result =
+      run_program({"simulate", asset_, "-o", folder_ / "a:b.mp4", "--frames", "2", "--size", "64x64", "-q"});
+  EXPECT_EQ(result.status, 0) << result.err;
 }
 
 TEST_F(CommandRender, an_interrupted_film_leaves_nothing) {

@@ -52,6 +52,25 @@ const std::string& sleeve_asset() {
   return path;
 }
 
+// ------------------------------------------------------------------------------------------- standard streams
+
+// Who closes standard error had the progress written into the first file that was opened.
+TEST(Streams, WhatIsClosedIsNoPlaceForFiles) {
+  const TemporaryFolder folder;
+  const std::string cache = folder / "a.pc2", closed = folder / "b.pc2", asset = sleeve_asset();
+  EXPECT_EQ(run_in_shell("simulate " + asset + " --frames 3 -o " + cache + " 2> /dev/null"), 0);
+  EXPECT_EQ(run_in_shell("simulate " + asset + " --frames 3 -o " + closed + " <&- >&- 2>&-"), 0);
+  EXPECT_EQ(read_text(cache), read_text(closed));
+}
+
+TEST(Streams, WhatCannotBeSaidStopsNothingAndWhatCannotBePrintedFails) {
+  const TemporaryFolder folder;
+  const std::string asset = sleeve_asset(), cache = folder / "a.pc2";
+  EXPECT_EQ(run_in_shell("simulate " + asset + " --frames 3 -o " + cache + " 2> /dev/full > /dev/null"), 0);
+  EXPECT_EQ(run_in_shell("inspect nothing.glb 2> /dev/full"), 1);
+  EXPECT_EQ(run_in_shell("inspect " + asset + " --json > /dev/full 2> /dev/null"), 1);
+}
+
 // ------------------------------------------------------------------------------------------------- convert
 
 class BadMesh : public testing::TestWithParam<std::pair<const char*, std::string>> {};

@@ -71,8 +71,18 @@ void write_line(OutputFile& file, std::size_t indent, std::initializer_list<std:
 /// Values of an attribute from frames on.
 class Samples {
  public:
+  /// Readers hold integers until the next sample and go evenly from one sample of floats to the next.
+  enum class Between : uint8_t { held, even };
+  Samples() = default;
+  explicit Samples(Between between) : between_(between) {}
+
   void add(uint32_t frame, std::string value) {
-    if (sample_.empty() || sample_.back().second != value) sample_.emplace_back(frame, std::move(value));
+    if (sample_.empty() || sample_.back().second != value) {
+      if (!sample_.empty() && between_ == Between::even && last_ > sample_.back().first)
+        sample_.emplace_back(last_, sample_.back().second);
+      sample_.emplace_back(frame, std::move(value));
+    }
+    last_ = frame;
   }
   /// @param declaration  "int[] indices"
   void write(OutputFile& file, std::size_t indent, std::string_view declaration) const {
@@ -83,6 +93,8 @@ class Samples {
   }
 
  private:
+  Between between_ = Between::held;
+  uint32_t last_ = 0;  ///< frame that was added
   std::vector<std::pair<uint32_t, std::string>> sample_;
 };
 
@@ -244,7 +256,7 @@ class ClothMesh {
   std::shared_ptr<const ClothAsset> cloth_;  ///< as the last cut left it
   std::vector<Vec3> bound_normals_;
   OutputFile points_, normals_;
-  Samples extent_, counts_, corners_, render_corners_;
+  Samples extent_{Samples::Between::even}, counts_, corners_, render_corners_;
   std::vector<Part> parts_;
 };
 

@@ -17,6 +17,14 @@
 namespace geocloth::render {
 namespace {
 
+constexpr float kOpaque = -1;  ///< ClothDraw::alpha_cutoff
+
+/// glTF ignores the alpha of what is opaque, and what is cut out is so, too, where there is any of it.
+float alpha_cutoff_of(const SourceMaterial& material) {
+  if (material.alpha_mask) return material.alpha_cutoff > 0 ? material.alpha_cutoff : kOpaque;
+  return material.alpha_blend ? 0 : kOpaque;
+}
+
 constexpr vk::Format kFloat4 = vk::Format::eR32G32B32A32Sfloat;
 /// For materials without a colour of their own, in order: a garment of several still reads as several. The next cloth
 /// begins with the next one.
@@ -227,10 +235,10 @@ void GpuCloth::make_materials(const ContextPtr& context, const ClothAsset& asset
     }
     materials_.push_back(
         {plain ? linear(kFabrics[plain_count++ % kFabrics.size()]) : shader::vec4{c[0], c[1], c[2], c[3]},
-         source.alpha_mask ? source.alpha_cutoff : 0.F, texture_of(context, texture)});
+         alpha_cutoff_of(source), texture_of(context, texture)});
   }
   if (materials_.empty())
-    materials_.push_back({linear(kFabrics[index % kFabrics.size()]), 0, texture_of(context, white)});
+    materials_.push_back({linear(kFabrics[index % kFabrics.size()]), kOpaque, texture_of(context, white)});
 }
 
 void GpuCloth::make_images(const ContextPtr& context, const ClothAsset& asset,

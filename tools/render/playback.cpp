@@ -102,7 +102,7 @@ Playback play_asset(const std::shared_ptr<const ClothAsset>& asset) {
 
 Playback play_vertices(std::vector<SourceMesh> cloths, std::vector<std::vector<std::vector<Vec3>>> frames,
                        double frame_rate, const std::vector<std::vector<uint32_t>>& open_from) {
-  Playback playback{.scene = {}, .frame_rate = frame_rate, .frame_count = frames.size(), .state = {}};
+  Playback playback{.scene = {}, .frame_rate = frame_rate, .frame_count = frames.size(), .is_cache = true, .state = {}};
   std::vector<std::vector<uint32_t>> groups;
   std::vector<std::vector<Opening>> openings(cloths.size());
   std::vector<uint32_t> pixels;

@@ -19,6 +19,7 @@ struct Playback {
   RenderScene scene;
   double frame_rate = 60;
   size_t frame_count = 1;
+  bool is_cache = false;  ///< of vertices of meshes, whose grids are not known
   std::function<std::vector<PlayedCloth>(size_t frame)> state;
 };
 

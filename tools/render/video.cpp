@@ -36,12 +36,13 @@ std::filesystem::path find_program(std::string_view name) {
 
 std::vector<std::string> arguments(const std::filesystem::path& output, uint32_t width, uint32_t height,
                                    double frame_rate) {
-  return {"ffmpeg", "-hide_banner", "-loglevel", "error", "-nostdin", "-y", "-f", "rawvideo", "-pix_fmt", "rgba", "-s",
-          fmt::format("{}x{}", width, height), "-r", fmt::format("{}", frame_rate), "-i", "pipe:0",
+  return {"ffmpeg", "-hide_banner", "-loglevel", "error", "-xerror", "-nostdin", "-y", "-f", "rawvideo", "-pix_fmt",
+          "rgba", "-s", fmt::format("{}x{}", width, height), "-r", fmt::format("{}", frame_rate), "-i", "pipe:0",
           // Colours as the PNGs have them: BT.709 matrix, and said so in the file.
           "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv,format=yuv420p", "-c:v",
           "libx264", "-preset", "medium", "-crf", "17", "-colorspace", "bt709", "-color_primaries", "bt709",
-          "-color_trc", "bt709", "-movflags", "+faststart", "-fflags", "+bitexact", "-f", "mp4", output.string()};
+          "-color_trc", "bt709", "-movflags", "+faststart", "-fflags", "+bitexact", "-f", "mp4",
+          "file:" + output.string()};  // a colon in its name is no protocol
 }
 
 /// What follows fork() in the child: only async-signal-safe calls.

@@ -30,7 +30,11 @@ TriangleMesh read(const std::filesystem::path& path, const ImportOptions& option
   AssimpFile file(path, false);
   const double scale = options.scale ? *options.scale / file.applied_unit : metres_per_unit(file);
   TriangleMesh mesh = mesh_of_scene(path, file, scale).mesh;
-  if (mesh.triangle.empty()) fail(path, ErrorCode::invalid_data, "has no faces; cloth needs triangles or polygons");
+  if (mesh.triangle.empty()) {
+    fail(path, ErrorCode::invalid_data,
+         file.left_out.empty() ? "has no faces; cloth needs triangles or polygons"
+                               : "has no faces to convert: " + file.left_out.front());
+  }
   mesh.left_out = std::move(file.left_out);
   return mesh;
 }

@@ -22,6 +22,13 @@ struct BorderEdge {
   bool operator<(const BorderEdge& o) const { return from != o.from ? from < o.from : to < o.to; }
 };
 
+/// Edges of one triangle, or of two with an edge in common: of a spike or a narrow strip, with the cloth between them.
+bool are_of_one_strip(const BorderEdge& e, const BorderEdge& other) {
+  const std::array<uint32_t, 3> points{e.from, e.to, e.apex};
+  return std::ranges::count_if(points,
+                               [&](uint32_t p) { return p == other.from || p == other.to || p == other.apex; }) >= 2;
+}
+
 constexpr double kGap = 0.1;  // of the shortest border edge at either place: folds and slits are wider
 
 constexpr double kLayers = 0.7;  // cosine between triangles that lie on each other, more or less
@@ -112,6 +119,7 @@ class CrackFinder {
         if (from == e.from && to == e.to) continue;
         const auto [begin, end] = std::equal_range(edge_.begin(), edge_.end(), BorderEdge{from, to, 0});
         for (auto other = begin; other != end; ++other) {
+          if (are_of_one_strip(e, *other)) continue;
           const double cosine = cosine_between(e, *other);
           if (cosine >= kLayers) return std::nullopt;
           if (!widest) widest = Gap{0, false};
@@ -185,7 +193,7 @@ class CrackFinder {
 
   void note(const BorderEdge& f, double d, uint32_t i, std::size_t sample) {
     const BorderEdge& e = edge_[i];
-    if ((e.from == f.from && e.to == f.to) || d > kGap * std::min(shortest_[e.from], shortest_[e.to])) return;
+    if (are_of_one_strip(e, f) || d > kGap * std::min(shortest_[e.from], shortest_[e.to])) return;
     of_edge_[i].met[sample] = true;
     of_edge_[i].cosine = std::max(of_edge_[i].cosine, cosine_between(e, f));
   }
@@ -199,6 +207,7 @@ class CrackFinder {
       if (nearest_[end] < std::numeric_limits<double>::max())
         widest = std::max(widest, nearest_[end]);  // or it is joined
     }
+    if (!(widest > 0)) return std::nullopt;  // both ends are joined: sides of a spike
     return Gap{widest, cosine >= 0};
   }
 

@@ -305,7 +305,11 @@ void Simulation::attach(PinSet& set) const {
   std::vector<Vec3> points;
   points.reserve(set.rest.size());
   for (const Vec3& p : set.rest) points.push_back(apply(back, p));
+  if (set.pin.pivot) points.push_back(apply(back, *set.pin.pivot));
   set.place = carrier.surface->places_of(points);
+  if (!set.pin.pivot) return;
+  set.pivot_place = set.place.back();
+  set.place.pop_back();
 }
 
 float Simulation::farthest_from_skin(uint32_t cloth) const {
@@ -398,9 +402,19 @@ std::vector<Pin> Simulation::pins_of(uint32_t cloth, double start, bool only_jum
   return pins;
 }
 
-/// What a pin's own motion turns about.
-Vec3 Simulation::center_of(const PinSet& set) {
-  return set.pin.pivot ? *set.pin.pivot : middle(set.rest);
+/// What a pin's own motion turns about: a body that deforms takes it along.
+/// @param at_start  of the frame
+Vec3 Simulation::center_of(const PinSet& set, bool at_start) const {
+  const Carrier carrier = moving_carrier(set);
+  if (carrier.surface == nullptr) return set.pin.pivot ? *set.pin.pivot : middle(set.rest);
+  const auto carried = [&](const SurfacePlace& place) {
+    return apply(carrier.pose, at_start ? carrier.surface->at_start(place) : carrier.surface->at_end(place));
+  };
+  if (set.pivot_place) return carried(*set.pivot_place);
+  std::vector<Vec3> points;
+  points.reserve(set.place.size());
+  for (const SurfacePlace& place : set.place) points.push_back(carried(place));
+  return middle(points);
 }
 
 /// @param at_start  of the frame, as far as a surface that deforms carries them
@@ -409,7 +423,7 @@ void Simulation::add_pins(const PinSet& set, const PinPlace& place, bool at_star
   const Carrier carrier = moving_carrier(set);
   const MovingSurface* const surface = carrier.surface;
   const bool backed = set.pin.backstop.has_value(), moves = !set.pin.motion.empty();
-  const Vec3 center = moves ? center_of(set) : Vec3{};
+  const Vec3 center = moves ? center_of(set, at_start) : Vec3{};
   const Quat turn = carried.rotate * (own.rotate * carrier.pose.rotate);
   const auto distance_of = [&](size_t k) { return set.max_distance.empty() ? 0 : set.max_distance[k]; };
   const auto pin_of = [&](size_t k) {
@@ -456,7 +470,7 @@ std::optional<Transform> Simulation::way_of_jump(uint32_t cloth, double start) c
     if (set.cloth != cloth || !set.pin.acts(start, time())) continue;
     const PinTimes times = times_of_jump(set, start);
     if (times.carrier == start && times.own == start) return std::nullopt;
-    const auto from_rest = [&, center = center_of(set)](const PinPlace& place) {
+    const auto from_rest = [&, center = center_of(set, true)](const PinPlace& place) {
       const Transform& own = place.own;
       return compose(place.carried, {center - rotate(own.rotate, center) + own.translate, own.rotate, 1});
     };

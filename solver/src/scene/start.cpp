@@ -111,7 +111,7 @@ StartState start_state(const SceneStart& start, const ClothDesc& cloth, const Re
                                              "point cache, and a frame from 1 on");
   }
   const std::vector<Vec3> before = pixels.positions(file.before);
-  const auto rate = static_cast<float>(file.rate.value_or(frame_rate));
+  const auto rate = static_cast<float>(file.rate.value_or(frame_rate) / file.step);
   for (size_t p = 0; p < before.size(); ++p) {
     state.velocity[p] = rate * (state.position[p] - before[p]);
     check_position(state.velocity[p], start.file.string() + ": the speed from the frame before");

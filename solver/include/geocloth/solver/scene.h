@@ -78,8 +78,10 @@ struct ScenePin {
   std::string follow = "cloth";
   Motion motion;    ///< on top of what it follows; turns about the middle of the pin's points, or the pivot
   double from = 0;  ///< [s] above 0: the points are taken hold of then, where they are
-  double until = std::numeric_limits<double>::infinity();  ///< [s] they are let go
-  float frequency = 0;                                     ///< [1/s] above 0: soft, see Pin
+  /// [s] They are let go when the last frame that ends by then has ended: as fast as the pin is, not as what of its
+  /// motion is left in the next frame.
+  double until = std::numeric_limits<double>::infinity();
+  float frequency = 0;  ///< [1/s] above 0: soft, see Pin
   /// Set: the points are free within that distance of where they would be held. Points that pins without one have, too,
   /// are left to these, and parts of the cloth without a point that is held to no pin if the distance is per metre.
   std::optional<MaxDistance> max_distance = {};
@@ -90,7 +92,10 @@ struct ScenePin {
 
   [[nodiscard]] bool holds() const { return !(frequency > 0) && !max_distance; }
   /// In a frame [s].
-  [[nodiscard]] bool acts(double start, double end) const { return end > from && start < until; }
+  [[nodiscard]] bool acts(double start, double end) const {
+    constexpr double kRounding = 1e-9;
+    return end > from && start < until && end <= until + kRounding;
+  }
 };
 
 /// A cut by a triangle, see Solver::cut.
@@ -202,6 +207,7 @@ struct PosedVertices {
   std::vector<Triangle> triangle{};  ///< of a mesh, which tell a grid from a mesh of as many vertices; else empty
   std::vector<Vec3> before = {};     ///< [m] in the frame before; empty where there is none
   std::optional<double> rate = {};   ///< [1/s] frames; not set: the file does not say
+  double step = 1;                   ///< of those from one to the next that is in the file
 };
 /// Of a start.
 using ReadVertices = std::function<PosedVertices(const SceneStart&)>;
@@ -358,9 +364,10 @@ class Simulation {
     std::vector<Vec3> rest;  ///< positions in the scene at time 0, or where they were taken hold of, carried back to it
     Transform own_start;     ///< of the pin's motion, when they were taken hold of
     bool acts = false;
-    std::vector<SurfacePlace> place = {};  ///< beside the body that they follow, if it deforms
-    std::vector<float> max_distance = {};  ///< [m] of a pin that has one
-    std::vector<float> backstop = {};      ///< [m] its distance, of a pin that has one
+    std::vector<SurfacePlace> place = {};          ///< beside the body that they follow, if it deforms
+    std::optional<SurfacePlace> pivot_place = {};  ///< the same of ScenePin::pivot
+    std::vector<float> max_distance = {};          ///< [m] of a pin that has one
+    std::vector<float> backstop = {};              ///< [m] its distance, of a pin that has one
   };
   void take_hold(PinSet& set, double start);
   [[nodiscard]] std::optional<StartState> posed(uint32_t cloth, const BodyReader& bodies,
@@ -385,7 +392,7 @@ class Simulation {
   [[nodiscard]] PinTimes times_of_jump(const PinSet& set, double start) const;
   [[nodiscard]] PinPlace place_of(const PinSet& set, const PinTimes& times) const;
   [[nodiscard]] std::vector<Pin> pins_of(uint32_t cloth, double start, bool only_jumps) const;
-  [[nodiscard]] static Vec3 center_of(const PinSet& set);
+  [[nodiscard]] Vec3 center_of(const PinSet& set, bool at_start) const;
   void add_pins(const PinSet& set, const PinPlace& place, bool at_start, std::vector<Pin>& pins) const;
   [[nodiscard]] std::optional<Transform> way_of_jump(uint32_t cloth, double start) const;
 
