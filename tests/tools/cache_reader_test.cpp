@@ -134,6 +134,32 @@ TEST_F(CacheReader, FacesThatCutsOpenAreThereUntilThen) {
   break_it(read_file(folder_ / "cut.glb"), [](const Bytes& b) { static_cast<void>(decode_gltf_cache(b, "x")); });
 }
 
+/// A cut that opened faces of one material alone was taken for a cloth of its own, and the file refused.
+TEST_F(CacheReader, CutsOfOneMaterialAreOfTheirCloth) {
+  ClothAsset asset = test::sample_asset();
+  asset.source.part[1].material = static_cast<uint32_t>(asset.source.material.size());
+  asset.source.material.emplace_back().name = "lining";
+  ClothAsset cut = asset;
+  cut.source.part.resize(1);
+  cut.source.triangle.resize(cut.source.part[0].triangle_count);
+  description_.cloths[0] = std::make_shared<const ClothAsset>(asset);
+  const auto after = std::make_shared<const ClothAsset>(cut);
+  const auto writer = make_cache_writer(folder_ / "cut.glb", description_);
+  for (uint32_t frame = 0; frame <= 3; ++frame) {
+    std::vector<ClothSnapshot> states{test::waving_frame(asset, frame),
+                                      test::waving_frame(*description_.cloths[1], frame)};
+    if (frame >= 2) states[0].asset = after;
+    writer->add(states);
+  }
+  writer->finish();
+  writer->commit();
+  const Cache cache = read_gltf_cache(folder_ / "cut.glb");
+  ASSERT_EQ(cache.cloths.size(), 2U);
+  EXPECT_EQ(cache.cloths[0].triangle.size(), asset.source.triangle.size());
+  EXPECT_EQ(static_cast<std::size_t>(std::ranges::count(cache.open_from[0], 1U)),
+            asset.source.triangle.size() - cut.source.triangle.size());
+}
+
 TEST_F(CacheReader, PointCachesComeBackBitForBit) {
   for (const char* ending : {".pc2", ".mdd"}) {
     const std::string name = std::string("a") + ending, second = std::string("a_2") + ending;

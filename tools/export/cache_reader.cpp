@@ -41,8 +41,10 @@ class ClothReader {
   std::vector<uint32_t> open_from;        ///< of each triangle
   std::vector<std::vector<Vec3>> frames;  ///< positions
 
-  /// Whether a mesh of the file is of this cloth.
+  /// Whether a mesh of the file is of this cloth: it says so, or has a material of it.
   [[nodiscard]] bool owns(const Json& json) const {
+    const std::optional<uint32_t> number = cloth_number(json);
+    if (number && number_) return number == number_;
     const Json& primitives = reader_.array(json, "primitives");
     return !primitives.empty() && material_number_.contains(reader_.number32(primitives.front(), "material"));
   }
@@ -51,6 +53,7 @@ class ClothReader {
     const Json* extras = Reader::find(json, "extras");
     const bool opens = extras != nullptr && Reader::find(*extras, glb::kOpenFrom) != nullptr;
     const uint32_t frame = opens ? reader_.number32(*extras, glb::kOpenFrom) : kNeverOpen;
+    number_ = cloth_number(json);
     for (const Json& primitive : reader_.array(json, "primitives")) add_primitive(primitive, frame);
   }
 
@@ -63,6 +66,12 @@ class ClothReader {
   }
 
  private:
+  [[nodiscard]] std::optional<uint32_t> cloth_number(const Json& json) const {
+    const Json* extras = Reader::find(json, "extras");
+    if (extras == nullptr || Reader::find(*extras, glb::kCloth) == nullptr) return std::nullopt;
+    return reader_.number32(*extras, glb::kCloth);
+  }
+
   /// Vertices that primitives share.
   struct Run {
     uint32_t first = 0, count = 0;
@@ -180,6 +189,7 @@ class ClothReader {
   std::vector<std::optional<SourceMaterial>>& materials_;
   std::map<uint32_t, Run> runs_;  ///< by the accessor of their positions
   std::map<uint32_t, uint32_t> material_number_, image_number_;
+  std::optional<uint32_t> number_;  ///< of the cloth
 };
 
 /// Of the animation's key times, which are evenly spaced.

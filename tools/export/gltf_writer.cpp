@@ -93,7 +93,8 @@ class ClothNode {
   }
 
   /// The mesh of the faces that a cut opens in this frame (kNever: of those that stay), once all frames are in.
-  [[nodiscard]] Json mesh(glb::Builder& builder, uint32_t open_from,
+  /// @param number  of the cloth
+  [[nodiscard]] Json mesh(glb::Builder& builder, uint32_t open_from, std::size_t number,
                           const std::vector<std::string>& target_names) const {
     Json json = {{"name", cloth_->name}, {"primitives", Json::array()}};
     for (std::size_t i = 0; i < runs_.size(); ++i) {
@@ -110,6 +111,7 @@ class ClothNode {
       json["weights"] = std::vector<int>(target_names.size(), 0);
       json["extras"] = {{"targetNames", target_names}};  // what Blender calls the shape keys
     }
+    if (groups().size() > 1) json["extras"][glb::kCloth] = number;
     if (open_from != kNever) json["extras"][glb::kOpenFrom] = open_from;
     return json;
   }
@@ -226,11 +228,12 @@ class GltfWriter final : public CacheWriter {
     Json& root = builder_.root;
     root["scenes"] = Json::array({{{"nodes", Json::array()}}});
     std::vector<uint32_t> open_from;  // of each node of the file
-    for (const ClothNode& cloth : nodes_) {
+    for (std::size_t number = 0; number < nodes_.size(); ++number) {
+      const ClothNode& cloth = nodes_[number];
       for (const uint32_t group : cloth.groups()) {
         const std::size_t node = open_from.size();
         const std::string part = group == ClothNode::kNever ? "" : " until cut in frame " + std::to_string(group);
-        root["meshes"].push_back(cloth.mesh(builder_, group, target_names_));
+        root["meshes"].push_back(cloth.mesh(builder_, group, number, target_names_));
         root["nodes"].push_back({{"name", cloth.name() + part}, {"mesh", node}});
         root["scenes"][0]["nodes"].push_back(node);
         open_from.push_back(group);

@@ -18,7 +18,8 @@ namespace geocloth::glb {
 using Json = nlohmann::json;
 
 inline constexpr const char* kGenerator = "geocloth";  ///< what our files say in asset.generator
-inline constexpr const char* kOpenFrom = "openFrom";   ///< in the extras of a mesh: the frame in which a cut opens it
+inline constexpr const char* kCloth = "cloth";  ///< in the extras of a mesh, where a cloth has several: its number
+inline constexpr const char* kOpenFrom = "openFrom";  ///< in the extras of a mesh: the frame in which a cut opens it
 
 /// What a viewer will use a buffer view for (bufferView.target).
 enum class Target : uint32_t { none = 0, vertices = 34962, indices = 34963 };
