@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <map>
 #include <numeric>
 #include <random>
 #include <set>
@@ -933,6 +934,16 @@ TEST_F(Import, RubbishUnderEveryEnding) {
       static_cast<void>(refusal("a." + ending, bytes));
     }
   }
+}
+
+// A bone of a skirt named as the skirt had its points added to the skirt's: pins and caches of the one had the other's.
+TEST_F(Import, ABoneNamedAsAnObjectIsAGroupOfItsOwn) {
+  Gltf g = test::skinned_strip();
+  g.json["nodes"][2]["name"] = "strip";
+  std::map<std::string, std::size_t> count;
+  for (const ClothAsset::VertexGroup& group : read("a.glb", g.glb()).vertex_groups)
+    count[group.name] = group.source_vertex.size();
+  EXPECT_EQ(count, (std::map<std::string, std::size_t>{{"strip", 6}, {"hip", 4}, {"bone:strip", 4}}));
 }
 
 TEST_F(Import, TruncatedFilesAreRefused) {

@@ -124,6 +124,7 @@ class MeshBuilder {
     if (format_ == Format::obj) add_obj_vertices();
     for (const Placement& placement : placements) add_part(placement);
     finish_points();
+    add_bone_groups();
     add_mesh_groups();
     finish_paint();
     sort_groups();
@@ -391,8 +392,18 @@ class MeshBuilder {
         const aiVertexWeight& weight = bone.mWeights[w];
         if (weight.mWeight >= 0.5F && weight.mVertexId < number.size()) members.push_back(number[weight.mVertexId]);
       }
-      add_group(bone.mName.C_Str(), members);
+      vertices_of_bone_.emplace_back(bone.mName.C_Str(), std::move(members));
     }
+  }
+
+  /// A bone that is named as an object or its mesh, as that of a skirt often is, has more to its name: its points and
+  /// theirs are two things.
+  void add_bone_groups() {
+    std::set<std::string_view> others;
+    for (const SourcePart& part : mesh_.part) others.insert(part.name);
+    for (const std::string& name : mesh_.part_mesh) others.insert(name);
+    for (const auto& [name, vertices] : vertices_of_bone_)
+      add_group(others.contains(name) ? "bone:" + name : name, vertices);
   }
 
   void add_paint(const aiMesh& mesh, const std::vector<uint32_t>& number) {
@@ -539,6 +550,7 @@ class MeshBuilder {
   std::map<std::string, std::optional<uint32_t>> image_;
   std::map<std::string, std::size_t> group_;
   std::vector<std::pair<std::string, std::vector<uint32_t>>> vertices_of_mesh_;  ///< where a part has another name
+  std::vector<std::pair<std::string, std::vector<uint32_t>>> vertices_of_bone_;
   bool is_painted_ = false;
   VertexPaint paint_;
   std::vector<Point3> corner_position_;
