@@ -80,7 +80,7 @@ struct SolverSettings {
   uint32_t substeps = 16;         ///< per frame, 1..256; more is stiffer and loses less energy
   uint32_t relaxation_steps = 1;  ///< sweeps over all constraints per substep, 1..256
   /// Springs pull along where they were when the substep began, on positions of twice the digits: free cloth keeps its
-  /// angular momentum, which it loses else by the share w^2 dt a second of a spin w [1/s]. About three times as slow.
+  /// angular momentum, which it loses else by the share w^2 dt a second of a spin w [1/s]. About seven times as slow.
   bool keep_momentum = false;
   Vec3 gravity{0, -9.81F, 0};  ///< [m/s^2] components up to 1e4
   /// How far gravity strays up and down along a wave in space, as a share of it, 0..0.01. A sheet in a plane whose
