@@ -17,13 +17,13 @@ struct DevelopedSurface {
 };
 
 struct DevelopOptions {
-  double target_energy = 4.02;       ///< cuts are extended until a chart's energy is below
-  double cut_price = 0.025;          ///< least fall of the energy per length / sqrt(area) that a cut must bring
-  double least_cut = 0;              ///< [m] shorter extensions are not made
-  uint32_t max_cuts_per_chart = 40;  ///< bound on extensions and splits of one part
-  CutPreferences prefer{};           ///< where cuts would rather run
-  PartingOptions parting{};          ///< of charts that waste room in the image
-  bool straight_cuts = true;         ///< cuts leave the mesh's edges where that shortens them
+  double target_energy = 4.02;        ///< cuts are extended until a chart's energy is below
+  double cut_price = 0.025;           ///< least fall of the energy per length / sqrt(area) that a cut must bring
+  double least_cut = 0;               ///< [m] shorter extensions are not made
+  uint32_t max_cuts_per_chart = 200;  ///< bound on extensions and splits of one part
+  CutPreferences prefer{};            ///< where cuts would rather run
+  PartingOptions parting{};           ///< of charts that waste room in the image
+  bool straight_cuts = true;          ///< cuts leave the mesh's edges where that shortens them
 };
 
 /// Parts of more triangles are laid out from the first cuts only: time grows with every other way.
