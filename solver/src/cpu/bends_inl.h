@@ -243,12 +243,10 @@ class ThirdRow {
  public:
   ThirdRow(float* scratch, size_t stride) : scratch_(scratch), stride_(stride) {}
 
-  /// From the n-th column of a residue on: coordinate 0, 1, 2, or 3 for the mass.
+  /// From the n-th column of a residue on: coordinate 0, 1, 2, or 3 for the mass, or 4, 5, 6 of the base.
   [[nodiscard]] HWY_INLINE float* at(size_t residue, size_t coordinate, size_t n) const {
-    return scratch_ + (4 * residue + coordinate) * stride_ + n;
-  }
-  [[nodiscard]] HWY_INLINE float* base_at(size_t residue, size_t coordinate, size_t n) const {
-    return scratch_ + (12 + 3 * residue + coordinate) * stride_ + n;
+    const size_t line = coordinate < 4 ? 4 * residue + coordinate : 12 + 3 * residue + (coordinate - 4);
+    return scratch_ + line * stride_ + n;
   }
   /// The columns column, column + 3, ...
   template <bool kOnOffsets>
@@ -256,7 +254,7 @@ class ThirdRow {
     const size_t r = column % 3, n = column / 3;
     const PointBase points(at(r, 0, n), at(r, 1, n), at(r, 2, n), at(r, 3, n), nullptr);
     if constexpr (kOnOffsets) {
-      return {points, base_at(r, 0, n), base_at(r, 1, n), base_at(r, 2, n)};
+      return {points, at(r, 4, n), at(r, 5, n), at(r, 6, n)};
     } else {
       return points;
     }
@@ -305,15 +303,9 @@ HWY_NOINLINE void bends_along(D d, const SweepOp& op, ClothState& state, bool yi
       take_apart(points.z, 2);
       take_apart(points.inverse_mass, 3);
       if constexpr (kOnOffsets) {
-        const auto take_base = [&](const float* p, size_t coordinate) GEOCLOTH_LANES {
-          const Third<D> third = thirds.take_apart(d, p + 3 * size_t{n});
-          hn::StoreU(third.a, d, row.base_at(0, coordinate, n));
-          hn::StoreU(third.middle, d, row.base_at(1, coordinate, n));
-          hn::StoreU(third.b, d, row.base_at(2, coordinate, n));
-        };
-        take_base(points.base_x, 0);
-        take_base(points.base_y, 1);
-        take_base(points.base_z, 2);
+        take_apart(points.base_x, 4);
+        take_apart(points.base_y, 5);
+        take_apart(points.base_z, 6);
       }
       if (!yields) return;
       const Third<D> yield = thirds.take_apart(d, points.yield + 3 * size_t{n});
