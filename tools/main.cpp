@@ -118,13 +118,13 @@ int run_program(int argc, char** argv) {
   return run_command(kCommands[i].name, runs[i]);
 }
 
-}  // namespace
-
 /// A file that is opened would take the place of a closed one, and messages would be written into it.
 void open_standard_streams() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
     if (fcntl(stream, F_GETFD) < 0 && open("/dev/null", O_RDWR) < 0) std::abort();
 }
+
+}  // namespace
 
 int main(int argc, char** argv) {
   open_standard_streams();

@@ -15,8 +15,8 @@ namespace geocloth {
 /// What a scene asks for that will not come as its author expects, known before it plays. In plain words, with a
 /// remedy.
 [[nodiscard]] std::vector<std::string> scene_warnings(const Simulation& simulation);
-/// The same of what only playing tells: cuts that met nothing, flat cloth that cannot fold, a
-/// pressure that the substeps do not hold.
+/// The same of what only playing tells: cuts that met nothing, flat cloth that cannot fold, a pressure that the
+/// substeps do not hold.
 [[nodiscard]] std::vector<std::string> played_warnings(Simulation& simulation);
 
 }  // namespace geocloth

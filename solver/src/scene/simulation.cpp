@@ -94,6 +94,12 @@ std::vector<Fabric> fabrics_of(const Scene& scene, size_t cloth, const ClothAsse
   return fabrics;
 }
 
+/// Where a body that deforms has taken a place beside it.
+/// @param at_start  of the frame
+Vec3 carried_point(const MovingSurface& surface, const Transform& body, const SurfacePlace& place, bool at_start) {
+  return apply(body, at_start ? surface.at_start(place) : surface.at_end(place));
+}
+
 Vec3 middle(const std::vector<Vec3>& points) {
   Vec3 sum;
   for (const Vec3& p : points) sum += p;
@@ -408,7 +414,7 @@ Vec3 Simulation::center_of(const PinSet& set, bool at_start) const {
   const Carrier carrier = moving_carrier(set);
   if (carrier.surface == nullptr) return set.pin.pivot ? *set.pin.pivot : middle(set.rest);
   const auto carried = [&](const SurfacePlace& place) {
-    return apply(carrier.pose, at_start ? carrier.surface->at_start(place) : carrier.surface->at_end(place));
+    return carried_point(*carrier.surface, carrier.pose, place, at_start);
   };
   if (set.pivot_place) return carried(*set.pivot_place);
   std::vector<Vec3> points;
@@ -428,8 +434,7 @@ void Simulation::add_pins(const PinSet& set, const PinPlace& place, bool at_star
   const auto distance_of = [&](size_t k) { return set.max_distance.empty() ? 0 : set.max_distance[k]; };
   const auto pin_of = [&](size_t k) {
     Vec3 x = set.rest[k];
-    if (surface != nullptr)
-      x = apply(carrier.pose, at_start ? surface->at_start(set.place[k]) : surface->at_end(set.place[k]));
+    if (surface != nullptr) x = carried_point(*surface, carrier.pose, set.place[k], at_start);
     // Without a motion of its own the point must not even be rounded.
     if (moves) x = center + rotate(own.rotate, x - center) + own.translate;
     const float most = std::min(distance_of(k), static_cast<float>(kLargestPinDistance));
