@@ -353,7 +353,7 @@ class Lists : public testing::TestWithParam<bool> {
   static std::vector<Case> list() { return GetParam() ? cases_in_tiny_steps() : cases(); }
 };
 
-TEST_P(Lists, HaveTheBitsOfThePlainPathForAnyNumberOfThreads) {
+TEST_P(Lists, HaveTheBitsOfThePlainPathForAnyNumberOfThreadsAndAnyInstructions) {
   for (const Case& c : list()) {
     const State plain = state_after(c, true, 1, kFrames);
     ASSERT_TRUE(test::all_finite(plain.positions)) << c.name;
@@ -370,26 +370,17 @@ TEST_P(Lists, HaveTheBitsOfThePlainPathForAnyNumberOfThreads) {
         EXPECT_EQ(fast.statistics.passes[k].pass, plain.statistics.passes[k].pass) << where;
       }
     }
+    for (const int64_t target : test::vector_targets()) {
+      const test::VectorTarget chosen(target);
+      const State fast = state_after(c, false, 1, kFrames);
+      EXPECT_EQ(fast.statistics.path, std::string("sweep ") + hwy::TargetName(target));
+      expect_same(fast, plain, std::string(c.name) + " with " + hwy::TargetName(target));
+    }
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(Sweep, Lists, testing::Bool(),
                          [](const auto& tiny) { return std::string(tiny.param ? "TinySteps" : "Steps"); });
-
-using Targets = test::OnVectorTarget;
-
-TEST_P(Targets, HaveTheBitsOfThePlainPath) {
-  for (const std::vector<Case>& list : {cases(), cases_in_tiny_steps()}) {
-    for (const Case& c : list) {
-      const State fast = state_after(c, false, 1, kFrames);
-      EXPECT_EQ(fast.statistics.path, std::string("sweep ") + hwy::TargetName(GetParam()));
-      expect_same(fast, state_after(c, true, 1, kFrames), c.name);
-    }
-  }
-}
-
-INSTANTIATE_TEST_SUITE_P(Sweep, Targets, testing::ValuesIn(test::vector_targets()),
-                         [](const auto& target) { return std::string(hwy::TargetName(target.param)); });
 
 /// Threads share out whole cloths when there are enough, and substeps of one cloth when there are not.
 // Measured cloth once went on one thread, and a report on eight was that of one.

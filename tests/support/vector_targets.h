@@ -23,11 +23,18 @@ inline std::vector<int64_t> vector_targets() {
   return list;
 }
 
-/// Runs with each of them, and after that with the best one again.
+/// Chooses one of them while it lives, and then the best one again.
+class VectorTarget {
+ public:
+  explicit VectorTarget(int64_t target) { hwy::SetSupportedTargetsForTest(target); }
+  ~VectorTarget() { hwy::SetSupportedTargetsForTest(0); }
+  VectorTarget(const VectorTarget&) = delete;
+  VectorTarget& operator=(const VectorTarget&) = delete;
+};
+
+/// Runs with each of them.
 class OnVectorTarget : public testing::TestWithParam<int64_t> {
- protected:
-  void SetUp() override { hwy::SetSupportedTargetsForTest(GetParam()); }
-  void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
+  VectorTarget chosen_{GetParam()};
 };
 
 }  // namespace geocloth::test

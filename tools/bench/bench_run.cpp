@@ -84,7 +84,7 @@ std::vector<std::pair<std::string, double>> time_passes(const BenchScene& scene,
 }
 
 StretchStatistics stretch_of(const BenchScene& scene, Play& play) {
-  const auto last = static_cast<uint32_t>(std::lround(kStretchSeconds / scene.frame_time));
+  const auto last = static_cast<uint32_t>(std::lround(scene.stretch_after / scene.frame_time));
   while (play.frames() < last) play.step();
   StretchStatistics all;
   std::vector<Vec3> positions;

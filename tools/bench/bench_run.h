@@ -32,11 +32,10 @@ struct BenchResult {
   double springs_per_second = 0;
   double roofline_share = 0;  ///< shortest time that the machine allows / ms_per_frame; 0 on a real GPU: not known
   uint64_t memory_bytes = 0;  ///< state and constants of all cloths
-  StretchStatistics stretch;  ///< after kStretchSeconds
+  StretchStatistics stretch;  ///< after BenchScene::stretch_after
   std::vector<std::pair<std::string, double>> passes_ms;  ///< pass by pass in a run of its own, which is slower
 };
 
-inline constexpr double kStretchSeconds = 5;  ///< [s] of the cloth's time, however long the measurement took
 
 /// Runs a scene and measures it.
 /// @param settings  substeps and threads are the case's

@@ -20,6 +20,7 @@ struct BenchScene {
   std::vector<Collider> (*colliders_at)(double time) = nullptr;
   double frame_time = 1.0 / 60;  ///< [s]
   bool falls = false;            ///< frames differ from each other, as they do where colliders move
+  double stretch_after = 5;      ///< [s] of the cloth's time, however long the measurement takes
 };
 
 /// A scene that can be made in any size.
