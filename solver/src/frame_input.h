@@ -85,7 +85,7 @@ void set_frame_motion(shader::ClothParams& params, const Transform& from, const 
 /// Largest strain of the long-range attachments, 0: none. An automatic one lies above what the weight of the cloth
 /// stretches it by at the bottom of a swing on the earth, what the wind draws a flag by and what a pressure [Pa] does,
 /// so that only the solver's own softness is cut off.
-/// @param reach  [m] of the longest attachment; counts up to 2 m
+/// @param reach  [m] of the longest attachment; counts up to 10 m
 [[nodiscard]] float largest_stretch(const Material& material, const Vec3& gravity, const std::optional<Wind>& wind,
                                     float pressure, float reach);
 
