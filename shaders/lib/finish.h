@@ -53,15 +53,21 @@ inline vec3 kept_out(ColliderSet set, ClothParams params, uint substep, vec3 sta
   return again ? start : position;
 }
 
-// What is left of a way from `start`: nothing of one as long as the brake, all of one twice as long. Springs that pull
-// so much are not held by friction for a frame.
-inline vec3 braked(vec3 start, vec3 moved, float brake) {
-  if (brake <= 0.0f) return moved;
+// What friction leaves of a way from `start`. Of rest: nothing of a way as long as the brake, all of one twice as long,
+// as springs that pull so much are not held by it for a frame. Of what presses the point onto the collider, as Coulomb
+// says: its way along the surface is shorter by friction times its way into it, so that what hangs on one side of a body
+// holds what hangs on the other, however far a frame's ties pull both.
+inline vec3 braked(vec3 start, vec3 moved, float friction, float brake, float depth) {
+  if (friction <= 0.0f) return moved;
   precise vec3 way = moved - start;
   float went = length3(way);
-  if (went <= brake) return start;
-  if (went >= 2.0f * brake) return moved;
-  precise float kept = 2.0f - 2.0f * (brake * (1.0f / went));
+  precise float along_squared = went * went - depth * depth;
+  float along = sqrt(max(along_squared, 0.0f));
+  precise float pressed = friction * depth;
+  if (went <= brake || along <= pressed) return start;
+  precise float of_rest = 2.0f - 2.0f * (brake * (1.0f / went));
+  precise float of_slide = 1.0f - pressed * (1.0f / along);
+  precise float kept = min(of_rest, 1.0f) * of_slide;
   precise vec3 position = start + way * kept;
   return position;
 }
@@ -79,26 +85,33 @@ struct HeldBack {
 // Where triangles meet thin colliders, only a substep keeps them apart. A triangle that is so near has all its corners
 // within kLeaveNear spacings of the collider, and these stay where they are.
 //
-// (One loop over both places of the point: shaders hold the distance to a shape as often as it is written down.)
+// (One loop over the places of the point, where it was, where it was moved to and what is left of that: shaders hold the
+// distance to a shape as often as it is written down.)
 inline HeldBack held_back(ColliderSet set, ClothParams params, uint substep, vec3 start, vec3 moved, vec3 way) {
   precise float left_within = params.thickness + params.leave_near;
   precise float held_within = params.thickness + kGripped * params.spacing;
   precise float per_gap = 1.0f / (kGripped * params.spacing);
   precise float per_slide = 1.0f / (kSlides * params.spacing);
-  float friction = 0.0f;
+  float friction = 0.0f, depth = 0.0f;
   HeldBack r;
   r.position = start;
   r.stays = false;
-  for (uint turn = 0u; turn < 2u; ++turn) {
+  for (uint turn = 0u; turn < 3u; ++turn) {
     for (uint i = 0u; i < params.collider_count; ++i) {
       ColliderShape shape = collider_shape(set, i);
       float own = sqrt(params.friction * shape.friction);
       bool grips = turn == 0u && own > friction;
-      bool leaves = params.leave_near > 0.0f && is_thin(params, shape);
-      if (!grips && !leaves) continue;
+      bool presses = turn == 1u && friction > 0.0f && own > 0.0f;
+      bool leaves = turn != 1u && params.leave_near > 0.0f && is_thin(params, shape);
+      if (!grips && !presses && !leaves) continue;
       ColliderPose after = collider_pose(set, substep + 1u, i);
       vec3 local = to_local(set, shape, after, r.position);
       float distance = nearest_of_shape(set, shape, local).distance;
+      if (presses) {
+        precise float into = params.thickness - distance;
+        depth = max(depth, min(into, params.grip));
+        continue;
+      }
       if (leaves && distance < left_within) {
         r.position = start;
         r.stays = true;
@@ -113,7 +126,8 @@ inline HeldBack held_back(ColliderSet set, ClothParams params, uint substep, vec
       friction = max(friction, holds);
     }
     precise float brake = friction * (kFrictionHolds * params.spacing);
-    if (turn == 0u) r.position = braked(start, moved, brake);
+    if (turn == 0u) r.position = moved;
+    if (turn == 1u) r.position = braked(start, moved, friction, brake, depth);
   }
   return r;
 }

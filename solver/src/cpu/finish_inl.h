@@ -107,20 +107,45 @@ HWY_INLINE Vec<D> held_by_friction(D d, const Meeting& meeting, const Points<D>&
     const auto holds = hn::Mul(own, hn::Mul(max_of(d, rests, zero), hn::Min(lies, one)));
     friction = hn::IfThenElse(touches, max_of(d, friction, holds), friction);
   }
-  return hn::Mul(friction, hn::Set(d, shader::kFrictionHolds * meeting.params.spacing));
+  return friction;
+}
+
+/// How deep in colliders that have friction points are that it holds, of held_back() of lib/finish.h.
+template <class D>
+HWY_INLINE Vec<D> depth_of(D d, const Meeting& meeting, Mask<D> held, const Points<D>& moved) {
+  const size_t count = meeting.met.shapes.size();
+  const auto thickness = hn::Set(d, meeting.params.thickness), zero = hn::Zero(d);
+  const auto grip = hn::Set(d, meeting.params.grip);
+  auto depth = zero;
+  for (size_t i = 0; i < count; ++i) {
+    const shader::ColliderShape& shape = meeting.met.shapes[i];
+    if (!(std::sqrt(meeting.params.friction * shape.friction) > 0)) continue;
+    if (hn::AllFalse(d, hn::And(held, Guards::near(d, meeting.guards.guards[i], moved, zero)))) continue;
+    const Points<D> local = to_local(d, meeting.ended(i), moved);
+    const auto into = hn::Sub(thickness, distance_to_shape(d, meeting.numbers, shape, local));
+    depth = max_of(d, depth, hn::Min(into, grip));
+  }
+  return depth;
 }
 
 /// braked() of lib/finish.h.
 template <class D>
-HWY_INLINE Points<D> braked(D d, const Points<D>& start, const Points<D>& moved, Vec<D> brake) {
-  const auto held = hn::Gt(brake, hn::Zero(d));
+HWY_INLINE Points<D> braked(D d, const Meeting& meeting, const Points<D>& start, const Points<D>& moved,
+                            Vec<D> friction) {
+  const auto zero = hn::Zero(d), one = hn::Set(d, 1.F), two = hn::Set(d, 2.F);
+  const auto held = hn::Gt(friction, zero);
   if (hn::AllFalse(d, held)) return moved;
+  const auto brake = hn::Mul(friction, hn::Set(d, shader::kFrictionHolds * meeting.params.spacing));
+  const auto depth = depth_of(d, meeting, held, moved);
   const Points<D> way = sub(moved, start);
   const auto went = length(d, way);
-  const auto one = hn::Set(d, 1.F), two = hn::Set(d, 2.F);
-  const auto kept = hn::Sub(two, hn::Mul(two, hn::Mul(brake, hn::Div(one, went))));
-  const Points<D> left = choose<D>(hn::Gt(went, brake), add(start, scale(d, way, kept)), start);
-  return choose<D>(hn::And(held, hn::Lt(went, hn::Mul(two, brake))), left, moved);
+  const auto along = hn::Sqrt(max_of(d, hn::Sub(hn::Mul(went, went), hn::Mul(depth, depth)), zero));
+  const auto pressed = hn::Mul(friction, depth);
+  const auto of_rest = hn::Sub(two, hn::Mul(two, hn::Mul(brake, hn::Div(one, went))));
+  const auto of_slide = hn::Sub(one, hn::Mul(pressed, hn::Div(one, along)));
+  const auto kept = hn::Mul(hn::Min(of_rest, one), of_slide);
+  const auto goes = hn::And(hn::Gt(went, brake), hn::Gt(along, pressed));
+  return choose<D>(held, choose<D>(goes, add(start, scale(d, way, kept)), start), moved);
 }
 
 /// way_given() of lib/finish.h from pixel i on, where a collider may touch a point.
@@ -129,7 +154,7 @@ HWY_NOINLINE void give_way_near(D d, const Meeting& meeting, ClothState& state, 
   const PointRow p = at(state.position, i), pp = at(state.previous, i), pc = at(state.carry, i);
   const Points<D> moved = load(d, p), way = load(d, pp), start = load(d, pc);
   const auto free = free_lanes(d, &state.inverse_mass[i]);
-  Points<D> position = braked(d, start, moved, held_by_friction(d, meeting, start, way));
+  Points<D> position = braked(d, meeting, start, moved, held_by_friction(d, meeting, start, way));
   auto near = hn::And(free, meeting.guards.near(d, position, at_most(d, sub(position, start))));
   if (meeting.params.leave_near > 0) {
     const auto left = left_near(d, meeting, start, position);
