@@ -55,8 +55,8 @@ inline vec3 kept_out(ColliderSet set, ClothParams params, uint substep, vec3 sta
 
 // What friction leaves of a way from `start`. Of rest: nothing of a way as long as the brake, all of one twice as long,
 // as springs that pull so much are not held by it for a frame. Of what presses the point onto the collider, as Coulomb
-// says: its way along the surface is shorter by friction times its way into it, so that what hangs on one side of a body
-// holds what hangs on the other, however far a frame's ties pull both.
+// says: its way along the surface is shorter by friction times its way into it, so that what hangs on one side of a
+// body holds what hangs on the other, however far a frame's ties pull both.
 inline vec3 braked(vec3 start, vec3 moved, float friction, float brake, float depth) {
   if (friction <= 0.0f) return moved;
   precise vec3 way = moved - start;
@@ -85,8 +85,8 @@ struct HeldBack {
 // Where triangles meet thin colliders, only a substep keeps them apart. A triangle that is so near has all its corners
 // within kLeaveNear spacings of the collider, and these stay where they are.
 //
-// (One loop over the places of the point, where it was, where it was moved to and what is left of that: shaders hold the
-// distance to a shape as often as it is written down.)
+// (One loop over the places of the point, where it was, where it was moved to and what is left of that: shaders hold
+// the distance to a shape as often as it is written down.)
 inline HeldBack held_back(ColliderSet set, ClothParams params, uint substep, vec3 start, vec3 moved, vec3 way) {
   precise float left_within = params.thickness + params.leave_near;
   precise float held_within = params.thickness + kGripped * params.spacing;

@@ -394,7 +394,7 @@ float largest_stretch(const Material& m, const Vec3& gravity, const std::optiona
   // draws it down it is not held tighter than on the earth: what colliders and hands draw it by is not known here.
   constexpr float kSolverStrain = 0.001F, kSwing = 1.5F, kEarth = 9.81F;
   constexpr float kLongestGarment = 10;  // [m] a larger one is most often a file whose unit was not told
-  constexpr float kFlagDrag = 0.15F;    // of all of its area, by which a flag that streams pulls at its pole
+  constexpr float kFlagDrag = 0.15F;     // of all of its area, by which a flag that streams pulls at its pole
   if (m.max_stretch >= 0) return m.max_stretch;
   if (m.stiffness >= 0) return 0;  // the seeds' cloth is as elastic as its step
   float load = kSwing * m.areal_density * std::max(length(gravity), kEarth);  // [N/m^2]

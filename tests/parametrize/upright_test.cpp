@@ -3,11 +3,15 @@
 // with the weft along its length.
 #include "repair/upright.h"
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
+#include <vector>
 
 #include <gtest/gtest.h>
 
+#include "geocloth/parametrize/repair.h"
 #include "mesh/point_math.h"
 #include "parametrize/clean_surfaces.h"
 
@@ -85,10 +89,77 @@ TEST(Upright, ACapeByItsLength) {
   expect_up_turns_with(cape, 5);
 }
 
-// A flag has neither: what is up in the file is.
+/// What is left of a surface without some of its triangles, by where their middles are.
+CleanSurface without(const CleanSurface& surface, const std::function<bool(const Point3&)>& is_out) {
+  std::vector<Triangle> kept;
+  for (const Triangle& t : surface.triangle) {
+    const Point3 middle = (surface.position[t[0]] + surface.position[t[1]] + surface.position[t[2]]) * (1.0 / 3);
+    if (!is_out(middle)) kept.push_back(t);
+  }
+  return repair_mesh(test::as_mesh(surface.position, kept)).surface;
+}
+
+CleanSurface flat(uint32_t nx, uint32_t ny, double width, double height) {
+  CleanSurface sheet = test::disk(nx, ny, width, height);
+  for (Point3& p : sheet.position) p[2] = 0;
+  return sheet;
+}
+
+// The cuffs of a jacket that is open in front are the only openings that it has, and they face its sides: its grain ran
+// from one to the other.
+TEST(Upright, AnOpenJacketNotByItsCuffs) {
+  CleanSurface shirt = test::shirt(8);
+  for (Point3& p : shirt.position) p[2] += 0.05 * p[1] * p[1];
+  for (const double gap : {0.04, 0.15}) {
+    expect_up_turns_with(without(shirt, [&](const Point3& p) { return std::abs(p[0]) < gap && p[2] > 0.1; }), 10);
+  }
+}
+
+// The holes of a flag with a star cut out, or of an apron, are no openings: its grain ran across.
+TEST(Upright, HolesInASheetAreNoOpenings) {
+  const CleanSurface flag =
+      without(flat(31, 21, 1.5, 1), [](const Point3& p) { return std::hypot(p[0] - 0.5, p[1] - 0.6) < 0.2; });
+  EXPECT_TRUE(find_upright(flag).is_identity());
+  // A poncho, or a circle skirt that lies flat, stands on its hole wherever it lies.
+  const CleanSurface poncho =
+      without(flat(31, 31, 1, 1), [](const Point3& p) { return std::hypot(p[0] - 0.5, p[1] - 0.5) < 0.15; });
+  EXPECT_LT(degrees_between_lines(find_upright(poncho).up(), {0, 0, 1}), 1);
+}
+
+// Waves made one side of a curtain unlike the other, and its grain ran across them.
+TEST(Upright, ACurtainOrAFlagInTheWindAlongItsFolds) {
+  CleanSurface curtain = flat(81, 31, 1.5, 2);
+  for (Point3& p : curtain.position) p[2] = 0.03 * std::sin(23 * p[0]);
+  CleanSurface flag = flat(81, 31, 1.5, 1);  // its folds are slanted
+  for (Point3& p : flag.position) p[2] = 0.06 * p[0] * std::sin(9 * p[0] + 1.5 * p[1]);
+  for (const CleanSurface* sheet : {&curtain, &flag}) {  // whose ends are alike
+    for (const double about_x : {0.0, 0.3, 1.57, 2.4, 5.0})
+      EXPECT_LT(degrees_between_lines(find_upright(moved(*sheet, 1.2, about_x)).up(), turned({0, 1, 0}, 1.2, about_x)),
+                3);
+  }
+}
+
+// The open front of a cape made front and back unlike, more than its hem and collar.
+TEST(Upright, ACapeThatIsOpenInFrontAlongItsSides) {
+  CleanSurface cape = flat(41, 21, 1, 1);
+  for (Point3& p : cape.position) {
+    const double angle = 3.5 * (p[0] - 0.5), radius = 0.4 - 0.2 * p[1];
+    p = {radius * std::sin(angle), p[1], -radius * std::cos(angle)};
+  }
+  expect_up_turns_with(cape, 5);
+}
+
+// It is bent as it lies on the shoulders and hangs down the back, which is no fold.
+TEST(Upright, ACapeThatIsBentOverTheBackAsItTapers) {
+  CleanSurface cape = flat(21, 31, 1, 1.5);
+  for (Point3& p : cape.position) p = {(p[0] - 0.5) * (1.2 - 0.5 * p[1]), p[1], -0.15 * p[1] * p[1]};
+  expect_up_turns_with(cape, 20);
+}
+
+// A flag that hangs straight has none of these: what is up in the file is.
 TEST(Upright, ASheetStaysAsItIs) {
-  EXPECT_TRUE(find_upright(test::disk(11, 21, 2, 1)).is_identity());
-  EXPECT_TRUE(find_upright(moved(test::disk(11, 21, 2, 1), 0.4, 1.1)).is_identity());
+  EXPECT_TRUE(find_upright(flat(11, 21, 2, 1)).is_identity());
+  EXPECT_TRUE(find_upright(moved(flat(11, 21, 2, 1), 0.4, 1.1)).is_identity());
   EXPECT_TRUE(find_upright(test::sphere(24, 16)).is_identity());
 }
 

@@ -36,7 +36,6 @@ struct BenchResult {
   std::vector<std::pair<std::string, double>> passes_ms;  ///< pass by pass in a run of its own, which is slower
 };
 
-
 /// Runs a scene and measures it.
 /// @param settings  substeps and threads are the case's
 /// @param stretch   what the same backend has reached with the same substeps; nothing: it is simulated

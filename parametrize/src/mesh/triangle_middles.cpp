@@ -15,6 +15,12 @@ std::vector<TriangleMiddle> triangle_middles(std::span<const Point3> position, s
   return result;
 }
 
+Point3 normal_of(const CleanSurface& surface, size_t triangle) {
+  const Triangle& t = surface.triangle[triangle];
+  const Point3& a = surface.position[t[0]];
+  return cross(surface.position[t[1]] - a, surface.position[t[2]] - a);
+}
+
 double total_area(std::span<const TriangleMiddle> middle) {
   double area = 0;
   for (const TriangleMiddle& m : middle) area += m.area;

@@ -17,6 +17,9 @@ struct TriangleMiddle {
 [[nodiscard]] std::vector<TriangleMiddle> triangle_middles(std::span<const Point3> position,
                                                            std::span<const Triangle> triangle);
 
+/// Twice as long as the triangle's area.
+[[nodiscard]] Point3 normal_of(const CleanSurface& surface, std::size_t triangle);
+
 /// [m^2]
 [[nodiscard]] double total_area(std::span<const TriangleMiddle> middle);
 

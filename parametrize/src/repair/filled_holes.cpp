@@ -11,6 +11,7 @@
 
 #include "mesh/half_edges.h"
 #include "mesh/point_math.h"
+#include "mesh/triangle_middles.h"
 #include "repair/border_loops.h"
 
 namespace geocloth {
@@ -19,12 +20,6 @@ namespace {
 constexpr double kMostOfPart = 0.1;  // of a component's area, that one filling may have
 constexpr double kGoesOn = 0.9;      // mean cosine between cloth and filling
 constexpr double kMostTurn = 0.35;   // [rad] that the angles around a filling's middle may lack to a whole turn
-
-Point3 normal_of(const CleanSurface& surface, size_t triangle) {
-  const Triangle& t = surface.triangle[triangle];
-  const Point3& a = surface.position[t[0]];
-  return cross(surface.position[t[1]] - a, surface.position[t[2]] - a);
-}
 
 double angle_between(const Point3& a, const Point3& b) {
   return std::atan2(length(cross(a, b)), dot(a, b));

@@ -31,7 +31,8 @@ class Upright {
 
 /// Finds up and down in a garment from its shape alone, so that a file that lies on its side (exported with z up, or
 /// turned with the figure that wears it) is laid out as one that stands: the line that its openings face along (waist,
-/// hem, cuffs of trousers); where they do not agree, or there are none, the long axis whose two ends differ most.
+/// hem, cuffs of trousers), but for those of a part that is open in front, down to its hem, which face its sides; where
+/// they do not agree, or there are none, the line of its folds, or the long axis whose two ends differ most.
 /// @returns the rotation of one end of that line to +y: an end that turns with the garment, be it the upper one or not;
 ///   of a shape that does not tell: the identity, since +y is up in a TriangleMesh
 [[nodiscard]] Upright find_upright(const CleanSurface& surface);
