@@ -106,6 +106,18 @@ TEST(Page, says_what_came_out_without_need_of_colours) {
   EXPECT_THAT(page_of(result), AllOf(HasSubstr("Look closer"), HasSubstr("✗ missed")));
 }
 
+// What was taken for up decides how the panels lie, and was in the JSON alone: who got them askew learned of no remedy.
+TEST(Page, tells_which_way_the_grain_runs) {
+  ConvertResult result = good_result();
+  EXPECT_THAT(page_of(result), HasSubstr("; grain along +y of the file (--up tells another)"));
+  result.report.up = {0, 0, -1};
+  EXPECT_THAT(page_of(result), HasSubstr("grain along -z of the file"));
+  result.report.up = {0.6, 0, 0.8};
+  EXPECT_THAT(page_of(result), HasSubstr("grain along (0.60, 0.00, 0.80) of the file"));
+  result.asset.layout = Layout::square;  // which has no grain
+  EXPECT_THAT(page_of(result), Not(HasSubstr("--up")));
+}
+
 TEST(Page, holds_warnings_repairs_carried_and_parts) {
   ConvertResult result = good_result();
   result.report.warnings = {"the sleeve is not developable"};

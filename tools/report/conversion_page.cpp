@@ -4,6 +4,7 @@
 #include "report/conversion_page.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -63,6 +64,22 @@ std::string verdict_line(const Judgement& sum) {
                      sum.near, sum.missed);
 }
 
+/// "+y", or the three coordinates of a direction that is no axis.
+std::string in_words(const Point3& direction) {
+  constexpr double kAlong = 0.9999;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (std::abs(direction[k]) > kAlong) return fmt::format("{}{}", direction[k] < 0 ? '-' : '+', "xyz"[k]);
+  }
+  const auto rounded = [&](std::size_t k) { return std::round(100 * direction[k]) / 100 + 0.0; };  // no -0.00
+  return fmt::format("({:.2f}, {:.2f}, {:.2f})", rounded(0), rounded(1), rounded(2));
+}
+
+/// Only the grain of panels follows what was taken for up.
+std::string grain(const ConvertResult& result) {
+  if (result.asset.layout != Layout::panels) return {};
+  return fmt::format("; grain along {} of the file (--up tells another)", in_words(result.report.up));
+}
+
 std::string header(const ConvertResult& result, const std::string& source, const Judgement& sum) {
   const ClothAsset& asset = result.asset;
   const ConvertReport& report = result.report;
@@ -73,7 +90,7 @@ std::string header(const ConvertResult& result, const std::string& source, const
                                 counted(report.source_faces, "face", "faces"))},
       {"Geometry image",
        fmt::format("{} × {} pixels, {} of them cloth", asset.width, asset.height, count_valid_pixels(asset))},
-      {"Layout", fmt::format("{}, {}", to_string(asset.layout), charts)},
+      {"Layout", fmt::format("{}, {}{}", to_string(asset.layout), charts, grain(result))},
       {"Spring length", fmt::format("{:.4g} mm", 1000 * double{asset.spacing})},
       {"Size", fmt::format("{:.3g} m across", report.cleaned_bbox_diagonal)}};
   std::string text =
