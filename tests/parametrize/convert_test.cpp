@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "geocloth/parametrize/convert.h"
 
+#include <array>
 #include <fstream>
 #include <map>
 #include <numbers>
@@ -451,6 +452,28 @@ TEST(ConvertReport, TellsCornersWithoutACutFromClothThatIsRound) {
   EXPECT_THAT(plain_warnings(result.report, result.asset, 0),
               testing::ElementsAre(
                   testing::AllOf(HasSubstr("4 are left without"), testing::Not(HasSubstr("not developable")))));
+}
+
+// A flat shirt with stretched texture coordinates was told that it needs darts, and to take more pixels, which leave
+// its springs as uneven as they are.
+TEST(ConvertReport, SaysThatTextureCoordinatesAreStretchedRatherThanTheCloth) {
+  TriangleMesh mesh = sheet();
+  for (const Triangle& t : mesh.triangle) {
+    std::array<Point2, 3>& uv = mesh.uv.emplace_back();
+    for (size_t k = 0; k < 3; ++k) {
+      const double x = mesh.position[t[k]][0];
+      uv[k] = {0.5 * x + 0.5 * x * x, -mesh.position[t[k]][1]};
+    }
+  }
+  ConvertResult result = convert(mesh, small(Layout::uv));
+  ASSERT_EQ(result.asset.layout, Layout::uv);
+  ASSERT_GT(result.report.quality.spring_p99_over_p1, 2);
+  result.report.quality.psnr_db = 65;  // as of folds
+  const std::vector<std::string> warnings = plain_warnings(result.report, result.asset, 0);
+  EXPECT_THAT(warnings,
+              testing::Contains(testing::AllOf(HasSubstr("texture coordinates are stretched"),
+                                               HasSubstr("--layout panels"), testing::Not(HasSubstr("developable")))));
+  EXPECT_THAT(warnings, testing::Not(testing::Contains(HasSubstr("springs are uneven"))));
 }
 
 TEST(ConvertReport, WarnsOfASpacingThatTheClothHasNoRoomFor) {

@@ -62,8 +62,14 @@ std::string where_stretched(const std::vector<PartShape>& parts) {
   return text;
 }
 
-/// Away from its corners a bag or a folded tie is developable.
-std::string why_stretched(const ConvertReport& report) {
+/// Away from its corners a bag or a folded tie is developable. What texture coordinates stretch says nothing of that:
+/// they may be stretched on flat cloth.
+std::string why_stretched(const ConvertReport& report, Layout layout) {
+  if (layout == Layout::square) return ": a square cannot keep shapes (--layout panels does)";
+  if (layout == Layout::uv) {
+    return ": the texture coordinates are stretched there, and the springs are that uneven; --layout panels lays the "
+           "garment out afresh";
+  }
   if (report.uncut_corners == 0) {
     return ": the garment is not developable there (woven cloth would need a dart), and its springs are that uneven";
   }
@@ -81,12 +87,10 @@ bool is_stretched(const ConvertReport& report, const ClothAsset& asset) {
 
 void warn_of_stretch(const ConvertReport& report, const ClothAsset& asset, std::vector<std::string>& out) {
   if (!is_stretched(report, asset)) return;
-  const bool square = asset.layout == Layout::square;
   double stretched = 0;
   for (const PartShape& part : report.parts) stretched += part.stretched_share * part.area_share;
   out.push_back(percent(stretched) + " of the area is stretched or squeezed by more than 10 % in the image" +
-                where_stretched(report.parts) +
-                (square ? ": a square cannot keep shapes (--layout panels does)" : why_stretched(report)));
+                where_stretched(report.parts) + why_stretched(report, asset.layout));
 }
 
 /// What most of the uneven cells lie in.
@@ -131,7 +135,10 @@ void warn_of_uneven_springs(const ConvertReport& report, const ClothAsset& asset
   if (q.spring_p99_over_p1 <= kLargestRatio && q.shear_deg_p95 <= kLargestAngle) return;
   const char* of_what = "strips, holes or layers that are not much wider than";
   const char* remedy = "give a larger --resolution, or leave such parts out with --parts";
-  switch (find_uneven(asset)) {
+  const Uneven uneven = find_uneven(asset);
+  // Stretched texture coordinates, which were told of, stay so at any resolution.
+  if (uneven != Uneven::crumbs && asset.layout == Layout::uv && is_stretched(report, asset)) return;
+  switch (uneven) {
     case Uneven::outlines:
       break;
     case Uneven::crumbs:
