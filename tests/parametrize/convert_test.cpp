@@ -236,6 +236,20 @@ TEST(ConvertReport, HasEveryKey) {
   EXPECT_EQ(json["source"]["faces"], 480);
 }
 
+// Of closed garments the report told of hems: pixels beside seams were taken for the garment's own edges.
+TEST(ConvertReport, CountsTheGarmentsOwnEdgesAsFreeBorderAndNoSeams) {
+  for (const Layout layout : {Layout::square, Layout::panels}) {
+    for (const TriangleMesh& closed : {torus(), sphere()}) {
+      const ImageSummary image = summarize_image(convert(closed, small(layout)).asset);
+      EXPECT_GT(image.border_share, 0.05);
+      EXPECT_EQ(image.free_border_share, 0);
+    }
+    const ImageSummary image = summarize_image(convert(sheet(), small(layout)).asset);
+    EXPECT_GT(image.border_share, 0.05);
+    EXPECT_EQ(image.free_border_share, image.border_share);
+  }
+}
+
 // A garment placed in a city's coordinates: single precision is too coarse for its springs there.
 TEST(Convert, BringsAMeshFromFarAwayToTheOrigin) {
   TriangleMesh mesh = tube();

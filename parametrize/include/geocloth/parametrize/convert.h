@@ -72,7 +72,7 @@ struct ImageSummary {
   uint32_t copies_max = 0;       ///< most pixels of one point
   double utilisation = 0;        ///< valid pixels / pixels
   double border_share = 0;       ///< share of the valid pixels that lack one of their eight neighbours in the chart
-  double free_border_share = 0;  ///< and is on no seam: the garment's own edges, which no layout can avoid
+  double free_border_share = 0;  ///< and lies on the garment's own edges, which no layout can avoid
 };
 [[nodiscard]] ImageSummary summarize_image(const ClothAsset& asset);
 
