@@ -453,7 +453,7 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, std::span<const SewingRun> 
   }
   for (const auto& warning :
        {warning_of_spacing(result.asset.spacing, options.flatten.spacing), warning_of_coarse_triangles(result.asset),
-        warning_of_loose_pieces(find_loose_pieces(carried.represented)),
+        warning_of_loose_pieces(find_loose_pieces(carried.represented, options.carry_loose ? 0 : carried.spacing)),
         warning_of_cracks(find_cracks(repaired.surface)),
         options.one_layer ? std::nullopt : warning_of_thickness(find_thickness(repaired.surface)),
         warning_of_folds(repaired, mesh.triangle.size(), report.source_bbox_diagonal)}) {

@@ -184,6 +184,77 @@ TEST(SmallPieces, AButtonOfSomePixelsRidesOnTheCloth) {
   }
 }
 
+/// Adds a level square of 4 x 4 cells.
+void add_fine_square(TriangleMesh& mesh, double x, double z, double side) {
+  constexpr uint32_t kAcross = 4;
+  const auto first = static_cast<uint32_t>(mesh.position.size());
+  for (uint32_t v = 0; v <= kAcross; ++v) {
+    for (uint32_t u = 0; u <= kAcross; ++u) {
+      mesh.position.push_back({x + side * u / kAcross, 0.004, z + side * v / kAcross});
+    }
+  }
+  for (uint32_t v = 0; v < kAcross; ++v) {
+    for (uint32_t u = 0; u < kAcross; ++u) {
+      const uint32_t a = first + v * (kAcross + 1) + u, c = a + kAcross + 1;
+      mesh.triangle.push_back({a, c, c + 1});
+      mesh.triangle.push_back({a, c + 1, a + 1});
+    }
+  }
+}
+
+// Each button that rode as the user had asked was called smaller than a spring, and to be converted by itself.
+TEST(SmallPieces, WhatRidesAsAskedIsNotCalledTooFine) {
+  const auto too_fine = Contains(HasSubstr("parts of another scale"));
+  TriangleMesh mesh = sheet();
+  add_fine_square(mesh, 0.52, 0.37, 0.03);
+  close_mesh(mesh);
+  const ConvertReport asked = convert_at(mesh, 48, true).report;
+  EXPECT_EQ(asked.carried.size(), 1U);
+  EXPECT_THAT(asked.warnings, Not(too_fine));
+  const ConvertReport not_asked = convert_at(mesh, 16).report;
+  EXPECT_EQ(not_asked.carried.size(), 1U);
+  EXPECT_THAT(not_asked.warnings, too_fine);
+}
+
+// The option was advised for pieces that it does not take, in squares, which carry nothing, and after it was given.
+TEST(SmallPieces, CarryLooseIsAdvisedWhereItHelps) {
+  const auto option = HasSubstr("--carry-loose");
+  TriangleMesh button = sheet();
+  add_button(button, 0.52, 0.37, 0.03);
+  TriangleMesh both = button;
+  add_square(both, 0.1, 0.004, 0.1, 0.1);
+  TriangleMesh pocket = sheet();
+  add_square(pocket, 0.1, 0.004, 0.1, 0.1);
+  TriangleMesh off = sheet();
+  add_square(off, 0.52, 0.1, 0.37, 0.03);
+  for (TriangleMesh* mesh : {&button, &both, &pocket, &off}) close_mesh(*mesh);
+
+  EXPECT_THAT(convert_at(button, 48).report.warnings,
+              Contains(HasSubstr("let it ride on the cloth with --carry-loose")));
+  EXPECT_THAT(convert_at(both, 48).report.warnings,
+              Contains(HasSubstr("let 1 of them ride on the cloth with --carry-loose")));
+  ConvertOptions options;
+  options.flatten = {.layout = Layout::square, .resolution = 48};
+  for (const ConvertReport& report :
+       {convert_at(pocket, 48).report, convert_at(off, 48).report, convert_at(both, 48, true).report,
+        convert_at(pocket, 48, true).report, convert(button, options).report}) {
+    EXPECT_THAT(report.warnings, Contains(HasSubstr("1 small piece, ")));
+    EXPECT_THAT(report.warnings, Contains(HasSubstr("merge it with the cloth")));
+    EXPECT_THAT(report.warnings, Not(Contains(option)));
+  }
+}
+
+// Strands of hair more than half as long as the figure were called small.
+TEST(SmallPieces, ALongPieceIsNotCalledSmall) {
+  TriangleMesh mesh = sheet();
+  const auto first = static_cast<uint32_t>(mesh.position.size());
+  mesh.position.insert(mesh.position.end(), {{0.2, 0.05, 0.3}, {0.2, 0.05, 0.33}, {0.7, 0.05, 0.33}, {0.7, 0.05, 0.3}});
+  mesh.triangle.push_back({first, first + 1, first + 2});
+  mesh.triangle.push_back({first, first + 2, first + 3});
+  close_mesh(mesh);
+  EXPECT_THAT(convert_at(mesh, 64).report.warnings, Contains(HasSubstr("1 piece, up to 0.501 m across")));
+}
+
 // What is off the cloth by more than twice its own size, or 3 % of the garment, is none of its trimmings.
 TEST(SmallPieces, WhatDoesNotLieOnTheClothDoesNotRide) {
   struct Place {

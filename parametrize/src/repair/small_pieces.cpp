@@ -37,6 +37,7 @@ constexpr double kOffBySize = 2;       // how far they are off the cloth at most
 constexpr double kOff = 0.03;          // and as a share of the garment's
 
 constexpr double kMuchSmaller = 0.02;  // share of the largest piece's area that is no garment beside it
+constexpr double kLong = 0.25;         // share of the diagonal: no small piece, however narrow
 
 double area_of(const CleanSurface& surface, const Triangle& t) {
   return triangle_area(surface.position[t[0]], surface.position[t[1]], surface.position[t[2]]);
@@ -61,6 +62,7 @@ uint32_t part_of(const TriangleMesh& mesh, uint32_t source_triangle) {
 struct LeftOut {
   std::vector<uint32_t> component;
   std::string why;
+  bool is_asked = false;  ///< CarriedPart::is_asked
 };
 
 /// Components that are sewn together, as one.
@@ -148,14 +150,15 @@ void add_narrow(const CleanSurface& clean, double spacing, double left, std::vec
 }
 
 /// Those that lie on the garment all over.
-void add_riding(const CleanSurface& clean, const LoosePieces& loose, std::vector<LeftOut>& left_out) {
+std::vector<LoosePiece> find_riding(const CleanSurface& clean, const LoosePieces& loose,
+                                    const std::vector<LeftOut>& left_out) {
   std::vector<uint8_t> is_left_out(clean.component_count, 0);
   for (const LeftOut& l : left_out) is_left_out[l.component[0]] = 1;
   const auto is_gone = [&](uint32_t c) { return is_left_out[c] != 0; };
   std::vector<LoosePiece> small = loose.small;
   for (LoosePiece& p : small) std::erase_if(p.component, is_gone);
   std::erase_if(small, [](const LoosePiece& p) { return p.component.empty(); });
-  if (!loose.have_garment || small.empty()) return;
+  if (!loose.have_garment || small.empty()) return {};
   std::vector<Triangle> garment;
   std::vector<std::vector<uint32_t>> vertices(clean.component_count);
   for (size_t t = 0; t < clean.triangle.size(); ++t) {
@@ -167,21 +170,29 @@ void add_riding(const CleanSurface& clean, const LoosePieces& loose, std::vector
       for (const uint32_t v : clean.triangle[t]) vertices[c].push_back(v);
     }
   }
-  if (garment.empty()) return;
+  if (garment.empty()) return {};
   const TriangleTree tree(clean.position, garment);
   std::optional<TriangleTree::Place> found;
-  for (LoosePiece& p : small) {
+  const auto is_off_cloth = [&](const LoosePiece& p) {
     const double across = distance(p.low, p.high), most_off = std::min(kOffBySize * across, kOff * loose.diagonal);
-    const bool on_cloth = std::all_of(p.component.begin(), p.component.end(), [&](uint32_t c) {
+    return !std::all_of(p.component.begin(), p.component.end(), [&](uint32_t c) {
       return std::all_of(vertices[c].begin(), vertices[c].end(), [&](uint32_t v) {
         found = tree.nearest(clean.position[v], found);
         return distance(found->point, clean.position[v]) <= most_off;
       });
     });
-    if (!on_cloth) continue;
-    left_out.push_back({std::move(p.component), "it is attached to nothing, lies on other cloth and is " +
-                                                    rounded(100 * across / loose.diagonal) +
-                                                    " % of the garment across"});
+  };
+  std::erase_if(small, is_off_cloth);
+  return small;
+}
+
+void add_riding(const CleanSurface& clean, const LoosePieces& loose, std::vector<LeftOut>& left_out) {
+  for (LoosePiece& p : find_riding(clean, loose, left_out)) {
+    const double across = distance(p.low, p.high);
+    left_out.push_back({std::move(p.component),
+                        "it is attached to nothing, lies on other cloth and is " +
+                            rounded(100 * across / loose.diagonal) + " % of the garment across",
+                        true});
   }
 }
 
@@ -236,7 +247,7 @@ void leave_out_small_pieces(const TriangleMesh& mesh, const CleanSurface& clean,
       number[c] = static_cast<uint32_t>(result.carried.size());
       share += area[c] / total;
     }
-    result.carried.push_back({0, 0, share, std::move(l.why)});
+    result.carried.push_back({0, 0, share, std::move(l.why), false, l.is_asked});
   }
   for (size_t t = 0; t < clean.triangle.size(); ++t) {
     const uint32_t c = number[clean.component[t]];
@@ -295,21 +306,35 @@ void close_small_holes(const TriangleMesh& mesh, double spacing, CarriedSurface&
 
 }  // namespace
 
-LoosePiecesLeft find_loose_pieces(const CleanSurface& clean) {
+LoosePiecesLeft find_loose_pieces(const CleanSurface& clean, double spacing) {
   LoosePiecesLeft result;
-  const std::vector<LoosePiece> piece = loose_pieces(clean, component_areas(clean));
+  const std::vector<double> area = component_areas(clean);
+  const std::vector<LoosePiece> piece = loose_pieces(clean, area);
   double largest = 0;
   for (const LoosePiece& p : piece) largest = std::max(largest, p.area);
+  std::vector<uint8_t> would_ride(clean.component_count, 0);
+  if (spacing > 0) {
+    const LoosePieces loose = find_small_ones(clean, area, spacing);
+    double none_left = 0;
+    std::vector<LeftOut> left_out = too_small(area, loose, spacing * spacing, none_left);
+    add_riding(clean, loose, left_out);
+    for (const LeftOut& l : left_out) {
+      for (const uint32_t c : l.component) would_ride[c] = 1;
+    }
+  }
   for (const LoosePiece& p : piece) {
     if (p.area > kMuchSmaller * largest) continue;
     ++result.count;
     result.across = std::max(result.across, distance(p.low, p.high));
+    const auto rides = [&](uint32_t c) { return would_ride[c] != 0; };
+    if (std::all_of(p.component.begin(), p.component.end(), rides)) ++result.would_ride;
   }
+  result.are_small = result.across <= kLong * bounding_diagonal(clean.position);
   return result;
 }
 
 CarriedSurface carry_nothing(const CleanSurface& clean) {
-  return {clean, {}, 0, std::vector<uint32_t>(clean.point_count, kNone)};
+  return {clean, {}, 0, std::vector<uint32_t>(clean.point_count, kNone), 0};
 }
 
 CarriedSurface carry_small_pieces(const TriangleMesh& mesh, const CleanSurface& clean, const FlattenOptions& options,
@@ -319,6 +344,7 @@ CarriedSurface carry_small_pieces(const TriangleMesh& mesh, const CleanSurface& 
   const double spacing = options.spacing > 0 ? options.spacing : std::sqrt(total) / options.resolution;
 
   CarriedSurface result;
+  result.spacing = spacing;
   result.piece_of_point.assign(clean.point_count, kNone);
   leave_out_small_pieces(mesh, clean, spacing, carry_loose, result);
   if (result.carried.empty()) result.represented = clean;

@@ -14,14 +14,18 @@ struct CarriedSurface {
   size_t too_small = 0;              ///< how many of them, the first, are too small for pixels
   std::vector<uint32_t>
       piece_of_point;  ///< per point: the carried piece that it is in and nothing else, kNone otherwise
+  double spacing = 0;  ///< [m] of the pixels that pieces were too small for; 0: none were left out
 };
 
 /// Pieces that are sewn to nothing, beside one that is fifty times as large.
 struct LoosePiecesLeft {
   uint32_t count = 0;
-  double across = 0;  ///< [m] the widest
+  double across = 0;        ///< [m] the widest
+  bool are_small = true;    ///< all of them beside the whole
+  uint32_t would_ride = 0;  ///< of them with `carry_loose`
 };
-[[nodiscard]] LoosePiecesLeft find_loose_pieces(const CleanSurface& clean);
+/// @param spacing  [m] of the pixels; 0 where `carry_loose` is on, or would do nothing
+[[nodiscard]] LoosePiecesLeft find_loose_pieces(const CleanSurface& clean, double spacing);
 
 /// The whole surface is to be represented.
 [[nodiscard]] CarriedSurface carry_nothing(const CleanSurface& clean);

@@ -72,15 +72,17 @@ std::optional<std::string> warning_of_folds(const RepairResult& repaired, std::s
 
 std::optional<std::string> warning_of_loose_pieces(const LoosePiecesLeft& loose) {
   if (loose.count == 0) return std::nullopt;
+  const bool one = loose.count == 1;
+  const char* them = one ? "it" : "them";
+  const std::string riders =
+      loose.would_ride < loose.count ? std::to_string(loose.would_ride) + " of them" : std::string(them);
+  const std::string ride = loose.would_ride == 0 ? "" : "let " + riders + " ride on the cloth with --carry-loose, ";
   char text[400];
-  std::snprintf(
-      text, sizeof text,
-      "%u small %s, up to %.3g m across, %s attached to nothing and will fall or float by %s: let %s ride on "
-      "the cloth with --carry-loose if small enough, merge %s with the cloth in a modelling program, or leave "
-      "%s out with --parts",
-      loose.count, loose.count == 1 ? "piece" : "pieces", loose.across, loose.count == 1 ? "is" : "are",
-      loose.count == 1 ? "itself" : "themselves", loose.count == 1 ? "it" : "them", loose.count == 1 ? "it" : "them",
-      loose.count == 1 ? "it" : "them");
+  std::snprintf(text, sizeof text,
+                "%u %s%s, up to %.3g m across, %s attached to nothing and will fall or float by %s: %smerge %s with "
+                "the cloth in a modelling program, or leave %s out with --parts",
+                loose.count, loose.are_small ? "small " : "", one ? "piece" : "pieces", loose.across,
+                one ? "is" : "are", one ? "itself" : "themselves", ride.c_str(), them, them);
   return text;
 }
 

@@ -172,13 +172,13 @@ void warn_of_carried(const ConvertReport& report, std::vector<std::string>& out)
                 " of the area, have no pixels: they ride on the cloth beside them, and their weight is not counted");
 }
 
-/// A piece of many triangles that rides along is no button: its file may have parts of several scales.
+/// A piece of many triangles that is too small for pixels is no button: its file may have parts of several scales.
 void warn_of_fine_pieces(const ConvertReport& report, const ClothAsset& asset, std::vector<std::string>& out) {
   constexpr double kMany = 0.05;  // of the triangles
   double faces = 0;
   for (const PartShape& part : report.parts) faces += part.faces;
   for (const CarriedPart& piece : report.carried) {
-    if (piece.is_side || piece.faces < kMany * faces || piece.part >= report.parts.size()) continue;
+    if (piece.is_side || piece.is_asked || piece.faces < kMany * faces || piece.part >= report.parts.size()) continue;
     out.push_back(std::to_string(piece.faces) + " triangles of part \"" + report.parts[piece.part].name +
                   "\" have no pixels: beside the rest they are smaller than a spring (" +
                   size_in_words(double{asset.spacing}) +

@@ -48,7 +48,8 @@ struct CarriedPart {
   uint32_t faces = 0;     ///< triangles left out; 0 for a hole
   double area_share = 0;  ///< of the clean surface
   std::string why;
-  bool is_side = false;  ///< the other side of thick cloth, see ConvertOptions::one_layer
+  bool is_side = false;   ///< the other side of thick cloth, see ConvertOptions::one_layer
+  bool is_asked = false;  ///< large enough for pixels, and rides for ConvertOptions::carry_loose
 };
 
 /// What was done to draw layers apart.
