@@ -142,18 +142,18 @@ Sides sides_of_openings(const CleanSurface& surface, const Masses& masses) {
 
 /// The mean direction of a sheet's borders near an axis; the axis where there are none.
 Point3 along_borders(const CleanSurface& surface, const Masses& masses, const Point3& axis) {
-  constexpr double kNear = 0.8;  // cosine
-  constexpr double kLong = 2;    // radii of gyration, together
+  constexpr double kCosine = 0.8;
+  constexpr double kRadii = 2;  // radii of gyration, together
   Point3 sum{0, 0, 0};
   for (const std::vector<uint32_t>& loop : border_loops(surface)) {
     for (const uint32_t h : loop) {
       const Point3 edge = surface.position[head(surface.triangle, h)] - surface.position[tail(surface.triangle, h)];
       const double along = dot(edge, axis);
-      if (std::abs(along) > kNear * length(edge)) sum = sum + edge * (along < 0 ? -1 : 1);
+      if (std::abs(along) > kCosine * length(edge)) sum = sum + edge * (along < 0 ? -1 : 1);
     }
   }
   const double size = length(sum);
-  return size > kLong * std::sqrt(masses.spread.trace()) ? sum * (1 / size) : axis;
+  return size > kRadii * std::sqrt(masses.spread.trace()) ? sum * (1 / size) : axis;
 }
 
 /// The line that sheets are straight along, as curtains, flags in the wind and capes are along their folds: at right
