@@ -57,9 +57,18 @@ void check_none_or(double value, double low, const std::string& where, const cha
   refuse(where, field, value, "0 or between " + number(low) + " and " + number(high));
 }
 
+/// Also of what is not a number.
+bool is_beyond(float component, float largest) {
+  return !(std::abs(component) <= largest);
+}
+
+bool is_within(const Vec3& v, float largest) {
+  return !is_beyond(v.x, largest) && !is_beyond(v.y, largest) && !is_beyond(v.z, largest);
+}
+
 void check_vector(const Vec3& v, float largest, const std::string& where, const char* field) {
   for (const float c : {v.x, v.y, v.z})
-    if (!std::isfinite(c) || std::abs(c) > largest) {
+    if (is_beyond(c, largest)) {
       refuse(where, field, c, "finite, each component within +-" + number(largest));
     }
 }
@@ -159,6 +168,18 @@ void check_share(double value, const std::string& where, const char* field) {
 
 void check_position(const Vec3& position, const std::string& where) {
   check_vector(position, kLargestLength, where, "a position");
+}
+
+void check_velocity(const Vec3& velocity, const std::string& where) {
+  check_vector(velocity, kFastest, where, "a velocity");
+}
+
+bool is_position(const Vec3& position) {
+  return is_within(position, kLargestLength);
+}
+
+bool is_velocity(const Vec3& velocity) {
+  return is_within(velocity, kFastest);
 }
 
 void check_cut(const std::array<Vec3, 3>& triangle, const std::string& where) {

@@ -12,6 +12,8 @@ namespace geocloth {
 /// Positions and lengths beyond this [m] are refused: their squares would leave the range of single precision.
 inline constexpr float kLargestLength = 1e6F;
 
+inline constexpr float kFastest = 1e6F;  ///< [m/s] along an axis, of what a state is written with
+
 // Of materials; below, inverses, squares and their products would leave single precision.
 inline constexpr double kSoftest = 1e-9;   ///< [N/m]
 inline constexpr double kLimpest = 1e-12;  ///< [N m]
@@ -49,6 +51,10 @@ void check_gravity_scale(float scale, const std::string& where);
 void check_sewing(float share, const std::string& where);
 void check_gravity(const Vec3& gravity, const std::string& where);
 void check_position(const Vec3& position, const std::string& where);
+void check_velocity(const Vec3& velocity, const std::string& where);
+// Whether they would pass: who has many of them writes where one is only once it is refused.
+[[nodiscard]] bool is_position(const Vec3& position);
+[[nodiscard]] bool is_velocity(const Vec3& velocity);
 /// Three corners in range that span an area.
 void check_cut(const std::array<Vec3, 3>& triangle, const std::string& where);
 

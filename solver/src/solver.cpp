@@ -53,9 +53,9 @@ void check_desc(const ClothDesc& cloth, const std::string& where) {
   if (cloth.self_collision) check_points(cloth, cloth.self_collision->distance, where + ": self_collision");
   if (cloth.inter_collision) check_points(cloth, cloth.inter_collision->distance, where + ": inter_collision");
   for (uint32_t p = 0; p < cloth.asset->pixel_count(); ++p) {
-    if (cloth.asset->valid(p)) {
-      check_position(apply(cloth.transform, cloth.asset->rest_position[p]), where + ": pixel " + std::to_string(p));
-    }
+    if (!cloth.asset->valid(p)) continue;
+    const Vec3 place = apply(cloth.transform, cloth.asset->rest_position[p]);
+    if (!is_position(place)) check_position(place, where + ": pixel " + std::to_string(p));
   }
 }
 
@@ -779,26 +779,31 @@ void Solver::Impl::write_state(uint32_t cloth, std::span<const Vec3> positions, 
                                                  ": write_state needs one position and one velocity for each of its " +
                                                  std::to_string(asset.pixel_count()) + " pixels");
   }
+  // Everything is checked before anything changes, and no text is put together of what is right.
+  const auto where = [&](uint32_t p) { return name_of(cloth) + ": pixel " + std::to_string(p); };
+  const auto source_of = [&](uint32_t p) {
+    const uint32_t row = c.row_of_pixel[p];
+    return row == kNoPixel ? p : asset.splits.pixel[asset.splits.offset[row]];
+  };
   ClothBox box;
   for (uint32_t p = 0; p < asset.pixel_count(); ++p) {
     if (!asset.valid(p)) continue;
-    check_position(positions[p], name_of(cloth) + ": pixel " + std::to_string(p));
+    if (!is_position(positions[p])) check_position(positions[p], where(p));
+    if (!is_velocity(velocities[p])) check_velocity(velocities[p], where(p));
     box.add(positions[p]);
   }
+  for (uint32_t p = 0; p < asset.pixel_count(); ++p) {
+    if (!asset.valid(p) || !(length(positions[p] - positions[source_of(p)]) > 1e-6F)) continue;
+    throw Error(ErrorCode::invalid_argument, where(p) + " is a copy of pixel " + std::to_string(source_of(p)) +
+                                                 ", but lies elsewhere; copies must agree");
+  }
+  std::vector<vec4> position(asset.pixel_count(), {0, 0, 0, 0}), previous(asset.pixel_count(), {0, 0, 0, 0});
   if (!box.empty()) cloths_[cloth].middle = box.middle();
   follow_cloths();
   const auto dt = static_cast<float>(c.displaced_in);
-  std::vector<vec4> position(asset.pixel_count(), {0, 0, 0, 0}), previous(asset.pixel_count(), {0, 0, 0, 0});
   for (uint32_t p = 0; p < asset.pixel_count(); ++p) {
     if (!asset.valid(p)) continue;
-    const std::string where = name_of(cloth) + ": pixel " + std::to_string(p);
-    check_position(velocities[p], where + ", velocity");
-    const uint32_t row = c.row_of_pixel[p];
-    const uint32_t source = row == kNoPixel ? p : asset.splits.pixel[asset.splits.offset[row]];
-    if (length(positions[p] - positions[source]) > 1e-6F) {
-      throw Error(ErrorCode::invalid_argument,
-                  where + " is a copy of pixel " + std::to_string(source) + ", but lies elsewhere; copies must agree");
-    }
+    const uint32_t source = source_of(p);
     const Vec3 x = positions[source] - origin_;
     const Vec3 before = x - dt * velocities[source];
     position[p] = {x.x, x.y, x.z, c.holds(p) ? 0.F : c.free_inverse_mass[p]};

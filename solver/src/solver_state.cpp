@@ -637,6 +637,7 @@ void Solver::Impl::check_versions(Saved& saved) const {
 void Solver::Impl::check_cloth(SavedCloth& saved, uint32_t index) const {
   const Cloth& cloth = cloths_[index];
   const std::string where = name_of(index);
+  const std::string of_a_pin = where + ": a pin";
   std::optional<uint32_t> last;
   for (const auto& [pixel, pin] : saved.pins) {
     require(pixel < cloth.asset->pixel_count() && cloth.asset->valid(pixel) && (!last || *last < pixel), where,
@@ -644,8 +645,8 @@ void Solver::Impl::check_cloth(SavedCloth& saved, uint32_t index) const {
     last = pixel;
     require(finite(pin.from) && finite(pin.back.from) && finite(pin.back.to), where, ": a pin is not finite");
     require(pin.back.radius >= 0 && pin.back.radius <= kLargestBackstop, where, ": a pin has no such backstop");
-    check_position(pin.target, where + ": a pin");
-    check_pin_hold(pin.hold.frequency, pin.hold.max_distance, where + ": a pin");
+    check_position(pin.target, of_a_pin);
+    check_pin_hold(pin.hold.frequency, pin.hold.max_distance, of_a_pin);
   }
   check_pose(saved.parent_from, where + ": parent");
   check_pose(saved.parent_to, where + ": parent");

@@ -312,5 +312,38 @@ TEST(Refusals, CopiesThatDisagreeCannotBeWritten) {
   EXPECT_THROW(solver.write_state(0, x, std::vector<Vec3>(x.size())), Error);
 }
 
+// It took the origin along before it looked at velocities and copies: who went on after the refusal got other frames
+// than who had never asked.
+TEST(Refusals, OfAStateLeaveTheSolverAsItIs) {
+  const ClothAsset asset = make_sheet({.nx = 9, .ny = 9, .charts_x = 2});
+  Solver solver(std::vector{test::describe(asset)}, test::cpu_settings());
+  test::run(solver, 3);
+  std::vector<Vec3> far = test::positions_of(solver);
+  for (Vec3& x : far) x.x += 500;
+  const std::vector<Vec3> still(far.size());
+  const std::vector<std::byte> before = solver.save();
+  const auto refused = [&](const std::vector<Vec3>& x, const std::vector<Vec3>& v, const char* why) {
+    try {
+      solver.write_state(0, x, v);
+      ADD_FAILURE() << why;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::invalid_argument);
+      EXPECT_THAT(error.what(), testing::HasSubstr(why));
+    }
+    EXPECT_EQ(solver.save(), before) << why;
+  };
+  const uint32_t copy = asset.splits.pixel[1];
+  std::vector<Vec3> bad = still;
+  bad[copy].y = std::numeric_limits<float>::quiet_NaN();
+  refused(far, bad, "a velocity is nan");
+  bad[copy].y = 2e6F;
+  refused(far, bad, "a velocity is 2000000");
+  bad = far;
+  bad[copy].z += 0.01F;
+  refused(bad, still, "is a copy of pixel");
+  bad[copy].z = std::numeric_limits<float>::infinity();
+  refused(bad, still, "a position is inf");
+}
+
 }  // namespace
 }  // namespace geocloth

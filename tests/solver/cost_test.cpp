@@ -54,6 +54,28 @@ TEST(Cost, AStepOfTheSolverAllocatesNothingOnceItRuns) {
   }
 }
 
+/// Checks put the text of a refusal together for each point that was right: a rollback of 128 x 128 pixels or of as
+/// many pins took most of a frame by that.
+TEST(Cost, StatesAndPinsThatAreRightTakeNoMemoryForEachPoint) {
+  const auto taken = [](uint32_t size) {
+    const ClothDesc cloth = test::describe(test::make_sheet({.nx = size, .ny = size, .charts_x = 2}));
+    Solver solver(std::vector{cloth}, test::cpu_settings());
+    std::vector<Pin> pins;
+    for (uint32_t p = 0; p < cloth.asset->pixel_count(); ++p)
+      if (cloth.asset->valid(p))
+        pins.push_back({.pixel = p, .target = cloth.asset->rest_position[p], .max_distance = 0.1F});
+    solver.set_pins(0, pins);
+    test::run(solver, 1);
+    const std::vector<Vec3> x = test::positions_of(solver), v = test::velocities_of(solver);
+    const std::vector<std::byte> state = solver.save();
+    const uint64_t before = test::count_allocations();
+    solver.write_state(0, x, v);
+    solver.restore(state);
+    return test::count_allocations() - before;
+  };
+  EXPECT_LT(taken(48), taken(12) + 60U);  // lists that grow, but nothing for each of 2000 points more
+}
+
 std::unique_ptr<cpu::SweepPlan> plan_of(const BackendScene& scene) {
   return CpuCloth(scene).plan();
 }

@@ -275,9 +275,10 @@ class Solver {
   void read_normals(uint32_t cloth, std::vector<Vec3>& out);
   /// Velocities [m/s] over the last substep.
   void read_velocities(uint32_t cloth, std::vector<Vec3>& out);
-  /// Puts a cloth into a given state, one position [m] and velocity [m/s] per pixel; copies must agree to 1e-6 m. What
-  /// pins hold is where they have it again in the next step.
+  /// Puts a cloth into a given state, one position [m] and velocity [m/s] per pixel, components of both up to 1e6;
+  /// copies must agree to 1e-6 m. What pins hold is where they have it again in the next step.
   /// @throws Error(invalid_argument) where there are not as many as pixels, where copies disagree, or one is not finite
+  ///   or out of range; the solver stays as it is
   void write_state(uint32_t cloth, std::span<const Vec3> positions, std::span<const Vec3> velocities);
 
   /// All that the frames to come follow from, as bytes, for rollback and replays: restored they give the same bits as
