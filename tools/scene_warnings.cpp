@@ -444,7 +444,7 @@ void warn_of_stretching_pressure(Simulation& simulation, std::vector<std::string
     const double way = double{asset->spacing} * double{scale} * scene.frame_rate * scene.substeps;
     const double resists = double{material.areal_density} * way * way * scene.relaxation_steps;
     const double too_long = strain * own / (own + resists);
-    if (!(too_long > kMuch) || scene.substeps >= kMostSubsteps) continue;
+    if (!(too_long > kMuch) || !std::isfinite(too_long) || scene.substeps >= kMostSubsteps) continue;
     const double fast = std::floor(kFastest / scene.frame_rate), most = scene.substeps < fast ? fast : kMostSubsteps;
     const double wanted = std::min(most, 8 * std::ceil(scene.substeps * std::sqrt(too_long / kWanted) / 8));
     warnings.push_back(fmt::format(

@@ -83,7 +83,8 @@ void check_rotation(const Quat& q, const std::string& where) {
   if (!(std::abs(n - 1) < 1e-3)) refuse(where, "the length of the quaternion `rotate`", n, "1");
 }
 
-void check_field(const DistanceField& f, const std::string& where) {
+/// @param known  how many nodes there are is looked at, and not what they have
+void check_field(const DistanceField& f, const std::string& where, bool known) {
   const double nodes = static_cast<double>(f.size[0]) * f.size[1] * f.size[2];  // exact where a vector could be as long
   if (*std::min_element(f.size.begin(), f.size.end()) < 2 || static_cast<double>(f.distance.size()) != nodes) {
     std::string size;
@@ -98,16 +99,17 @@ void check_field(const DistanceField& f, const std::string& where) {
   const auto high = [&](float low, uint32_t n) { return low + f.spacing * static_cast<float>(n - 1); };
   check_vector({high(f.low.x, f.size[0]), high(f.low.y, f.size[1]), high(f.low.z, f.size[2])}, kLargestLength, where,
                "the field's last node");
-  constexpr float kFarthest = 4 * kLargestLength;  // no node is farther from a surface in the grid
-  const auto bad =
-      std::find_if(f.distance.begin(), f.distance.end(), [](float d) { return !(std::abs(d) <= kFarthest); });
-  if (bad != f.distance.end()) refuse(where, "a distance of the field", *bad, "within +-" + number(kFarthest));
   if (!f.way.empty() && f.way.size() != f.distance.size()) {
     throw Error(ErrorCode::invalid_argument,
                 where + ": its field has " + std::to_string(f.way.size()) + " ways for " +
                     std::to_string(f.distance.size()) +
                     " nodes; it must have one for each, or none; see make_deforming_field");
   }
+  if (known) return;
+  constexpr float kFarthest = 4 * kLargestLength;  // no node is farther from a surface in the grid
+  const auto bad =
+      std::find_if(f.distance.begin(), f.distance.end(), [](float d) { return !(std::abs(d) <= kFarthest); });
+  if (bad != f.distance.end()) refuse(where, "a distance of the field", *bad, "within +-" + number(kFarthest));
   for (const Vec3& way : f.way) check_vector(way, kLargestLength, where, "a way of the field");
 }
 
@@ -155,9 +157,20 @@ struct ShapeCheck {
   }
   void operator()(const MeshSolid& s) const {
     if (!s.field) throw Error(ErrorCode::invalid_argument, where + ": has no field; see make_distance_field");
-    if (!known) check_field(*s.field, where);
+    check_field(*s.field, where, known);
   }
 };
+
+/// Points of finer grids would have more neighbours than are listed.
+void check_points(const ClothDesc& cloth, float distance, const std::string& where) {
+  constexpr float kMostSpacings = 3;
+  check_distance(distance, where);
+  const float most = kMostSpacings * cloth.asset->spacing * cloth.transform.scale;
+  if (distance <= most) return;
+  throw Error(ErrorCode::invalid_argument,
+              where + ": distance is " + std::to_string(distance) + " m; it must be at most " + std::to_string(most) +
+                  " m, three times the spacing: convert with a wider one, or leave it out");
+}
 
 /// The seeds' parameters: not set when negative, else 0..1.
 void check_share(double value, const std::string& where, const char* field) {
@@ -298,6 +311,21 @@ void check_fabrics(const ClothDesc& cloth, const std::string& where) {
       throw Error(ErrorCode::invalid_argument, where + ": fabric " + std::to_string(f) + ": pixel " +
                                                    std::to_string(p) + " is not one of the cloth's");
     }
+  }
+}
+
+void check(const ClothDesc& cloth, const std::string& where) {
+  if (!cloth.asset) throw Error(ErrorCode::invalid_argument, where + ": asset is null");
+  validate(*cloth.asset);
+  check(cloth.material, where + ": material");
+  check_fabrics(cloth, where);
+  check(cloth.transform, where + ": transform");
+  if (cloth.self_collision) check_points(cloth, cloth.self_collision->distance, where + ": self_collision");
+  if (cloth.inter_collision) check_points(cloth, cloth.inter_collision->distance, where + ": inter_collision");
+  for (uint32_t p = 0; p < cloth.asset->pixel_count(); ++p) {
+    if (!cloth.asset->valid(p)) continue;
+    const Vec3 place = apply(cloth.transform, cloth.asset->rest_position[p]);
+    if (!is_position(place)) check_position(place, where + ": pixel " + std::to_string(p));
   }
 }
 

@@ -34,7 +34,10 @@ void check_fabrics(const Material& material, std::span<const Fabric> fabrics, co
 /// The same, and their pixels.
 void check_fabrics(const ClothDesc& cloth, const std::string& where);
 void check(const Transform& transform, const std::string& where);
-/// @param known  its field was checked before: half a million distances are not looked at again
+/// All of it, its asset too.
+/// @throws Error(invalid_data) for an asset that validate() refuses, Error(limit) for too many fabrics
+void check(const ClothDesc& cloth, const std::string& where);
+/// @param known  half a million distances of its field are not looked at, only how many there are
 void check(const Collider& collider, const std::string& where, bool known = false);
 void check(const Plane& plane, const std::string& where);
 void check(const Wind& wind, const std::string& where);

@@ -7,6 +7,7 @@
 #include <limits>
 #include <string>
 
+#include "check_input.h"
 #include "geocloth/asset/error.h"
 #include "geocloth/asset/grid_mesh.h"
 #include "geocloth/solver/solver.h"
@@ -97,7 +98,9 @@ StretchStatistics measure_stretch(const ClothAsset& asset, float scale, std::spa
   std::vector<double> ratio;
   for_structural_springs(asset, [&](uint32_t p, uint32_t q) {
     const double rest = static_cast<double>(scale) * distance(asset.rest_position[p], asset.rest_position[q]);
-    if (rest > 0) ratio.push_back(distance(positions[p], positions[q]) / rest);
+    if (!(rest > 0)) return;
+    const double r = distance(positions[p], positions[q]) / rest;
+    ratio.push_back(std::isfinite(r) ? r : std::numeric_limits<double>::infinity());  // NaN would be lost in the order
   });
   if (ratio.empty()) return {};
   StretchStatistics result;
@@ -115,7 +118,7 @@ struct EnergyMeter::Impl {
 };
 
 EnergyMeter::EnergyMeter(const ClothDesc& cloth) {
-  if (!cloth.asset) throw Error(ErrorCode::invalid_argument, "the cloth whose energy is to be measured has no asset");
+  check(cloth, "the cloth whose energy is to be measured");
   impl_ = std::make_unique<Impl>(Impl{make_cloth_data(cloth, {})});
 }
 EnergyMeter::~EnergyMeter() = default;

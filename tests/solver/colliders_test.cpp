@@ -11,6 +11,7 @@
 #include <numbers>
 #include <ostream>
 #include <random>
+#include <string>
 #include <utility>
 #include <variant>
 
@@ -309,6 +310,27 @@ TEST(SignedDistance, OfAnEllipsoidIsThatToItsNearestPoint) {
     const bool inside = p.x * p.x / (r.x * r.x) + p.y * p.y / (r.y * r.y) + p.z * p.z / (r.z * r.z) < 1;
     EXPECT_NEAR(signed_distance(collider, apply(pose, p)), sampled_distance(p, surface, inside), 3e-5)
         << p.x << ' ' << p.y << ' ' << p.z;
+  }
+}
+
+// A tool that asks before it sets its colliders crashed on those that the solver refuses.
+TEST(SignedDistance, OfWhatIsNoColliderIsRefused) {
+  DistanceField few;
+  few.size = {2, 2, 2};
+  few.spacing = 1;
+  few.distance.resize(7);
+  const std::vector<ColliderShape> shapes{MeshSolid{}, Convex{}, MeshSolid{std::make_shared<const DistanceField>(few)},
+                                          Sphere{{}, -1}};
+  for (const ColliderShape& shape : shapes) {
+    const Collider collider{.name = "body", .shape = shape};
+    try {
+      static_cast<void>(signed_distance(collider, {}));
+      ADD_FAILURE() << shape.index();
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::invalid_argument);
+      EXPECT_NE(std::string(e.what()).find("\"body\""), std::string::npos) << e.what();
+    }
+    EXPECT_THROW(SignedDistance{collider}, Error);
   }
 }
 

@@ -281,6 +281,44 @@ TEST(Refusals, MeasuresOfAnotherNumberOfPixels) {
   EXPECT_NO_THROW(static_cast<void>(meter.measure({}, all, all, std::vector<uint32_t>{24})));
 }
 
+// A cloth that had flown apart was reported as not stretched at all.
+TEST(Stretch, OfWhatIsNotANumberIsInfinite) {
+  const ClothAsset asset = make_sheet({.nx = 5, .ny = 5});
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+  const StretchStatistics none = measure_stretch(asset, 1, std::vector<Vec3>(25, Vec3{kNaN, 0, 0}));
+  for (const double value : {none.max, none.p99, none.mean}) EXPECT_EQ(value, kInfinity);
+  std::vector<Vec3> one = asset.rest_position;
+  one[7].y = kNaN;
+  const StretchStatistics in_part = measure_stretch(asset, 1, one);
+  EXPECT_EQ(in_part.max, kInfinity);
+  EXPECT_EQ(in_part.p99, kInfinity);  // of four springs in forty
+  EXPECT_EQ(in_part.mean, kInfinity);
+}
+
+// A pixel out of range ended the program, and an asset that no solver takes was measured as if it were one.
+TEST(Refusals, TheEnergyOfClothThatNoSolverTakes) {
+  const ClothAsset asset = make_sheet({.nx = 5, .ny = 5});
+  const auto refused = [](const ClothDesc& cloth, ErrorCode code, const char* why) {
+    try {
+      const EnergyMeter meter(cloth);
+      ADD_FAILURE() << why;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), code) << e.what();
+      EXPECT_THAT(e.what(), testing::HasSubstr(why));
+    }
+  };
+  ClothDesc cloth = test::describe(asset);
+  cloth.fabrics.push_back({.pixels = {4'000'000}});
+  refused(cloth, ErrorCode::invalid_argument, "fabric 0: pixel 4000000 is not one of the cloth's");
+  cloth.fabrics.resize(33);
+  refused(cloth, ErrorCode::limit, "33 fabrics");
+  ClothAsset broken = asset;
+  broken.area.resize(3);
+  refused(test::describe(broken), ErrorCode::invalid_data, "area");
+  refused({}, ErrorCode::invalid_argument, "asset is null");
+}
+
 // `--backend cpu --device ...` ran on the cpu whatever it was told, and the cpu's own name was that of no device.
 TEST(Refusals, TheCpuIsADeviceWithAName) {
   const std::string name = enumerate_devices().front().name;

@@ -3,6 +3,7 @@
 
 #include "geocloth/solver/collider.h"
 
+#include "check_input.h"
 #include "cpu/collider_set.h"
 #include "frame_input.h"
 
@@ -16,6 +17,7 @@ struct SignedDistance::Impl {
 };
 
 SignedDistance::SignedDistance(const Collider& collider) {
+  check(collider, "the collider whose distance is wanted", true);
   auto impl = std::make_unique<Impl>();
   impl->frame = collider_frame(collider);
   if (const auto* mesh = std::get_if<MeshSolid>(&collider.shape)) {

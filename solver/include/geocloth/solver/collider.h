@@ -61,10 +61,14 @@ struct Collider {
 /// Signed distance [m] of a point to the collider's surface in its pose, negative inside. Ellipsoid: exact to 1e-6 of
 /// its largest radius. Convex: outside of an edge or a corner the largest distance to one of the planes. Mesh: of the
 /// field, a lower bound outside of its grid.
+/// @throws Error(invalid_argument) for a collider that Solver::set_colliders() refuses
+///
+/// Of a mesh's field it is not looked at what the distances are, only how many.
 [[nodiscard]] float signed_distance(const Collider& collider, const Vec3& point);
 /// The same of many points: what a collider is made of is worked out once.
 class SignedDistance {
  public:
+  /// @throws Error(invalid_argument) as signed_distance()
   explicit SignedDistance(const Collider& collider);
   ~SignedDistance();
   SignedDistance(SignedDistance&&) noexcept;

@@ -327,7 +327,8 @@ class Solver {
 
 /// Measures of a state, in double precision on the host.
 struct StretchStatistics {
-  double max = 0, p99 = 0, mean = 0;  ///< of length / rest length over the valid structural springs
+  /// Of length / rest length over the valid structural springs; a length that is not finite counts as infinite.
+  double max = 0, p99 = 0, mean = 0;
 };
 /// @throws Error(invalid_argument) unless there is one position for each pixel
 [[nodiscard]] StretchStatistics measure_stretch(const ClothAsset& asset, float scale, std::span<const Vec3> positions);
@@ -341,7 +342,7 @@ struct Energy {
 /// Measures the energy of a cloth in many states: what it is made of is worked out once.
 class EnergyMeter {
  public:
-  /// @throws Error(invalid_argument) without an asset
+  /// @throws Error as the constructor of a Solver does for such a cloth
   explicit EnergyMeter(const ClothDesc& cloth);
   ~EnergyMeter();
   EnergyMeter(EnergyMeter&&) noexcept;
@@ -357,7 +358,7 @@ class EnergyMeter {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
-/// The same for one state.
+/// The same for one state. @throws Error as the meter does
 [[nodiscard]] Energy measure_energy(const ClothDesc& cloth, const Vec3& gravity, std::span<const Vec3> positions,
                                     std::span<const Vec3> velocities, std::span<const uint32_t> held = {});
 
