@@ -292,6 +292,19 @@ TEST(DistanceField, WhatEnclosesNothingIsRefused) {
   EXPECT_THROW(static_cast<void>(make_distance_field({}, 1000)), Error);
 }
 
+// A count that came from a unit mixed up took all memory, and the program with it.
+TEST(DistanceField, OfMoreNodesThanAreAllowedIsRefused) {
+  for (const size_t nodes : {kMostFieldNodes + 1, size_t{4'000'000'000}}) {
+    try {
+      static_cast<void>(make_distance_field(box({-1, -1, -1}, {1, 1, 1}), static_cast<uint32_t>(nodes)));
+      FAIL() << "a field of " << nodes << " nodes was made";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::invalid_argument);
+      EXPECT_NE(std::string(error.what()).find("it may have 64000000"), std::string::npos) << error.what();
+    }
+  }
+}
+
 // A replay on another machine would part from the first one where a body touches the cloth.
 using Field = test::OnVectorTarget;
 TEST_P(Field, HasTheSameBitsWithEveryInstructionSet) {

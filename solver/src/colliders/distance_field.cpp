@@ -313,6 +313,11 @@ SurfaceBounds bounds_of(const TriangleSurface& surface) {
 
 DistanceField make_distance_field(TriangleSurface surface, uint32_t nodes) {
   check_surface(surface);
+  if (nodes > kMostFieldNodes) {
+    throw Error(ErrorCode::invalid_argument, "a field of " + std::to_string(nodes) +
+                                                 " nodes is wanted for the body of a collider; it may have " +
+                                                 std::to_string(kMostFieldNodes));
+  }
   DistanceField field = grid_around(std::move(surface), nodes);
   Filler(field, {}).fill();
   return field;

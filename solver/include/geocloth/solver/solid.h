@@ -58,8 +58,8 @@ struct DistanceField {
 };
 /// Inside is where the surface winds around (generalised winding number), so holes, overlaps and several parts are
 /// fine.
-/// @param nodes  about how many; the spacing follows
-/// @throws Error(invalid_argument) when an index is out of range or the surface encloses nothing
+/// @param nodes  about how many, up to kMostFieldNodes; the spacing follows
+/// @throws Error(invalid_argument) when an index is out of range, the surface encloses nothing, or for more nodes
 [[nodiscard]] DistanceField make_distance_field(TriangleSurface surface, uint32_t nodes = 500'000);
 /// [m] Between the nodes of a field, above 0.
 struct FieldSpacing {

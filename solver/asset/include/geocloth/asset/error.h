@@ -18,7 +18,7 @@ enum class ErrorCode {
   cancelled,         ///< The user or the caller's progress callback asked to stop.
 };
 
-/// The only exception type that geocloth throws. what() names the file, the element and the remedy in one line.
+/// Besides std::bad_alloc all that geocloth throws. what() names the file, the element and the remedy in one line.
 class Error : public std::runtime_error {
  public:
   Error(ErrorCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
