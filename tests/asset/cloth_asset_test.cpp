@@ -198,6 +198,27 @@ TEST(ClothAsset, ACollapsedSheetStillHasUnitNormals) {
   for (const Vec3& p : out) EXPECT_TRUE(is_finite(p));
 }
 
+// The file was blamed for what its caller had counted wrong.
+TEST(ClothAsset, AnotherNumberOfPositionsIsTheCallersMistake) {
+  const ClothAsset asset = make_sheet({.nx = 4, .ny = 4});
+  const std::vector<Vec3> few(3), all(16), bound = bind_normals(asset);
+  std::vector<Vec3> out;
+  const auto refused = [](const auto& call) {
+    try {
+      call();
+      ADD_FAILURE();
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::invalid_argument) << error.what();
+    }
+  };
+  refused([&] { compute_normals(asset, few, out); });
+  refused([&] { evaluate_binding(asset, few, all, out); });
+  refused([&] { evaluate_binding(asset, all, few, out); });
+  refused([&] { evaluate_bound_normals(asset, few, all, all, out); });
+  refused([&] { evaluate_bound_normals(asset, bound, few, all, out); });
+  refused([&] { evaluate_bound_normals(asset, bound, all, few, out); });
+}
+
 /// A sheet whose source mesh floats 1 cm in front of it, and to the side.
 ClothAsset sheet_with_offsets() {
   ClothAsset asset = make_sheet({.nx = 6, .ny = 6, .charts_x = 2});

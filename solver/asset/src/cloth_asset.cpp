@@ -35,6 +35,13 @@ void check_size(const char* array, std::size_t size, std::size_t expected) {
   }
 }
 
+/// Of what a caller gives beside an asset.
+void check_count(const char* what, std::size_t count, std::size_t expected) {
+  if (count == expected) return;
+  throw Error(ErrorCode::invalid_argument,
+              std::string(what) + ": " + std::to_string(count) + " are given instead of " + std::to_string(expected));
+}
+
 /// @param array, at  name the element; put together only when it is needed
 void check_index(const char* array, std::size_t at, std::size_t index, std::size_t count) {
   if (index >= count) refuse(element(array, at), "is " + std::to_string(index) + " of " + std::to_string(count));
@@ -326,7 +333,7 @@ uint32_t count_valid_pixels(const ClothAsset& asset) {
 }
 
 void compute_normals(const ClothAsset& asset, const std::vector<Vec3>& position, std::vector<Vec3>& normal) {
-  check_size("position", position.size(), asset.pixel_count());
+  check_count("position", position.size(), asset.pixel_count());
   const std::vector<uint32_t> first_copy = first_copies(asset);
   std::vector<Vec3d> sum(asset.pixel_count());
   for (const Triangle& t : pixel_triangles(asset)) {
@@ -343,8 +350,8 @@ void compute_normals(const ClothAsset& asset, const std::vector<Vec3>& position,
 
 void evaluate_binding(const ClothAsset& asset, const std::vector<Vec3>& position, const std::vector<Vec3>& normal,
                       std::vector<Vec3>& out, float scale) {
-  check_size("position", position.size(), asset.pixel_count());
-  check_size("normal", normal.size(), asset.pixel_count());
+  check_count("position", position.size(), asset.pixel_count());
+  check_count("normal", normal.size(), asset.pixel_count());
   out.resize(asset.binding.size());
   for (std::size_t i = 0; i < asset.binding.size(); ++i) {
     const Binding& binding = asset.binding[i];
@@ -377,9 +384,9 @@ std::vector<Vec3> bind_normals(const ClothAsset& asset) {
 
 void evaluate_bound_normals(const ClothAsset& asset, const std::vector<Vec3>& bound, const std::vector<Vec3>& position,
                             const std::vector<Vec3>& normal, std::vector<Vec3>& out) {
-  check_size("bound normals", bound.size(), asset.binding.size());
-  check_size("position", position.size(), asset.pixel_count());
-  check_size("normal", normal.size(), asset.pixel_count());
+  check_count("bound normals", bound.size(), asset.binding.size());
+  check_count("position", position.size(), asset.pixel_count());
+  check_count("normal", normal.size(), asset.pixel_count());
   out.resize(asset.binding.size());
   for (std::size_t i = 0; i < asset.binding.size(); ++i) {
     const Frame frame = binding_frame(asset.binding[i], position, normal);

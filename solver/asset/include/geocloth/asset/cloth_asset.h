@@ -181,12 +181,14 @@ void validate(const ClothAsset& asset);
 /// Area-weighted normals of the grid, summed over the copies of a split vertex, so that copies agree bit for bit.
 /// @param position  one per pixel
 /// @param normal    resized to one per pixel; unit length, zero where the pixel is not valid
+/// @throws Error(invalid_argument) for another number of positions
 void compute_normals(const ClothAsset& asset, const std::vector<Vec3>& position, std::vector<Vec3>& normal);
 
 /// Evaluates the binding: where every vertex of the source mesh is when the grid stands at `position`.
 /// @param position, normal  one per pixel
 /// @param out               resized to one per source (render) vertex
 /// @param scale             of the garment in its scene: offsets grow with it
+/// @throws Error(invalid_argument) for another number of positions or normals
 void evaluate_binding(const ClothAsset& asset, const std::vector<Vec3>& position, const std::vector<Vec3>& normal,
                       std::vector<Vec3>& out, float scale = 1);
 
@@ -201,6 +203,7 @@ void evaluate_binding(const ClothAsset& asset, const std::vector<Vec3>& position
 /// @param bound             what bind_normals gave
 /// @param position, normal  one per pixel
 /// @param out               resized to one per render vertex; unit length
+/// @throws Error(invalid_argument) for another number of any of them
 void evaluate_bound_normals(const ClothAsset& asset, const std::vector<Vec3>& bound, const std::vector<Vec3>& position,
                             const std::vector<Vec3>& normal, std::vector<Vec3>& out);
 
