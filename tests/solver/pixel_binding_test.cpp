@@ -162,6 +162,14 @@ TEST(PixelBinding, TakesAGarmentToAnotherResolution) {
 TEST(PixelBinding, RefusesOtherMeshesAndOtherCounts) {
   const ClothAsset asset = shirt(32), other = test::make_sheet({});
   EXPECT_THROW(PixelBinding(asset, other), Error);
+  Solver solver(std::vector{test::describe(other)}, test::cpu_settings());
+  ASSERT_GT(solver.cut(0, {Vec3{0.013F, -9, -9}, Vec3{0.013F, 9, -9}, Vec3{0.013F, 0, 9}}).cells, 0U);
+  try {  // it was said to be of another mesh
+    const PixelBinding binding(other, *solver.asset(0));
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("has been cut"), std::string::npos) << error.what();
+  }
   std::vector<Vec3> out;
   EXPECT_THROW(PixelBinding(asset).evaluate(std::vector<Vec3>(3), out), Error);
   EXPECT_THROW(PixelBinding(asset, asset).evaluate(asset.source.position, out), Error);

@@ -24,8 +24,13 @@ PixelBinding::PixelBinding(const ClothAsset& asset)
 
 PixelBinding::PixelBinding(const ClothAsset& asset, const ClothAsset& from)
     : pixels_(asset.pixel_count()), points_(from.pixel_count()) {
-  if (asset.source.position != from.source.position || asset.source.triangle != from.source.triangle)
+  if (asset.source.position != from.source.position)
     throw Error(ErrorCode::invalid_argument, "the two assets were not converted from the same mesh");
+  if (asset.source.triangle != from.source.triangle) {
+    throw Error(ErrorCode::invalid_argument,
+                "the meshes of the two assets have the same vertices and other triangles, as of cloth that has been "
+                "cut; pass both assets as they were loaded, not as Solver::asset() gives them after a cut");
+  }
   const SourceSurface mesh(asset);
   const RestSurface grid(from.rest_position, pixel_triangles(from), from.spacing);
   for (uint32_t p = 0; p < pixels_; ++p) {

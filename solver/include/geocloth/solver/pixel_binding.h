@@ -25,7 +25,8 @@ class PixelBinding {
  public:
   /// By the vertices of its `source` (render vertices).
   explicit PixelBinding(const ClothAsset& asset);
-  /// By the pixels of another asset. @throws Error(invalid_argument) when that was converted from another mesh
+  /// By the pixels of another asset. Both as they were loaded: Solver::asset() of cloth that has been cut lacks
+  /// triangles. @throws Error(invalid_argument) when the other was converted from another mesh, or only one is cut
   PixelBinding(const ClothAsset& asset, const ClothAsset& from);
 
   /// @param points  [m] one per vertex, or per pixel of the other asset
