@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <string_view>
 #include <utility>
 
 #include "check_input.h"
@@ -68,7 +69,7 @@ void checked(const Check& check) {
   try {
     check();
   } catch (const Error& error) {
-    if (error.code() == ErrorCode::limit) throw;
+    if (error.code() == ErrorCode::limit || std::string_view(error.what()).starts_with(kSavedState)) throw;
     refuse_state(error.what());
   }
 }

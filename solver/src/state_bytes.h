@@ -14,8 +14,10 @@
 
 namespace geocloth {
 
+inline constexpr const char* kSavedState = "saved state: ";  ///< begins what is said of one that is refused
+
 [[noreturn]] inline void refuse_state(const std::string& problem) {
-  throw Error(ErrorCode::invalid_data, "saved state: " + problem);
+  throw Error(ErrorCode::invalid_data, kSavedState + problem);
 }
 
 // StateWriter and StateReader have the same functions, so that one text says what is written and what is read.
