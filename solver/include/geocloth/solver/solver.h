@@ -74,10 +74,12 @@ enum class SolverPath : uint8_t {
 
 struct SolverSettings {
   Backend backend = Backend::automatic;
-  std::string device = {};        ///< part of a device's name; empty: by backend
-  uint32_t threads = 1;           ///< cpu backend, 1..1024; the result does not depend on it
-  double frame_time = 1.0 / 60;   ///< [s] up to 10; a substep must be 1e-7 at least
-  uint32_t substeps = 16;         ///< per frame, 1..256; more is stiffer and loses less energy
+  std::string device = {};       ///< part of a device's name; empty: by backend
+  uint32_t threads = 1;          ///< cpu backend, 1..1024; the result does not depend on it
+  double frame_time = 1.0 / 60;  ///< [s] up to 10; a substep must be 1e-7 at least
+  /// Per frame, 1..256; more is stiffer and loses less energy. Where a substep is shorter than 1/5000 s as the solver
+  /// is made, positions have twice the digits for good: a point at rest moves by less than one digit in such a step.
+  uint32_t substeps = 16;
   uint32_t relaxation_steps = 1;  ///< sweeps over all constraints per substep, 1..256
   /// Springs pull along where they were when the substep began, on positions of twice the digits: free cloth keeps its
   /// angular momentum, which it loses else by the share w^2 dt a second of a spin w [1/s]. About seven times as slow.
@@ -159,6 +161,9 @@ class Solver {
  public:
   /// @param cloths  cloths 0, 1, 2 ... of the solver; others may come later, also to none
   /// @throws Error(invalid_argument) for a value out of range, Error(device) when no device fits
+  /// @throws Error(invalid_data) for an asset that validate() refuses
+  /// @throws Error(limit) for more than 32 fabrics, where too many points meet or are sewn to one, or where the device
+  ///   has no images as large as an asset
   Solver(std::span<const ClothDesc> cloths, const SolverSettings& settings);
   Solver(Solver&&) noexcept;
   Solver& operator=(Solver&&) noexcept;
@@ -263,8 +268,9 @@ class Solver {
   /// Frames from now on are so long, of so many substeps; velocities stay. From frame to frame a substep gets at most a
   /// twentieth longer or shorter, so that cloth is not shaken where frames vary: until it is as long as asked for,
   /// there are more or fewer of them, four times as many at most. Where colliders are so fast that they would stretch
-  /// a cloth open in a substep, it has up to four times as many in that frame, up to 32 times for small ones. @throws
-  /// Error(invalid_argument)
+  /// a cloth open in a substep, it has up to four times as many in that frame, up to 32 times for small ones. How many
+  /// digits positions have does not change with it: for substeps below 1/5000 s make the solver with such.
+  /// @throws Error(invalid_argument)
   void set_time_step(double frame_time, uint32_t substeps);
   /// Advances by one frame: on Vulkan it only submits, but for cloth without pins, which it has to look for where a
   /// collider becomes fast or comes near while it is.

@@ -69,6 +69,7 @@ class ValidationLog {
   mutable std::mutex mutex_;
   std::vector<std::string> messages_;
 };
+/// Of a solver's device. @throws Error(unsupported) for a solver on the cpu backend
 [[nodiscard]] std::shared_ptr<const ValidationLog> validation_log(Solver& solver);
 
 }  // namespace geocloth
