@@ -393,7 +393,11 @@ class CpuBackend final : public SolverBackend {
     }
     cloth.normals_stale = true;
     if (data_.timings) compute_normals(cloth, threads);
-    if (!cloth.options.motion) return;
+    if (!cloth.options.motion) {  // nothing of an earlier frame is left to be read as this one's
+      cloth.measures.longest_way[cloth.options.motion_word] = 0;
+      cloth.measures.left_behind[cloth.options.motion_word] = 0;
+      return;
+    }
     run({Pass::measure_motion, cloth.options.motion_word}, {frame, cloth.frame, threads, 0, data_.relaxation_steps},
         cloth);
   }
