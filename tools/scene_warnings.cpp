@@ -388,6 +388,24 @@ void warn_of_idle_settings(const Scene& scene, size_t index, std::vector<std::st
   }
 }
 
+/// Points that are no wider than that fit between those of another layer, in the middle of a cell.
+void warn_of_narrow_points(const Simulation& simulation, size_t index, std::vector<std::string>& warnings) {
+  constexpr float kFits = 0.71F, kHolds = 0.85F;  // spacings
+  const SceneCloth& cloth = simulation.scene().cloths[index];
+  const ClothDesc& made = simulation.cloths()[index];
+  const float spacing = made.asset->spacing * made.transform.scale;
+  const auto check = [&](const char* key, float distance) {
+    if (distance < 0 || distance > kFits * spacing) return;
+    warnings.push_back(fmt::format(
+        "{}: \"{}\" keeps points {:.3g} m apart, which are {:.3g} m from their neighbours: other cloth comes "
+        "through between them; give it a \"distance\" of {:.2g} or more, or convert the cloth with a larger "
+        "--resolution",
+        name_of_cloth(simulation.scene(), index), key, distance, spacing, kHolds * spacing));
+  };
+  if (cloth.self_collision) check("self_collision", cloth.self_collision->distance);
+  if (cloth.inter_collision) check("inter_collision", cloth.inter_collision->distance);
+}
+
 /// Whether points lie in a plane, to a hundred thousandth of how far they are apart.
 bool are_coplanar(const std::vector<Vec3>& points) {
   constexpr float kOff = 1e-5F;
@@ -467,6 +485,7 @@ std::vector<std::string> scene_warnings(const Simulation& simulation) {
     warn_of_late_parts(simulation.scene(), c, warnings);
     warn_of_torn_jumps(simulation.scene(), c, warnings);
     warn_of_idle_settings(simulation.scene(), c, warnings);
+    warn_of_narrow_points(simulation, c, warnings);
     warn_of_skin(simulation, c, warnings);
     warn_of_inward_skins(simulation.scene(), c, warnings);
   }

@@ -138,6 +138,21 @@ TEST_F(SceneWarnings, SayThatClothOnlyFallsUnlessNothingDrawsItDown) {
     EXPECT_THAT(warnings(R"({"asset":"sheet.glb","gravity_scale":)" + scale + "}"), IsEmpty()) << scale;
 }
 
+/// Two sheets that were to lie closer lay in one another, without a word.
+TEST_F(SceneWarnings, TellOfPointsThatFitBetweenOthers) {
+  const auto sheet = [](const char* collision) {
+    return fmt::format(R"({{"asset":"sheet.glb","pins":[{{"where":{{"top":0.1}}}}]{}}})", collision);
+  };
+  EXPECT_THAT(
+      warnings(sheet(R"(,"self_collision":{"distance":0.08})")),
+      ElementsAre(AllOf(HasSubstr("cloths[0] (sheet.glb): \"self_collision\" keeps points 0.08 m apart"),
+                        HasSubstr("0.125 m from their neighbours"), HasSubstr("\"distance\" of 0.11 or more"))));
+  EXPECT_THAT(warnings(sheet(R"(,"self_collision":{"distance":0.1})")), IsEmpty());
+  const std::string narrow = sheet(R"(,"inter_collision":{"distance":0.05})");
+  EXPECT_THAT(warnings(narrow + "," + sheet(R"(,"inter_collision":true)")),
+              ElementsAre(HasSubstr("\"inter_collision\" keeps points 0.05 m apart")));
+}
+
 TEST_F(SceneWarnings, TellWhatHasNoEffect) {
   const auto sheet = [](const std::string& more) {
     return R"({"asset":"sheet.glb","pins":[{"where":{"vertex_group":"top"}}])" + more + "}";

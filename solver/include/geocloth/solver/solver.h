@@ -21,7 +21,9 @@ namespace geocloth {
 /// How the layers of a cloth keep apart. Points of the grid are balls, so that it holds for the whole of the cloth (its
 /// several parts too) while it is not far more stretched than the distance; see solver/README.md for what it costs.
 struct SelfCollision {
-  float distance = -1;  ///< [m] that points keep, up to 3 spacings; below 0: 1.2 times the spacing
+  /// [m] That points keep, up to 3 spacings; below 0: 1.2 times the spacing. Other cloth comes through between points
+  /// that keep less than 0.71 of it (half of a cell's diagonal).
+  float distance = -1;
 };
 
 /// How a cloth keeps apart from all other cloths of the solver that have one too. Points are balls here as well. Two
@@ -29,7 +31,9 @@ struct SelfCollision {
 /// start nearer than that keep nine tenths of what they start with. Friction is the mean of both materials'. The
 /// coarsest of them has at most ten times the spacing of the finest.
 struct InterCollision {
-  float distance = -1;  ///< [m] that points keep, up to 3 spacings; below 0: 1.2 times the spacing
+  /// [m] That points keep, up to 3 spacings; below 0: 1.2 times the spacing. Other cloth comes through between points
+  /// that keep less than 0.71 of it (half of a cell's diagonal).
+  float distance = -1;
 };
 
 /// Cells of a cloth that are of another fabric: a collar, a waistband, a leather patch. A cell is a fabric's if all of
