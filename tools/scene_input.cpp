@@ -12,7 +12,7 @@ void add_scene_input(CLI::App& app, std::filesystem::path& input) {
   add_text(
       app, "scene", "SCENE", input,
       "a scene file (.json), or an asset (.glb), which is hung by its highest boundary (by its top where that goes far "
-      "down; a level sheet by one end)",
+      "down or is below; a level sheet by one end)",
       "required")
       ->required()
       ->check(ends_with({".json", ".glb"}));

@@ -611,6 +611,19 @@ TEST_F(Playing, SheetsHangByTheirTopOrOneEnd) {
   EXPECT_EQ(select_pixels(long_sheet, level, WhereHanger{}).size(), 5U);
 }
 
+// Hats and tents fell through their only boundary and turned inside out.
+TEST_F(Playing, AHatHangsByItsTop) {
+  ClothAsset hat = test::make_sheet({.nx = 9, .ny = 9});
+  for (Vec3& p : hat.rest_position) {
+    const float out = std::max(std::abs(p.x), std::abs(p.y));
+    p = {p.x, 0.6F - out, p.y};
+  }
+  const std::vector<uint32_t> held = select_pixels(hat, {}, WhereHanger{});
+  EXPECT_THAT(held, testing::ElementsAre(test::sheet_pixel({.nx = 9, .ny = 9}, 4, 4)));
+  const Transform upside_down{{}, quat_from_euler_deg({180, 0, 0}), 1};
+  EXPECT_EQ(select_pixels(hat, upside_down, WhereHanger{}), select_pixels(hat, upside_down, WhereBoundary{}));
+}
+
 TEST_F(Playing, HangersHoldTubesByTheirUpperEnd) {
   const ClothAsset tube = test::make_tube({});
   EXPECT_EQ(select_pixels(tube, {}, WhereHanger{}), select_pixels(tube, {}, WhereBoundary{}));

@@ -178,6 +178,7 @@ class Selector {
       high = std::max(high, x);
     }
     [[nodiscard]] float length() const { return high - low; }
+    [[nodiscard]] float middle() const { return 0.5F * (low + high); }
   };
 
   /// Along an axis, of the pixels that are in a set.
@@ -221,10 +222,13 @@ class Selector {
     if (loop == nullptr) return take_top(kEnd, in_part);
     Range rim;
     for (const uint32_t p : loop->pixel) rim.include(apply(transform_, asset_.rest_position[p]).y);
-    const float height = range_of(&Vec3::y, in_part).length();
+    const Range heights = range_of(&Vec3::y, in_part);
+    const float height = heights.length();
     const float length = std::max(range_of(&Vec3::x, in_part).length(), range_of(&Vec3::z, in_part).length());
-    // The rim of a flag or a cape goes all around it: held by that, nothing moves.
-    if (rim.length() <= kDeep * height && height > rounding()) return take(*loop);
+    // The rim of a flag or a cape goes all around it: held by that, nothing moves. A hat or a tent would fall through
+    // its.
+    const bool falls_through = rim.middle() < heights.middle() && height > kLevel * length;
+    if (!falls_through && rim.length() <= kDeep * height && height > rounding()) return take(*loop);
     if (height > kLevel * length) return take_top(kEnd, in_part);
     take_end(kEnd, in_part);
   }

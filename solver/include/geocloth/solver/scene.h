@@ -24,7 +24,7 @@ struct WhereBoundary {
   std::optional<uint32_t> index;
 };  ///< boundary loop, longest first; not set: the highest one
 /// What a garment hangs by if nothing is said: of every connected part the highest boundary; where that goes far down,
-/// or there is none, the highest 2 % of the part; of a level sheet one end.
+/// is in its lower half (a hat's) or there is none, the highest 2 % of the part; of a level sheet one end.
 struct WhereHanger {};
 struct WhereBox {
   Vec3 min, max;
