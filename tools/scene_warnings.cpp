@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <set>
 #include <utility>
@@ -13,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "body_reader.h"
+#include "geocloth/asset/grid_mesh.h"
 #include "geocloth/parametrize/import.h"
 #include "render/camera.h"
 
@@ -442,9 +444,18 @@ void warn_of_flat_cloth(Simulation& simulation, std::vector<std::string>& warnin
   }
 }
 
-/// Cloth that a pressure stretches because the substeps are too long for its springs, not because it is elastic.
+/// [m] The radius of a ball with the area of a cloth at rest.
+double ball_radius(const ClothAsset& asset, double scale) {
+  const auto triangles = static_cast<double>(pixel_triangles(asset).size());
+  const double side = double{asset.spacing} * scale;
+  return std::sqrt(0.5 * triangles * side * side / (4 * std::numbers::pi));
+}
+
+/// Cloth that a pressure stretches because the substeps are too long for its springs, not because it is elastic. What
+/// it stretches may be half of the springs, those around a tube, and cloth that did not hold may lie crumpled: then it
+/// is as much as a ball of its area would be.
 void warn_of_stretching_pressure(Simulation& simulation, std::vector<std::string>& warnings) {
-  constexpr double kMuch = 0.03, kWanted = 0.02;
+  constexpr double kMuch = 0.03, kWanted = 0.02, kHalf = 0.5;
   constexpr double kMostSubsteps = 256, kFastest = 5000;  // [1/s] shorter substeps take 1.7 times as long
   const Scene& scene = simulation.scene();
   for (size_t c = 0; c < simulation.cloths().size(); ++c) {
@@ -456,17 +467,20 @@ void warn_of_stretching_pressure(Simulation& simulation, std::vector<std::string
     const float scale = simulation.cloths()[c].transform.scale;
     std::vector<Vec3> positions;
     simulation.solver().read_positions(index, positions);
-    const double strain = measure_stretch(*asset, scale, positions).mean - 1;
+    const StretchStatistics stretch = measure_stretch(*asset, scale, positions);
     // In a step of dt a spring resists like one of rho h^2 / dt^2 [N/m] that is in a row with its own.
     const double own = double{std::max(material.stretch_warp, material.stretch_weft)};
     const double way = double{asset->spacing} * double{scale} * scene.frame_rate * scene.substeps;
     const double resists = double{material.areal_density} * way * way * scene.relaxation_steps;
+    const double as_ball = std::abs(pressure) * ball_radius(*asset, double{scale}) * (1 / own + 1 / resists);
+    const bool shows = stretch.p99 - 1 > kHalf * as_ball || stretch.mean < 1 - kMuch;
+    const double strain = shows ? std::max(stretch.mean - 1, as_ball) : stretch.mean - 1;
     const double too_long = strain * own / (own + resists);
     if (!(too_long > kMuch) || !std::isfinite(too_long) || scene.substeps >= kMostSubsteps) continue;
     const double fast = std::floor(kFastest / scene.frame_rate), most = scene.substeps < fast ? fast : kMostSubsteps;
     const double wanted = std::min(most, 8 * std::ceil(scene.substeps * std::sqrt(too_long / kWanted) / 8));
     warnings.push_back(fmt::format(
-        "{}: its pressure of {:g} Pa stretches it by {:.2g} %, its material alone by {:.2g} %: its springs "
+        "{}: its pressure of {:g} Pa stretches it by about {:.2g} %, its material alone by {:.2g} %: its springs "
         "do not keep up in {} substeps; give the scene about {:.0f} \"substeps\", or less pressure",
         name_of_cloth(scene, c), pressure, 100 * strain, 100 * (strain - too_long), scene.substeps, wanted));
   }
