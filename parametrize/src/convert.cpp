@@ -456,7 +456,8 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, std::span<const SewingRun> 
         warning_of_loose_pieces(find_loose_pieces(carried.represented, options.carry_loose ? 0 : carried.spacing)),
         warning_of_cracks(find_cracks(repaired.surface)),
         options.one_layer ? std::nullopt : warning_of_thickness(find_thickness(repaired.surface)),
-        warning_of_folds(repaired, mesh.triangle.size(), report.source_bbox_diagonal)}) {
+        warning_of_folds(repaired, mesh.triangle.size(), report.source_bbox_diagonal),
+        warning_of_touching(repaired, report.source_bbox_diagonal)}) {
     if (warning) report.warnings.push_back(*warning);
   }
   report.warnings.insert(report.warnings.begin(), mesh.left_out.begin(), mesh.left_out.end());

@@ -703,6 +703,36 @@ TEST(Repair, SplitsABowTieInsideAndTiesIt) {
   EXPECT_EQ(r.cleaned.euler_characteristic, 3);
 }
 
+// Pleats whose folds touch are joined there and cannot open, which has to be said. What hangs on a point or an edge of
+// the file, or is a loose border on other cloth, is meant to hold.
+TEST(Repair, CountsWherePiecesOnlyTouch) {
+  TriangleMesh touching = octahedron({0, 0, 0});
+  append(touching, octahedron({2, 0, 0}));
+  EXPECT_EQ(repair(touching).touching_points, 1U);
+  TriangleMesh joined = touching;  // by one vertex of the file
+  uint32_t first = kNone;
+  for (Triangle& t : joined.triangle) {
+    for (uint32_t& v : t) {
+      if (joined.position[v] != Point3{1, 0, 0}) continue;
+      if (first == kNone) first = v;
+      v = first;
+    }
+  }
+  EXPECT_EQ(repair(joined).touching_points, 0U);
+  TriangleMesh twice = octahedron({0, 0, 0});  // drawn twice, which is one body
+  append(twice, octahedron({0, 0, 0}));
+  EXPECT_EQ(repair(twice).touching_points, 0U);
+  TriangleMesh flap = sheet(4, 4);  // stands on the middle of another with vertices of its own
+  for (Point3& p : flap.position) p = {p[0], p[2], p[1]};
+  TriangleMesh sewn = sheet(4, 4);
+  const double middle = sewn.position[12][1];
+  for (Point3& p : flap.position) p[1] += middle;
+  append(sewn, flap);
+  const RepairResult r = repair(sewn);
+  EXPECT_GT(repaired(r, "detached_sheets"), 0U);
+  EXPECT_EQ(r.touching_points, 0U);
+}
+
 TEST(Repair, SplitsABowTieOnABorder) {
   // Two holes of a sheet that touch in a corner: one component, two fans at the middle point.
   TriangleMesh mesh = sheet(4, 4);

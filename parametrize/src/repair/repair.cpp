@@ -5,6 +5,7 @@
 #include "geocloth/parametrize/repair.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "geocloth/asset/disjoint_sets.h"
@@ -115,6 +116,34 @@ uint64_t count_folded(const TriangleMesh& mesh, const std::vector<uint32_t>& poi
   return folded;
 }
 
+/// See RepairResult::touching_points.
+uint64_t count_touching(const TriangleMesh& mesh, const CleanSurface& surface) {
+  std::vector<uint32_t> fans(surface.point_count, 0);
+  for (const uint32_t p : surface.point) ++fans[p];
+  const std::vector<uint32_t>& point = surface.source_point;
+  const auto is_tied = [&](uint32_t v) { return point[v] != kNone && fans[point[v]] > 1; };
+  std::vector<std::array<uint32_t, 2>> edges;  // by the file's vertices, at tied points
+  std::vector<bool> is_whole(point.size(), false);
+  for (const Triangle& t : mesh.triangle) {
+    if (std::none_of(t.begin(), t.end(), is_tied)) continue;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const uint32_t a = t[k], b = t[(k + 1) % 3];
+      edges.push_back({std::min(a, b), std::max(a, b)});
+      is_whole[a] = is_tied(a);
+    }
+  }
+  std::sort(edges.begin(), edges.end());
+  for (auto first = edges.begin(); first != edges.end();) {
+    const auto last = std::upper_bound(first, edges.end(), *first);
+    if (last - first != 2) is_whole[(*first)[0]] = is_whole[(*first)[1]] = false;
+    first = last;
+  }
+  std::vector<uint32_t> whole(surface.point_count, 0);
+  for (uint32_t v = 0; v < is_whole.size(); ++v)
+    if (is_whole[v]) ++whole[point[v]];
+  return static_cast<uint64_t>(std::count_if(whole.begin(), whole.end(), [](uint32_t n) { return n > 1; }));
+}
+
 uint64_t count_merged(std::vector<uint32_t> point) {
   std::sort(point.begin(), point.end());
   const auto used = std::lower_bound(point.begin(), point.end(), kNone);
@@ -171,6 +200,7 @@ RepairResult repair_mesh(const TriangleMesh& mesh, const RepairOptions& options,
   result.surface = make_manifold(soup, parts_of(mesh), sheets);
   result.surface.source_point = std::move(welded.point);
   result.surface.uv = surface_uv(mesh, result.surface);
+  result.touching_points = count_touching(mesh, result.surface);
   count("flipped_faces", sheets.flipped_faces);
   count("detached_sheets", sheets.detached_sheets);
   count("torn_edges", sheets.torn_edges);

@@ -70,6 +70,19 @@ std::optional<std::string> warning_of_folds(const RepairResult& repaired, std::s
   return text;
 }
 
+std::optional<std::string> warning_of_touching(const RepairResult& repaired, double size) {
+  constexpr double kNotable = 0.002;  // of all vertices
+  constexpr double kApart = 1e-4;     // of the size: safely not one place
+  const double notable = kNotable * static_cast<double>(repaired.surface.position.size());
+  if (repaired.touching_points == 0 || static_cast<double>(repaired.touching_points) < notable) return std::nullopt;
+  char text[320];
+  std::snprintf(text, sizeof text,
+                "folds or surfaces that the file keeps apart touch in %llu points and are joined there, so that they "
+                "cannot open: where they are not sewn, move them apart in a modelling program; %.1g m is enough",
+                static_cast<unsigned long long>(repaired.touching_points), kApart * size);
+  return text;
+}
+
 std::optional<std::string> warning_of_loose_pieces(const LoosePiecesLeft& loose) {
   if (loose.count == 0) return std::nullopt;
   const bool one = loose.count == 1;

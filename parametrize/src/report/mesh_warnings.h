@@ -34,6 +34,10 @@ namespace geocloth {
 [[nodiscard]] std::optional<std::string> warning_of_folds(const RepairResult& repaired, std::size_t triangles,
                                                           double size);
 
+/// Folds of a pleated skirt that touch were sewn together, and it could not open.
+/// @param size  [m] of the file's bounding diagonal
+[[nodiscard]] std::optional<std::string> warning_of_touching(const RepairResult& repaired, double size);
+
 /// What looks like trimmings and is cloth for itself.
 [[nodiscard]] std::optional<std::string> warning_of_loose_pieces(const LoosePiecesLeft& loose);
 

@@ -22,6 +22,9 @@ struct RepairResult {
   /// Duplicate faces that have vertices of their own and hang together with what is kept: no back of a double-sided
   /// garment, but a layer of one that is folded flat.
   uint64_t folded_faces = 0;
+  /// Points of several vertices that the file has cloth all around of, each by itself, as where folds only touch. They
+  /// are tied, and so stay together.
+  uint64_t touching_points = 0;
 };
 
 /// Welds by position (exact, then within the distance), drops degenerate and duplicate faces, resolves T-junctions
