@@ -37,6 +37,10 @@ struct Weld {
 };
 [[nodiscard]] Weld weld(std::span<const Point3> position, std::span<const Triangle> triangle, const WeldReach& reach);
 
+/// Triangles over the points of their vertices, without those that have two corners at one.
+[[nodiscard]] std::vector<Triangle> proper_triangles(std::span<const Triangle> triangle,
+                                                     const std::vector<uint32_t>& point);
+
 /// One side of a triangle that no other triangle shares.
 struct BorderSide {
   uint32_t triangle;

@@ -68,17 +68,6 @@ std::vector<NearPair> near_pairs(const std::vector<Point3>& place, const std::ve
   return pairs;
 }
 
-/// The triangles over places, without those that have two corners at one.
-std::vector<Triangle> proper_triangles(std::span<const Triangle> triangle, const std::vector<uint32_t>& point) {
-  std::vector<Triangle> result;
-  result.reserve(triangle.size());
-  for (const Triangle& t : triangle) {
-    const Triangle p{point[t[0]], point[t[1]], point[t[2]]};
-    if (p[0] != p[1] && p[1] != p[2] && p[2] != p[0]) result.push_back(p);
-  }
-  return result;
-}
-
 /// Joins the places within each other's reach.
 void weld_near(const std::vector<double>& reach, Weld& weld) {
   const std::vector<NearPair> pairs = near_pairs(weld.position, reach);
@@ -111,6 +100,16 @@ double loose_share(std::span<const Triangle> triangle, const Weld& weld) {
 }
 
 }  // namespace
+
+std::vector<Triangle> proper_triangles(std::span<const Triangle> triangle, const std::vector<uint32_t>& point) {
+  std::vector<Triangle> result;
+  result.reserve(triangle.size());
+  for (const Triangle& t : triangle) {
+    const Triangle p{point[t[0]], point[t[1]], point[t[2]]};
+    if (p[0] != p[1] && p[1] != p[2] && p[2] != p[0]) result.push_back(p);
+  }
+  return result;
+}
 
 WeldReach weld_reach(const RepairOptions& options, double size) {
   constexpr double kShare = 1e-6;  // of the size

@@ -11,6 +11,15 @@
 #include "mesh/point_math.h"
 
 namespace geocloth {
+namespace {
+
+constexpr double kApart = 1e-4;  // of the size: safely not one place
+
+bool is_notable(uint64_t count, double share, std::size_t of) {
+  return count > 0 && static_cast<double>(count) >= share * static_cast<double>(of);
+}
+
+}  // namespace
 
 std::optional<std::string> warning_of_spacing(double spacing, double asked) {
   constexpr double kMuch = 0.1;  // of what was asked for
@@ -60,8 +69,7 @@ std::optional<std::string> warning_of_thickness(const std::optional<double>& thi
 
 std::optional<std::string> warning_of_folds(const RepairResult& repaired, std::size_t triangles, double size) {
   constexpr double kNotable = 0.01;  // of all triangles
-  if (static_cast<double>(repaired.folded_faces) < kNotable * static_cast<double>(triangles)) return std::nullopt;
-  constexpr double kApart = 1e-4;  // of the size: safely not one place
+  if (!is_notable(repaired.folded_faces, kNotable, triangles)) return std::nullopt;
   char text[320];
   std::snprintf(text, sizeof text,
                 "%llu triangles lie exactly on others that they hang together with, and are left out: where that is a "
@@ -72,9 +80,7 @@ std::optional<std::string> warning_of_folds(const RepairResult& repaired, std::s
 
 std::optional<std::string> warning_of_touching(const RepairResult& repaired, double size) {
   constexpr double kNotable = 0.002;  // of all vertices
-  constexpr double kApart = 1e-4;     // of the size: safely not one place
-  const double notable = kNotable * static_cast<double>(repaired.surface.position.size());
-  if (repaired.touching_points == 0 || static_cast<double>(repaired.touching_points) < notable) return std::nullopt;
+  if (!is_notable(repaired.touching_points, kNotable, repaired.surface.position.size())) return std::nullopt;
   char text[320];
   std::snprintf(text, sizeof text,
                 "folds or surfaces that the file keeps apart touch in %llu points and are joined there, so that they "

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The report of a conversion as JSON. Its keys are a promise to users; they are named here and nowhere else.
 #include <algorithm>
-#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include "geocloth/asset/grid_mesh.h"
 #include "geocloth/parametrize/convert.h"
+#include "repair/soup.h"
 #include "report/border_pixels.h"
 
 namespace geocloth {
@@ -38,18 +38,11 @@ Json source_json(const ConvertReport& report) {
 /// Per pixel whether it, or a copy of it, ends an edge of one triangle alone once the copies are merged.
 std::vector<uint8_t> on_own_edges(const ClothAsset& asset) {
   const std::vector<uint32_t> first = first_copies(asset);
-  std::vector<std::pair<uint32_t, uint32_t>> edges;
-  for (const Triangle& t : pixel_triangles(asset)) {
-    const Triangle welded{first[t[0]], first[t[1]], first[t[2]]};
-    if (welded[0] == welded[1] || welded[1] == welded[2] || welded[2] == welded[0]) continue;
-    for (std::size_t k = 0; k < 3; ++k) edges.emplace_back(std::minmax(welded[k], welded[(k + 1) % 3]));
-  }
-  std::ranges::sort(edges);
+  const std::vector<Triangle> welded = proper_triangles(pixel_triangles(asset), first);
   std::vector<uint8_t> is_on(asset.pixel_count(), 0);
-  for (auto e = edges.begin(); e != edges.end();) {
-    const auto next = std::find_if(e, edges.end(), [&](const auto& other) { return other != *e; });
-    if (next - e == 1) is_on[e->first] = is_on[e->second] = 1;
-    e = next;
+  for (const BorderSide& side : border_sides(welded)) {
+    const Triangle& t = welded[side.triangle];
+    is_on[t[side.corner]] = is_on[t[(side.corner + 1) % 3]] = 1;
   }
   for (uint32_t i = 0; i < asset.pixel_count(); ++i) is_on[i] = is_on[first[i]];
   return is_on;
