@@ -62,6 +62,9 @@ LineStream line_stream(const RowSource& source, uint32_t group) {
       for (uint32_t i = k; i < k + at_once; ++i) add_line_points(source, stream, group, line, count, i);
     }
   }
+  // Two blocks are gone through at a time, and what one has more than the other goes alone.
+  std::stable_sort(stream.blocks.begin(), stream.blocks.end(),
+                   [](const LineBlock& a, const LineBlock& b) { return a.points > b.points; });
   return stream;
 }
 
