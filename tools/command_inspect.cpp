@@ -65,7 +65,7 @@ Summary summarize(const ClothAsset& asset) {
   }
   summary.split_pixels = static_cast<uint32_t>(asset.splits.pixel.size());
   for (uint32_t row = 0; row < asset.splits.rows(); ++row) {
-    summary.copies_max = std::max(summary.copies_max, asset.splits.offset[row + 1] - asset.splits.offset[row]);
+    summary.copies_max = std::max(summary.copies_max, static_cast<uint32_t>(asset.splits.copies(row).size()));
   }
   summary.welded = welded_topology(asset);
   return summary;

@@ -6,22 +6,17 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <string>
 #include <utility>
 
 #include "check_input.h"
-#include "colliders/match.h"
 #include "cpu/cpu_name.h"
 #include "device_name.h"
 #include "geocloth/asset/error.h"
-#include "rest/cut_asset.h"
-#include "rest/fabrics.h"
+#include "geocloth/asset/grid_mesh.h"
 #include "rest/inter_points.h"
-#include "rest/self_points.h"
 #include "rest/sewing.h"
-#include "rest/tear.h"
 #include "rest/upload.h"
 #include "solver_impl.h"
 
@@ -34,41 +29,9 @@ std::string cloth_name(uint32_t number) {
   return "cloth " + std::to_string(number);
 }
 
-std::vector<uint32_t> rows_of_pixels(const ClothAsset& asset) {
-  std::vector<uint32_t> row(asset.pixel_count(), kNoPixel);
-  for (uint32_t r = 0; r < asset.splits.rows(); ++r)
-    for (uint32_t k = asset.splits.offset[r]; k < asset.splits.offset[r + 1]; ++k) row[asset.splits.pixel[k]] = r;
-  return row;
-}
-
 Vec3 vec3_of(const vec4& v) {
   return {v.x, v.y, v.z};
 }
-
-std::vector<Vec3> places_of(const std::vector<Collider>& colliders) {
-  std::vector<Vec3> places(colliders.size());
-  std::ranges::transform(colliders, places.begin(), [](const Collider& c) { return c.pose.translate; });
-  return places;
-}
-
-std::vector<Transform> frames_of(const std::vector<Collider>& colliders) {
-  std::vector<Transform> frames(colliders.size());
-  std::ranges::transform(colliders, frames.begin(), collider_frame);
-  return frames;
-}
-
-bool same_shape(const shader::ColliderShape& a, const shader::ColliderShape& b) {
-  using Words = std::array<uint32_t, sizeof(shader::ColliderShape) / sizeof(uint32_t)>;
-  return std::bit_cast<Words>(a) == std::bit_cast<Words>(b);
-}
-
-bool has_same_field(const Collider& a, const Collider& b) {
-  const auto* p = std::get_if<MeshSolid>(&a.shape);
-  const auto* q = std::get_if<MeshSolid>(&b.shape);
-  return p != nullptr && q != nullptr && p->field == q->field;
-}
-
-constexpr float kPlaced = -1;  ///< in deform_: the collider is at once as it is asked to be
 
 uint32_t fineness(const SolverSettings& settings) {
   if (settings.keep_momentum) return shader::kFineMomentum;
@@ -150,7 +113,7 @@ Solver::Impl::Cloth Solver::Impl::made_of(const ClothDesc& desc, const ClothData
   cloth.start = desc.transform;
   cloth.scale = desc.transform.scale;
   cloth.displaced_in = clock().dt;
-  cloth.row_of_pixel = rows_of_pixels(*desc.asset);
+  cloth.row_of_pixel = split_rows(*desc.asset);
   cloth.particles = count_valid_pixels(*desc.asset);
   cloth.size = rest_size(*desc.asset, cloth.scale);
   cloth.middle = cloth.start_middle = box_of(*desc.asset, data.position).middle() + origin_;
@@ -245,100 +208,6 @@ InterData Solver::Impl::inter_data(std::span<const Version> cloths, const Vec3& 
   return meeting.size() > 1 ? make_inter_data(meeting, origin) : InterData{};
 }
 
-/// Colliders go on from where those of the last call are that they are the same as; others are placed.
-/// @returns as of match_colliders(); none: each is the one at its place
-std::optional<Solver::Impl::Matches> Solver::Impl::take_places(std::span<const Collider> asked_before) {
-  if (std::ranges::equal(asked_before, colliders_to_, {}, &Collider::name, &Collider::name)) return std::nullopt;
-  std::vector<Vec3> expected = collider_ways_;
-  for (size_t i = 0; i < expected.size(); ++i) expected[i] = frames_from_[i].translate + collider_ways_[i];
-  Matches before = match_colliders(asked_before, expected, colliders_to_);
-  follow_colliders(before);
-  const std::vector<Transform> from = std::exchange(frames_from_, frames_of(colliders_to_));
-  const std::vector<Vec3> ways = std::exchange(collider_ways_, std::vector<Vec3>(colliders_to_.size()));
-  const std::vector<Vec3> seen = std::exchange(places_seen_, places_of(colliders_to_));
-  const std::vector<float> deform = std::exchange(deform_, std::vector<float>(colliders_to_.size(), kPlaced));
-  std::vector<bool> is_left(asked_before.size(), false);
-  for (size_t i = 0; i < before.size(); ++i) {
-    if (!before[i]) {
-      groups_changed_ |= colliders_to_[i].groups;
-      continue;
-    }
-    is_left[*before[i]] = true;
-    frames_from_[i] = from[*before[i]];
-    collider_ways_[i] = ways[*before[i]];
-    places_seen_[i] = seen[*before[i]];
-    deform_[i] = deform[*before[i]];
-  }
-  for (size_t i = 0; i < is_left.size(); ++i)
-    if (!is_left[i]) groups_changed_ |= asked_before[i].groups;
-  return before;
-}
-
-void Solver::Impl::set_colliders(std::span<const Collider> colliders, bool teleport) {
-  for (size_t i = 0; i < colliders.size(); ++i) {
-    const bool known =
-        std::ranges::any_of(colliders_to_, [&](const Collider& c) { return has_same_field(colliders[i], c); });
-    check(colliders[i], "colliders[" + std::to_string(i) + "]", known);
-  }
-  const std::vector<Collider> asked_before =
-      std::exchange(colliders_to_, std::vector<Collider>(colliders.begin(), colliders.end()));
-  for (Collider& c : colliders_to_) {
-    if (auto* plane = std::get_if<Plane>(&c.shape)) plane->normal = normalized(plane->normal);
-  }
-  const std::optional<Matches> before = take_places(asked_before);
-  for (size_t i = 0; i < colliders_to_.size(); ++i) {
-    if (!teleport && !colliders_to_[i].teleport) continue;
-    const Transform frame = collider_frame(colliders_to_[i]);
-    if (!same_place(frames_from_[i], frame)) groups_changed_ |= colliders_to_[i].groups;
-    frames_from_[i] = frame;
-    deform_[i] = kPlaced;
-  }
-  take_deformations(asked_before);
-  take_shapes(asked_before, before);
-}
-
-/// A body deforms in the frame that follows its new field, and in no other.
-void Solver::Impl::take_deformations(std::span<const Collider> asked_before) {
-  for (size_t i = 0; i < colliders_to_.size(); ++i) {
-    const Collider& collider = colliders_to_[i];
-    const bool known =
-        std::ranges::any_of(asked_before, [&](const Collider& c) { return has_same_field(collider, c); });
-    if (deform_[i] == kPlaced) {
-      deform_[i] = 0;
-    } else if (!known) {
-      deform_[i] = longest_deformation(collider);
-    }
-  }
-}
-
-/// A collider, in the next frame.
-bool Solver::Impl::anything_deforms() const {
-  return std::ranges::any_of(deform_, [](float way) { return way > 0; });
-}
-
-/// @param before  as of take_places()
-void Solver::Impl::take_shapes(std::span<const Collider> asked_before, const std::optional<Matches>& before) {
-  // Most often only poses change, and the field of a body has half a million numbers.
-  const auto looks_the_same = [](const Collider& a, const Collider& b) {
-    return a.shape == b.shape && a.friction == b.friction && a.groups == b.groups;
-  };
-  if (collider_numbers_ && std::ranges::equal(asked_before, colliders_to_, looks_the_same)) return;
-  std::vector<float> numbers;
-  const std::vector<shader::ColliderShape> shapes_before = std::exchange(shapes_, {});
-  for (const Collider& c : colliders_to_) shapes_.push_back(collider_shape_of(c, numbers));
-  const bool same_numbers = collider_numbers_ && *collider_numbers_ == numbers;
-  if (!same_numbers) collider_numbers_ = std::make_shared<const std::vector<float>>(std::move(numbers));
-  for (size_t i = 0; i < colliders_to_.size(); ++i) {
-    const auto was = before ? (*before)[i] : std::optional(static_cast<uint32_t>(i));
-    // Bodies that deform wake what they reach, as all that moves evenly does.
-    if (!was || deform_[i] > 0) continue;
-    const Collider &old = asked_before[*was], &now = colliders_to_[i];
-    const bool same = looks_the_same(old, now) ||
-                      (same_numbers && same_shape(shapes_before[*was], shapes_[i]) && old.groups == now.groups);
-    if (!same) groups_changed_ |= old.groups | now.groups;
-  }
-}
-
 void Solver::Impl::set_wind(const Wind& wind) {
   check(wind, "wind");
   scene_changed_ = scene_changed_ || !wind_ || !(*wind_ == wind);
@@ -410,8 +279,7 @@ void Solver::Impl::set_pins(uint32_t cloth, std::span<const Pin> pins) {
       next.emplace_back(pin.pixel, state);
       continue;
     }
-    const SplitVertexTable& splits = c.asset->splits;
-    for (uint32_t k = splits.offset[row]; k < splits.offset[row + 1]; ++k) next.emplace_back(splits.pixel[k], state);
+    for (const uint32_t copy : c.asset->splits.copies(row)) next.emplace_back(copy, state);
   }
   keep_last_of_each(next);
   if (c.placed_at != time_) {
@@ -561,7 +429,7 @@ void Solver::Impl::follow_cloths(const std::optional<Vec3>& arriving) {
   bool looked = false, colliders_went = false;
   for (size_t i = 0; i < colliders_to_.size(); ++i)
     colliders_went = colliders_went || length(colliders_to_[i].pose.translate - places_seen_[i]) > kFar;
-  if (colliders_went) places_seen_ = places_of(colliders_to_);
+  if (colliders_went) places_seen_ = collider_places();
   ClothBox middles;
   if (arriving) middles.add(*arriving);
   for (uint32_t c = 0; c < cloths_.size(); ++c) {
@@ -598,137 +466,6 @@ void Solver::Impl::read_positions(uint32_t cloth, std::vector<Vec3>& out) {
     if (asset.valid(p)) out[p] = vec3_of(raw[p]) + origin_;
 }
 
-CutResult Solver::Impl::cut(uint32_t cloth, const std::array<Vec3, 3>& triangle) {
-  check_cut(triangle, name_of(cloth) + ": cut");
-  Cloth& c = cloths_[cloth];
-  std::vector<Vec3> position, normal;
-  read_positions(cloth, position);
-  read_normals(cloth, normal);
-  CutCloth cut = cut_asset(*c.asset, {position, normal, c.scale}, triangle);
-  if (cut.asset) take_cut(cloth, std::move(cut.asset));
-  return cut.result;
-}
-
-CutResult Solver::Impl::tear(uint32_t cloth, float stretch) {
-  check_tear(stretch, name_of(cloth));
-  const Cloth& c = cloths_[cloth];
-  std::vector<Vec3> position, normal;
-  read_positions(cloth, position);
-  const std::vector<StrainedSpring> springs = springs_that_tear(*c.asset, position, c.scale, stretch);
-  if (springs.empty()) return {};
-  read_normals(cloth, normal);
-  const ClothPose pose{position, normal, c.scale};
-  std::shared_ptr<const ClothAsset> torn;
-  CutResult all;
-  for (const StrainedSpring& spring : springs) {
-    CutCloth cut = cut_asset(torn ? *torn : *c.asset, pose, blade_across(*c.asset, pose, spring));
-    if (!cut.asset) continue;
-    torn = std::move(cut.asset);
-    all += cut.result;
-  }
-  if (torn) take_cut(cloth, std::move(torn));
-  return all;
-}
-
-void Solver::Impl::take_cut(uint32_t cloth, std::shared_ptr<const ClothAsset> asset) {
-  Cloth& c = cloths_[cloth];
-  ClothData data = cloth_data(c, asset, c.material, c.fabrics);
-  take_version(cloth, std::move(asset), std::move(data));
-  c.pins_changed = true;  // attachments run around the cut
-  c.disturbed = true;
-  if (meets_others(c)) take_inter_anew();
-}
-
-void Solver::Impl::set_material(uint32_t cloth, const Material& material) {
-  check(material, name_of(cloth) + ": material");
-  const Cloth& c = cloths_[cloth];
-  check_fabrics(material, c.fabrics, name_of(cloth));
-  if (material != c.material) change_fabrics(cloth, Material(material), c.fabrics);
-}
-
-void Solver::Impl::set_fabric(uint32_t cloth, uint32_t fabric, const Material& material) {
-  if (material == this->fabric(cloth, fabric)) return;
-  const Cloth& c = cloths_[cloth];
-  std::vector<Fabric> fabrics = c.fabrics;
-  fabrics[fabric].material = material;
-  check_fabrics(c.material, fabrics, name_of(cloth));
-  change_fabrics(cloth, Material(c.material), std::move(fabrics));
-}
-
-const Material& Solver::Impl::fabric(uint32_t cloth, uint32_t fabric) const {
-  const Cloth& c = cloths_[cloth];
-  if (fabric < c.fabrics.size()) return c.fabrics[fabric].material;
-  throw Error(ErrorCode::invalid_argument, name_of(cloth) + " has no fabric " + std::to_string(fabric) + ", only " +
-                                               std::to_string(c.fabrics.size()));
-}
-
-Material Solver::Impl::weakest_of(const Cloth& cloth) {
-  return FabricMap({.material = cloth.material, .fabrics = cloth.fabrics}, *cloth.original).weakest();
-}
-
-/// @param material  not one of the cloth's own: those change
-void Solver::Impl::change_fabrics(uint32_t cloth, const Material& material, std::vector<Fabric> fabrics) {
-  Cloth& c = cloths_[cloth];
-  std::optional<ClothData> data;
-  if (!make_same_data(material, c.material) || !make_same_data(fabrics, c.fabrics))
-    data = cloth_data(c, c.asset, material, fabrics);
-  const bool was_attached = stretch_limit(c) > 0;
-  const Material before = std::exchange(c.material, material);
-  c.fabrics = std::move(fabrics);
-  c.weakest = weakest_of(c);
-  c.disturbed = true;
-  if (data || before.max_stretch != material.max_stretch)
-    c.pins_changed = c.pins_changed || !c.fabrics.empty();  // see stretch_shares()
-  if (data) {
-    take_version(cloth, c.asset, std::move(*data));
-    c.masses_changed = true;
-    c.pins_changed = c.pins_changed || has_attachments(before) != has_attachments(material);
-  }
-  if (meets_others(c) && (data || before.friction != material.friction)) take_inter_anew();
-  if (!was_attached && stretch_limit(c) > 0) ease_from_present(cloth);
-}
-
-/// Attachments that are there all of a sudden do not pull at once.
-void Solver::Impl::ease_from_present(uint32_t cloth) {
-  Cloth& c = cloths_[cloth];
-  std::vector<Vec3> position;
-  read_positions(cloth, position);
-  const double stretch = measure_stretch(*c.asset, c.scale, position).max;
-  if (std::isfinite(stretch)) c.limit = std::max(c.limit, static_cast<float>(stretch));
-}
-
-ClothData Solver::Impl::cloth_data(const Cloth& cloth, const std::shared_ptr<const ClothAsset>& asset,
-                                   const Material& material, const std::vector<Fabric>& fabrics) const {
-  return make_cloth_data({.asset = asset,
-                          .material = material,
-                          .transform = cloth.start,
-                          .self_collision = cloth.self_collision,
-                          .inter_collision = cloth.inter_collision,
-                          .fabrics = fabrics},
-                         origin_, *cloth.original);
-}
-
-/// The same cloth with other springs, masses or copies.
-void Solver::Impl::take_version(uint32_t cloth, std::shared_ptr<const ClothAsset> asset, ClothData data) {
-  Cloth& c = cloths_[cloth];
-  c.asset = std::move(asset);
-  c.free_inverse_mass = inverse_masses(data);
-  c.row_of_pixel = rows_of_pixels(*c.asset);
-  c.springs_per_sweep = data.springs_per_sweep;
-  c.self = data.self.numbers;
-  backend_->replace_topology(cloth, std::move(data));
-}
-
-void Solver::Impl::take_inter_anew() {
-  take_inter(inter_data(versions(), origin_), origin_);
-}
-
-void Solver::Impl::take_inter(InterData inter, const Vec3& origin) {
-  inter_ = inter.points.numbers;
-  inter_origin_ = origin;
-  backend_->replace_inter(std::move(inter));
-}
-
 void Solver::Impl::read_normals(uint32_t cloth, std::vector<Vec3>& out) {
   std::vector<vec4> raw;
   backend_->read_normals(cloth, raw);
@@ -759,7 +496,7 @@ void Solver::Impl::write_state(uint32_t cloth, std::span<const Vec3> positions, 
   const auto where = [&](uint32_t p) { return name_of(cloth) + ": pixel " + std::to_string(p); };
   const auto source_of = [&](uint32_t p) {
     const uint32_t row = c.row_of_pixel[p];
-    return row == kNoPixel ? p : asset.splits.pixel[asset.splits.offset[row]];
+    return row == kNoPixel ? p : asset.splits.copies(row).front();
   };
   ClothBox box;
   for (uint32_t p = 0; p < asset.pixel_count(); ++p) {

@@ -213,6 +213,7 @@ class Solver::Impl {
   [[nodiscard]] bool has_pins_above(const Cloth& cloth) const;
   [[nodiscard]] static bool sags_between_pins(const Cloth& cloth);
   using Matches = std::vector<std::optional<uint32_t>>;  ///< of match_colliders()
+  [[nodiscard]] std::vector<Vec3> collider_places() const;
   std::optional<Matches> take_places(std::span<const Collider> asked_before);
   void take_shapes(std::span<const Collider> asked_before, const std::optional<Matches>& before);
   void take_deformations(std::span<const Collider> asked_before);

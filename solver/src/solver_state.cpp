@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "check_input.h"
+#include "geocloth/asset/grid_mesh.h"
 #include "lib/self_words.h"
 #include "lib/yield.h"
 #include "rest/fabrics.h"
@@ -121,13 +122,11 @@ bool has_less(const std::vector<uint8_t>& bits, const std::vector<uint8_t>& all)
 
 /// Whether every row is part of one row.
 bool has_less(const SplitVertexTable& rows, const ClothAsset& all) {
-  std::vector<uint32_t> row_of(all.pixel_count(), kNoPixel);
-  for (uint32_t r = 0; r < all.splits.rows(); ++r)
-    for (uint32_t k = all.splits.offset[r]; k < all.splits.offset[r + 1]; ++k) row_of[all.splits.pixel[k]] = r;
+  const std::vector<uint32_t> row_of = split_rows(all);
   for (uint32_t r = 0; r < rows.rows(); ++r) {
-    const uint32_t first = row_of[rows.pixel[rows.offset[r]]];
-    for (uint32_t k = rows.offset[r]; k < rows.offset[r + 1]; ++k)
-      if (row_of[rows.pixel[k]] != first || first == kNoPixel) return false;
+    const std::span<const uint32_t> copies = rows.copies(r);
+    const uint32_t first = row_of[copies.front()];
+    if (first == kNoPixel || std::ranges::any_of(copies, [&](uint32_t p) { return row_of[p] != first; })) return false;
   }
   return true;
 }

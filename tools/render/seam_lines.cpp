@@ -73,15 +73,6 @@ uint32_t number_seams(const WeldedEdges& welded, std::vector<OutlineEdge>& edges
   return static_cast<uint32_t>(number.size());
 }
 
-/// The row of the split-vertex table that a pixel is in, or kNoSeam.
-std::vector<uint32_t> rows_of_pixels(const ClothAsset& asset) {
-  std::vector<uint32_t> row_of(asset.pixel_count(), kNoSeam);
-  for (uint32_t row = 0; row < asset.splits.rows(); ++row)
-    for (uint32_t i = asset.splits.offset[row]; i < asset.splits.offset[row + 1]; ++i)
-      row_of[asset.splits.pixel[i]] = row;
-  return row_of;
-}
-
 /// Seam of every row of the table, from the edges that meet there.
 std::vector<uint32_t> seams_of_rows(const ClothAsset& asset, const SeamLines& lines,
                                     const std::vector<uint32_t>& row_of) {
@@ -90,7 +81,7 @@ std::vector<uint32_t> seams_of_rows(const ClothAsset& asset, const SeamLines& li
   for (const OutlineEdge& edge : lines.edge)
     for (const uint32_t pixel : {edge.a, edge.b}) {
       const uint32_t row = row_of[pixel];
-      if (row == kNoSeam) continue;
+      if (row == kNoPixel) continue;
       if (edge.seam == kNoSeam)
         free_border[row] = 1;
       else
@@ -105,7 +96,7 @@ std::vector<uint32_t> seams_of_rows(const ClothAsset& asset, const SeamLines& li
 uint32_t number_loose_rows(const ClothAsset& asset, const std::vector<uint32_t>& row_of, uint32_t next,
                            std::vector<uint32_t>& seam) {
   DisjointSets sets(seam.size());
-  const auto loose = [&](uint32_t row) { return row != kNoSeam && seam[row] == kNoSeam; };
+  const auto loose = [&](uint32_t row) { return row != kNoPixel && seam[row] == kNoSeam; };
   for (uint32_t pixel = 0; pixel < asset.pixel_count(); ++pixel)
     for (uint32_t s = 0; s < 4; ++s) {
       if ((asset.spring_mask[pixel] & (1U << s)) == 0) continue;
@@ -131,12 +122,12 @@ SeamLines find_seam_lines(const ClothAsset& asset) {
   lines.on_outline.assign(asset.pixel_count(), 0);
   for (const OutlineEdge& edge : lines.edge) lines.on_outline[edge.a] = lines.on_outline[edge.b] = 1;
 
-  const std::vector<uint32_t> row_of = rows_of_pixels(asset);
+  const std::vector<uint32_t> row_of = split_rows(asset);
   std::vector<uint32_t> seam = seams_of_rows(asset, lines, row_of);
   lines.seam_count = number_loose_rows(asset, row_of, lines.seam_count, seam);
   lines.pixel_seam.assign(asset.pixel_count(), kNoSeam);
   for (uint32_t pixel = 0; pixel < asset.pixel_count(); ++pixel)
-    if (row_of[pixel] != kNoSeam) lines.pixel_seam[pixel] = seam[row_of[pixel]];
+    if (row_of[pixel] != kNoPixel) lines.pixel_seam[pixel] = seam[row_of[pixel]];
   return lines;
 }
 

@@ -328,9 +328,9 @@ class SeamBender {
     collect_outline();
     mark_sheets();
     for (uint32_t row = 0; row < asset_.splits.rows(); ++row) {
-      const uint32_t begin = asset_.splits.offset[row], end = asset_.splits.offset[row + 1];
-      for (uint32_t i = begin; i < end; ++i) {
-        for (uint32_t j = i + 1; j < end; ++j) bend_across(asset_.splits.pixel[i], asset_.splits.pixel[j]);
+      const std::span<const uint32_t> copies = asset_.splits.copies(row);
+      for (std::size_t i = 0; i < copies.size(); ++i) {
+        for (std::size_t j = i + 1; j < copies.size(); ++j) bend_across(copies[i], copies[j]);
       }
     }
     for (const OutlinePixel& o : outline_) {

@@ -159,11 +159,9 @@ void measure_grid(const ClothAsset& asset, Quality& q) {
 double largest_copy_gap(const ClothAsset& asset) {
   double gap = 0;
   for (uint32_t row = 0; row < asset.splits.rows(); ++row) {
-    const uint32_t begin = asset.splits.offset[row];
-    for (uint32_t k = begin + 1; k < asset.splits.offset[row + 1]; ++k) {
-      gap = std::max(gap, distance(to_double(asset.rest_position[asset.splits.pixel[begin]]),
-                                   to_double(asset.rest_position[asset.splits.pixel[k]])));
-    }
+    const std::span<const uint32_t> copies = asset.splits.copies(row);
+    const Point3 first = to_double(asset.rest_position[copies.front()]);
+    for (const uint32_t p : copies) gap = std::max(gap, distance(first, to_double(asset.rest_position[p])));
   }
   return gap;
 }

@@ -110,7 +110,7 @@ Json to_json(const Untangled& untangled) {
 ImageSummary summarize_image(const ClothAsset& asset) {
   ImageSummary image;
   for (uint32_t row = 0; row < asset.splits.rows(); ++row) {
-    image.copies_max = std::max(image.copies_max, asset.splits.offset[row + 1] - asset.splits.offset[row]);
+    image.copies_max = std::max(image.copies_max, static_cast<uint32_t>(asset.splits.copies(row).size()));
   }
   image.valid_pixels = count_valid_pixels(asset);
   image.split_points = asset.splits.rows();

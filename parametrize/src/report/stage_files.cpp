@@ -64,8 +64,7 @@ std::function<std::string(uint32_t)> numbered(const char* what, const std::vecto
 std::string splits_csv(const ClothAsset& asset) {
   std::string text = "row,pixel,x,y,chart\n";
   for (uint32_t row = 0; row < asset.splits.rows(); ++row) {
-    for (uint32_t k = asset.splits.offset[row]; k < asset.splits.offset[row + 1]; ++k) {
-      const uint32_t pixel = asset.splits.pixel[k];
+    for (const uint32_t pixel : asset.splits.copies(row)) {
       text += std::to_string(row) + ',' + std::to_string(pixel) + ',' + std::to_string(pixel % asset.width) + ',' +
               std::to_string(pixel / asset.width) + ',' + std::to_string(asset.chart[pixel]) + '\n';
     }

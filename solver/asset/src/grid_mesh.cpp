@@ -54,10 +54,17 @@ std::vector<uint32_t> first_copies(const ClothAsset& asset) {
   std::vector<uint32_t> first(asset.pixel_count());
   std::iota(first.begin(), first.end(), 0U);
   for (uint32_t row = 0; row < asset.splits.rows(); ++row) {
-    const uint32_t begin = asset.splits.offset[row], end = asset.splits.offset[row + 1];
-    for (uint32_t k = begin; k < end; ++k) first[asset.splits.pixel[k]] = asset.splits.pixel[begin];
+    const std::span<const uint32_t> copies = asset.splits.copies(row);
+    for (const uint32_t pixel : copies) first[pixel] = copies.front();
   }
   return first;
+}
+
+std::vector<uint32_t> split_rows(const ClothAsset& asset) {
+  std::vector<uint32_t> row_of(asset.pixel_count(), kNoPixel);
+  for (uint32_t row = 0; row < asset.splits.rows(); ++row)
+    for (const uint32_t pixel : asset.splits.copies(row)) row_of[pixel] = row;
+  return row_of;
 }
 
 CellTriangles cell_triangles(const ClothAsset& asset, uint32_t pixel) {

@@ -191,11 +191,11 @@ class Cutter {
   [[nodiscard]] SplitVertexTable kept_copies() {
     std::vector<std::vector<uint32_t>> rows;
     for (uint32_t r = 0; r < old_.splits.rows(); ++r) {
-      const auto begin = old_.splits.pixel.begin() + old_.splits.offset[r];
-      std::vector<uint32_t> one(begin, old_.splits.pixel.begin() + old_.splits.offset[r + 1]), other;
+      const std::span<const uint32_t> copies = old_.splits.copies(r);
+      std::vector<uint32_t> one(copies.begin(), copies.end()), other;
       if (pixels_.covered(one.front())) {
-        const auto part = std::stable_partition(one.begin(), one.end(),
-                                                [&](uint32_t p) { return pixels_.above(p) == pixels_.above(*begin); });
+        const auto part = std::stable_partition(
+            one.begin(), one.end(), [&](uint32_t p) { return pixels_.above(p) == pixels_.above(copies.front()); });
         other.assign(part, one.end());
         one.erase(part, one.end());
       }
@@ -217,7 +217,7 @@ class Cutter {
     std::vector<Vec3> vertex;
     evaluate_binding(old_, pose_.position, pose_.normal, vertex, pose_.scale);
     Sides vertices(blade_, vertex.size());
-    list_rows();
+    row_of_ = split_rows(cut_);
     for (uint32_t v = 0; v < vertex.size(); ++v) {
       const uint32_t main = main_pixel(old_.binding[v]);
       vertices.place(v, vertex[v]);
@@ -230,17 +230,12 @@ class Cutter {
     drop_triangles(vertices);
   }
 
-  void list_rows() {
-    row_of_.assign(cut_.pixel_count(), kNoPixel);
-    for (uint32_t r = 0; r < cut_.splits.rows(); ++r)
-      for (uint32_t k = cut_.splits.offset[r]; k < cut_.splits.offset[r + 1]; ++k) row_of_[cut_.splits.pixel[k]] = r;
-  }
   /// Those that are still together with it.
   [[nodiscard]] std::vector<uint32_t> copies_of(uint32_t pixel) const {
     const uint32_t row = row_of_[pixel];
     if (row == kNoPixel) return {pixel};
-    const auto begin = cut_.splits.pixel.begin();
-    return {begin + cut_.splits.offset[row], begin + cut_.splits.offset[row + 1]};
+    const std::span<const uint32_t> copies = cut_.splits.copies(row);
+    return {copies.begin(), copies.end()};
   }
 
   static uint32_t main_pixel(const Binding& binding) {

@@ -41,8 +41,8 @@ void add_seam_ties(const ClothAsset& asset, const RestShape& rest, ClothData& da
   const std::vector<uint32_t> point = first_copies(asset);
   std::map<uint32_t, std::vector<uint32_t>> copies;
   for (uint32_t r = 0; r < asset.splits.rows(); ++r) {
-    const auto first = asset.splits.pixel.begin() + asset.splits.offset[r];
-    copies[*first].assign(first, asset.splits.pixel.begin() + asset.splits.offset[r + 1]);
+    const std::span<const uint32_t> row = asset.splits.copies(r);
+    copies[row.front()].assign(row.begin(), row.end());
   }
   std::vector<shader::SeamSpring> ties;
   for (const auto& [points, springs] : springs_on_seams(asset, point, copies)) {

@@ -52,8 +52,7 @@ Rings rings_around(const SurfaceGraph& graph, uint32_t copy, double spacing) {
 template <class Visit>
 void for_short_seams(const ClothAsset& asset, const std::vector<bool>& short_seams, const Visit& visit) {
   for (uint32_t r = 0; r < asset.splits.rows(); ++r) {
-    const auto begin = asset.splits.pixel.begin();
-    const std::vector<uint32_t> copies(begin + asset.splits.offset[r], begin + asset.splits.offset[r + 1]);
+    const std::span<const uint32_t> copies = asset.splits.copies(r);
     if (short_seams[copies.front()]) visit(copies);
   }
 }
@@ -77,7 +76,7 @@ std::vector<bool> pixels_of_short_seams(const ClothAsset& asset) {
       if (sewn[q]) next[seam_of(point[p])] = seam_of(point[q]);
     });
   std::vector<uint32_t> points(asset.pixel_count());
-  for (uint32_t r = 0; r < asset.splits.rows(); ++r) ++points[seam_of(asset.splits.pixel[asset.splits.offset[r]])];
+  for (uint32_t r = 0; r < asset.splits.rows(); ++r) ++points[seam_of(asset.splits.copies(r).front())];
   std::vector<bool> short_seams(asset.pixel_count());
   for (const uint32_t p : asset.splits.pixel) short_seams[p] = points[seam_of(point[p])] <= kMostPoints;
   return short_seams;
@@ -105,7 +104,7 @@ std::vector<shader::SeamSpring> spans_through_short_seams(const ClothAsset& asse
       }
     }
   };
-  for_short_seams(asset, short_seams, [&](const std::vector<uint32_t>& copies) {
+  for_short_seams(asset, short_seams, [&](std::span<const uint32_t> copies) {
     std::vector<Rings> sides;
     sides.reserve(copies.size());
     for (const uint32_t copy : copies) sides.push_back(rings_around(graph, copy, spacing));
@@ -118,14 +117,14 @@ std::vector<shader::SeamSpring> spans_through_short_seams(const ClothAsset& asse
 size_t most_spans_through_short_seams(const ClothAsset& asset, const std::vector<bool>& short_seams) {
   size_t pairs = 0;
   for_short_seams(asset, short_seams,
-                  [&](const std::vector<uint32_t>& copies) { pairs += copies.size() * (copies.size() - 1) / 2; });
+                  [&](std::span<const uint32_t> copies) { pairs += copies.size() * (copies.size() - 1) / 2; });
   return pairs * kMostDirections * (shader::kSpanPixels - 1);
 }
 
 std::vector<bool> points_near_short_seams(const ClothAsset& asset, const std::vector<bool>& short_seams) {
   const std::vector<uint32_t> point = first_copies(asset);
   std::vector<bool> near(asset.pixel_count());
-  for_short_seams(asset, short_seams, [&](const std::vector<uint32_t>& copies) { near[point[copies.front()]] = true; });
+  for_short_seams(asset, short_seams, [&](std::span<const uint32_t> copies) { near[point[copies.front()]] = true; });
   for (uint32_t i = 0; i < kSpringsAround; ++i) {
     std::vector<bool> wider = near;
     for_structural_springs(asset, [&](uint32_t a, uint32_t b) {

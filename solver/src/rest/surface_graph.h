@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "geocloth/asset/cloth_asset.h"
+#include "geocloth/asset/grid_mesh.h"
 
 namespace geocloth {
 
@@ -22,9 +23,7 @@ class SurfaceGraph {
   /// Keeps the reference.
   /// @param shares  of each pixel, by which lengths about it count; none: 1
   SurfaceGraph(const ClothAsset& asset, float scale, std::span<const float> shares = {}, Sewn sewn = Sewn::no)
-      : asset_(asset), scale_(scale), shares_(shares), row_of_(asset.pixel_count(), kNoPixel) {
-    for (uint32_t r = 0; r < asset.splits.rows(); ++r)
-      for (uint32_t k = asset.splits.offset[r]; k < asset.splits.offset[r + 1]; ++k) row_of_[asset.splits.pixel[k]] = r;
+      : asset_(asset), scale_(scale), shares_(shares), row_of_(split_rows(asset)) {
     if (sewn == Sewn::no) return;
     for (const auto& [a, b] : asset.sewing) {
       sewn_to_.emplace(a, b);
@@ -36,8 +35,8 @@ class SurfaceGraph {
   template <class Visit>
   void for_neighbors(uint32_t p, const Visit& visit) const {
     if (const uint32_t row = row_of_[p]; row != kNoPixel) {
-      for (uint32_t k = asset_.splits.offset[row]; k < asset_.splits.offset[row + 1]; ++k)
-        if (asset_.splits.pixel[k] != p) visit(asset_.splits.pixel[k], 0.0);
+      for (const uint32_t copy : asset_.splits.copies(row))
+        if (copy != p) visit(copy, 0.0);
     }
     const auto [first, last] = sewn_to_.equal_range(p);
     for (auto it = first; it != last; ++it) visit(it->second, 0.0);

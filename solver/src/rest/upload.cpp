@@ -98,8 +98,7 @@ std::vector<double> masses_of(const ClothDesc& cloth, const FabricMap& fabrics, 
     mass[p] = area * static_cast<double>(fabrics.at(p).areal_density);
   }
   for (uint32_t row = 0; row < uncut.splits.rows(); ++row) {
-    const uint32_t first = uncut.splits.offset[row];
-    const std::span<const uint32_t> copies(&uncut.splits.pixel[first], uncut.splits.offset[row + 1] - first);
+    const std::span<const uint32_t> copies = uncut.splits.copies(row);
     double sum = 0;
     for (const uint32_t p : copies) sum += mass[p];
     for (const uint32_t p : copies) mass[p] = sum / static_cast<double>(copies.size());

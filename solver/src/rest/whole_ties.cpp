@@ -22,13 +22,7 @@ namespace {
 constexpr uint32_t kMostWholeTieColors = 12;
 constexpr uint32_t kMoreRounds = 2;  ///< of ties about short seams
 
-/// Of every pixel its row of the table, kNoRow where it has no copies.
-std::vector<uint32_t> split_rows(const ClothAsset& asset) {
-  std::vector<uint32_t> rows(asset.pixel_count(), shader::kNoRow);
-  for (uint32_t r = 0; r < asset.splits.rows(); ++r)
-    for (uint32_t k = asset.splits.offset[r]; k < asset.splits.offset[r + 1]; ++k) rows[asset.splits.pixel[k]] = r;
-  return rows;
-}
+static_assert(shader::kNoRow == kNoPixel);  // split_rows() names what the shaders look for
 
 }  // namespace
 

@@ -133,10 +133,9 @@ class Selector {
   [[nodiscard]] std::vector<uint32_t> with_copies() {
     const SplitVertexTable& splits = asset_.splits;
     for (uint32_t r = 0; r < splits.rows(); ++r) {
-      const auto begin = splits.pixel.begin() + splits.offset[r], end = splits.pixel.begin() + splits.offset[r + 1];
-      if (std::any_of(begin, end, [&](uint32_t p) { return taken_[p]; })) {
-        std::for_each(begin, end, [&](uint32_t p) { taken_[p] = true; });
-      }
+      const std::span<const uint32_t> copies = splits.copies(r);
+      if (std::ranges::none_of(copies, [&](uint32_t p) { return taken_[p]; })) continue;
+      for (const uint32_t p : copies) taken_[p] = true;
     }
     std::vector<uint32_t> pixels;
     for (uint32_t p = 0; p < asset_.pixel_count(); ++p)

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "geocloth/asset/grid_mesh.h"
+
 namespace geocloth {
 namespace {
 
@@ -59,19 +61,12 @@ bool is_bound_near(const ClothAsset& asset, const Triangle& triangle, uint32_t p
 
 SourceSurface::SourceSurface(const ClothAsset& asset)
     : asset_(asset),
-      row_of_pixel_(asset.pixel_count(), kNoPixel),
-      surface_(asset.source.position, asset.source.triangle, asset.spacing) {
-  for (uint32_t r = 0; r < asset.splits.rows(); ++r)
-    for (uint32_t k = asset.splits.offset[r]; k < asset.splits.offset[r + 1]; ++k)
-      row_of_pixel_[asset.splits.pixel[k]] = r;
-}
+      row_of_pixel_(split_rows(asset)),
+      surface_(asset.source.position, asset.source.triangle, asset.spacing) {}
 
 std::optional<RestPlace> SourceSurface::place_of(uint32_t pixel) const {
   std::span<const uint32_t> copies(&pixel, 1);
-  if (const uint32_t row = row_of_pixel_[pixel]; row != kNoPixel) {
-    const std::vector<uint32_t>& offset = asset_.splits.offset;
-    copies = std::span(asset_.splits.pixel).subspan(offset[row], offset[row + 1] - offset[row]);
-  }
+  if (const uint32_t row = row_of_pixel_[pixel]; row != kNoPixel) copies = asset_.splits.copies(row);
   return surface_.place_of(to_double(asset_.rest_position[pixel]), [&](uint32_t t) {
     return std::ranges::any_of(copies, [&](uint32_t p) { return is_bound_near(asset_, surface_.triangles()[t], p); });
   });

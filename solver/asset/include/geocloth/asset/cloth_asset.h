@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -60,6 +61,10 @@ struct SplitVertexTable {
   std::vector<uint32_t> offset;  ///< rows + 1 entries (or empty when there is no row); first 0, strictly ascending
   std::vector<uint32_t> pixel;   ///< pixel indices y * width + x
   [[nodiscard]] uint32_t rows() const { return offset.empty() ? 0 : static_cast<uint32_t>(offset.size() - 1); }
+  /// The pixels of row r.
+  [[nodiscard]] std::span<const uint32_t> copies(uint32_t r) const {
+    return std::span(pixel).subspan(offset[r], offset[r + 1] - offset[r]);
+  }
 };
 
 /// One bending element across a seam: ring-1 pixel on one side, a pixel of the seam point, ring-1 pixel on the other.

@@ -21,6 +21,9 @@ struct GridMesh {
 /// For every pixel the first pixel of its row in the split-vertex table, or the pixel itself.
 [[nodiscard]] std::vector<uint32_t> first_copies(const ClothAsset& asset);
 
+/// For every pixel its row in the split-vertex table, kNoPixel for one that has no copies.
+[[nodiscard]] std::vector<uint32_t> split_rows(const ClothAsset& asset);
+
 /// Calls use(from, to) for the pixels of every structural spring, row by row.
 template <class Use>
 void for_structural_springs(const ClothAsset& asset, const Use& use) {
