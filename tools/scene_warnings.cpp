@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "body_reader.h"
+#include "geocloth/asset/disjoint_sets.h"
 #include "geocloth/asset/grid_mesh.h"
 #include "geocloth/parametrize/import.h"
 #include "render/camera.h"
@@ -26,18 +27,22 @@ double end_of(const Scene& scene) {
   return scene.frames / scene.frame_rate;
 }
 
-/// A connected part of a cloth.
+/// A part of a cloth that hangs together, by seams that are sewn as well.
 struct Part {
   std::vector<uint32_t> pixel;
   bool held = false;
 };
 
 /// By their first pixels.
-std::map<uint32_t, Part> parts_of(const ClothAsset& asset) {
+/// @param is_sewn  what the asset names to be sewn is
+std::map<uint32_t, Part> parts_of(const ClothAsset& asset, bool is_sewn) {
   const std::vector<uint32_t> part = connected_parts(asset);
+  DisjointSets sewn(asset.pixel_count());
+  if (is_sewn)
+    for (const auto& [a, b] : asset.sewing) sewn.join(part[a], part[b]);
   std::map<uint32_t, Part> parts;
   for (uint32_t p = 0; p < asset.pixel_count(); ++p)
-    if (asset.valid(p)) parts[part[p]].pixel.push_back(p);
+    if (asset.valid(p)) parts[sewn.find(part[p])].pixel.push_back(p);
   return parts;
 }
 
@@ -61,7 +66,8 @@ void warn_of_loose_parts(const Simulation& simulation, size_t index, std::vector
   const Scene& scene = simulation.scene();
   const ClothDesc& cloth = simulation.cloths()[index];
   if (!falls(scene, scene.cloths[index])) return;
-  std::map<uint32_t, Part> parts = parts_of(*cloth.asset);
+  const std::optional<SceneSewing>& sewing = scene.cloths[index].sewing;
+  std::map<uint32_t, Part> parts = parts_of(*cloth.asset, sewing && sewing->start < end_of(scene));
   if (parts.size() < 2) return;
   std::vector<uint32_t> held;
   for (const ScenePin& pin : scene.cloths[index].pins) {

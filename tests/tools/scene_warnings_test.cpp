@@ -27,9 +27,17 @@ class SceneWarnings : public testing::Test {
   SceneWarnings() {
     ClothAsset sheet = make_sheet({.nx = 9, .ny = 9, .charts_x = 2});
     write_asset(sheet, folder_ / "sheet.glb");
+    ClothAsset sewn = sheet;
+    for (uint32_t row = 0; row < sheet.splits.rows(); ++row) {
+      const std::span<const uint32_t> copies = sheet.splits.copies(row);
+      sewn.sewing.push_back({copies.front(), copies.back()});
+    }
     sheet.splits = {};  // two sheets side by side
     sheet.seam_bends.clear();
     write_asset(sheet, folder_ / "two.glb");
+    sewn.splits = {};
+    sewn.seam_bends.clear();
+    write_asset(sewn, folder_ / "sewn.glb");
   }
 
   /// Of a run; --check says the same, less what only playing tells.
@@ -69,6 +77,16 @@ TEST_F(SceneWarnings, TellThatAPartHangsOnNoPin) {
   EXPECT_THAT(warnings(R"({"asset":"two.glb","pins":[{"where":{"vertices":[0]}},
                                                      {"where":{"vertices":[8]},"from":0.2,"frequency":3}]})"),
               IsEmpty());
+}
+
+/// Who pinned the lower panel too could not close the seam.
+TEST_F(SceneWarnings, DoNotTellOfAPanelThatIsSewnToAPinnedOne) {
+  const std::string pinned = R"("pins":[{"where":{"vertices":[0,1]}}])";
+  EXPECT_THAT(warnings(R"({"asset":"sewn.glb",)" + pinned + "}"), IsEmpty());
+  EXPECT_THAT(warnings(R"({"asset":"sewn.glb",)" + pinned + R"(,"sewing":{"start":9}})"),
+              ElementsAre(HasSubstr("is held by no pin and falls")));
+  EXPECT_THAT(warnings(R"({"asset":"sewn.glb",)" + pinned + R"(,"sewing":false})"),
+              ElementsAre(HasSubstr("is held by no pin and falls")));
 }
 
 constexpr const char* kAway = R"("triangle":[[7,0,0],[8,0,0],[7,1,0]])";
