@@ -22,7 +22,8 @@ struct Material {
   float max_speed = 0.F;        ///< [m/s] 0 = no limit
   float max_stretch = -1.F;  ///< long-range attachments: largest strain along the surface to a pin and, where the cloth
                              ///< meets colliders, over eight pixels; 0 = off; below 0: automatic, above what the
-                             ///< cloth's own weight stretches it by in a swing, and the wind in a flag
+                             ///< cloth's own weight stretches it by in a swing, and the wind in a flag; of that no
+                             ///< more than 10 m count: say 0 for a banner that is to give way to more
 
   /// The seeds' own dimensionless parameters; they depend on the step. Used instead of the physical ones when >= 0.
   float stiffness = -1.F;       ///< 0..1 share of a structural or shear spring's error that one projection removes
