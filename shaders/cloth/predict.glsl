@@ -6,10 +6,11 @@
 #include "../lib/yield.h"
 #include "point.glsl"
 
+// A cloth may lie in the lee: w is its share of the wind.
 vec3 air_at(vec3 position) {
   precise vec3 air = params.wind.xyz;
   for (uint i = 0u; i < kWindWaves; ++i) air = air + gust_at(substeps[constants.substep].waves[i], position);
-  return air;
+  return air * params.wind.w;
 }
 
 // What is pinned stays where it is; pin_at() moves it.

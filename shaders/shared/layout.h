@@ -99,7 +99,7 @@ struct ClothParams {
   uint collider_count;
   uint air;           // 1: wind, drag or pressure act
   vec4 gravity_step;  // xyz: dt^2 g [m]; w: dt over that of the frame before
-  vec4 wind;          // xyz: mean velocity of the air [m/s]
+  vec4 wind;          // xyz: mean velocity of the air [m/s]; w: the share of it, gusts too, that the cloth feels
   vec4 stray_step;    // xyz: what dt^2 g strays by [m], see lib/predict.h; w: 1: it does
   vec4 stray_wave;    // xyz: wave vector of that [1/m]; w: its phase [turns], 0..1
   vec4 pressure;      // x: a sixth of it [Pa]; y: six times the largest area for a mass that it acts on [m^2/kg]

@@ -241,6 +241,11 @@ void check_gravity_scale(float scale, const std::string& where) {
   if (!(std::abs(scale) <= kLargest)) refuse(where, "gravity_scale", scale, "between -100 and 100");
 }
 
+void check_wind_scale(float scale, const std::string& where) {
+  constexpr float kLargest = 100;
+  if (!(scale >= 0 && scale <= kLargest)) refuse(where, "wind_scale", scale, "between 0 and 100");
+}
+
 void check_sewing(float share, const std::string& where) {
   constexpr float kLargest = 1e6F;
   if (!(share >= 0 && share <= kLargest)) refuse(where, "share of a seam's gap", share, "between 0 and 1e6");

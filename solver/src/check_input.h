@@ -51,6 +51,7 @@ void check_backstop(const Backstop& backstop, bool held, const std::string& wher
 void check_tear(double stretch, const std::string& where);
 void check_pressure(float pressure, const std::string& where);
 void check_gravity_scale(float scale, const std::string& where);
+void check_wind_scale(float scale, const std::string& where);
 void check_sewing(float share, const std::string& where);
 void check_gravity(const Vec3& gravity, const std::string& where);
 void check_position(const Vec3& position, const std::string& where);

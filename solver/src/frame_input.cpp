@@ -417,7 +417,7 @@ void set_imperfection(float share, const Vec3& gravity, float size, const Vec3& 
 }
 
 shader::ClothParams cloth_params(const Material& m, const FrameClock& clock, const Vec3& gravity,
-                                 const std::optional<Wind>& wind, float pressure) {
+                                 const std::optional<Wind>& wind, float wind_scale, float pressure) {
   constexpr float kLargestArea = 1.25F;  // of that at rest
   const double dt = clock.dt;
   const auto step = [&](float g) { return static_cast<float>(g * dt * dt); };
@@ -436,7 +436,7 @@ shader::ClothParams cloth_params(const Material& m, const FrameClock& clock, con
   p.share_bending = share(m.bend_stiffness);
   if (wind && (wind->drag > 0 || wind->lift > 0)) {
     p.air = 1;
-    p.wind = point4(wind->velocity, 0);
+    p.wind = point4(wind->velocity, wind_scale);
     p.air_factor = static_cast<float>(kAirDensity / (2.0 * m.areal_density));
     p.drag = wind->drag;
     p.lift = wind->lift;

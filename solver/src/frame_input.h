@@ -96,8 +96,9 @@ void set_frame_motion(shader::ClothParams& params, const Transform& from, const 
 void set_imperfection(float share, const Vec3& gravity, float size, const Vec3& origin, shader::ClothParams& p);
 
 /// The numbers of one material in one frame. width, height and collider_count are left 0.
-/// @param pressure  [Pa] see Solver::set_pressure
+/// @param wind_scale  see Solver::set_wind_scale
+/// @param pressure    [Pa] see Solver::set_pressure
 [[nodiscard]] shader::ClothParams cloth_params(const Material& material, const FrameClock& clock, const Vec3& gravity,
-                                               const std::optional<Wind>& wind, float pressure);
+                                               const std::optional<Wind>& wind, float wind_scale, float pressure);
 
 }  // namespace geocloth

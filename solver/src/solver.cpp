@@ -331,6 +331,13 @@ void Solver::Impl::set_gravity_scale(uint32_t cloth, float scale) {
   c.gravity_scale = scale;
 }
 
+void Solver::Impl::set_wind_scale(uint32_t cloth, float scale) {
+  check_wind_scale(scale, name_of(cloth));
+  Cloth& c = cloths_[cloth];
+  c.disturbed = c.disturbed || scale != c.wind_scale;
+  c.wind_scale = scale;
+}
+
 void Solver::Impl::set_sewing(uint32_t cloth, std::optional<float> share) {
   if (share) check_sewing(*share, name_of(cloth));
   Cloth& c = cloths_[cloth];
@@ -625,6 +632,10 @@ void Solver::set_pressure(uint32_t cloth, float pressure) {
 
 void Solver::set_gravity_scale(uint32_t cloth, float scale) {
   impl_->set_gravity_scale(impl_->index_of(cloth), scale);
+}
+
+void Solver::set_wind_scale(uint32_t cloth, float scale) {
+  impl_->set_wind_scale(impl_->index_of(cloth), scale);
 }
 
 void Solver::set_sewing(uint32_t cloth, std::optional<float> share) {

@@ -95,13 +95,19 @@ FrameClock Solver::Impl::clock() const {
   return {time_, settings_.frame_time / substeps_, substeps_};
 }
 
+std::optional<Wind> Solver::Impl::wind_on(const Cloth& cloth) const {
+  std::optional<Wind> wind = wind_;
+  if (wind) wind->velocity = cloth.wind_scale * wind->velocity;
+  return wind;
+}
+
 float Solver::Impl::stretch_limit(const Cloth& cloth) const {
-  const float stretch = largest_stretch(cloth.weakest, gravity_of(cloth), wind_, cloth.pressure, cloth.reach);
+  const float stretch = largest_stretch(cloth.weakest, gravity_of(cloth), wind_on(cloth), cloth.pressure, cloth.reach);
   return stretch > 0 ? 1 + stretch : 0;
 }
 
 void Solver::Impl::fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const {
-  frame.params = cloth_params(cloth.material, clock(), gravity_of(cloth), wind_, cloth.pressure);
+  frame.params = cloth_params(cloth.material, clock(), gravity_of(cloth), wind_, cloth.wind_scale, cloth.pressure);
   frame.params.gravity_step.w = static_cast<float>(clock().dt / cloth.displaced_in);
   frame.params.inverse_dt2 = static_cast<float>(1 / (cloth.compliance_step * cloth.compliance_step));
   set_imperfection(settings_.imperfection, gravity_of(cloth), cloth.size, origin_, frame.params);
@@ -408,7 +414,7 @@ void Solver::Impl::leave_alone(uint32_t c, bool is_disturbed) {
   constexpr double kLong = 4, kFaster = 1.25;
   Cloth& cloth = cloths_[c];
   const double speed = cloth.is_free() ? speed_of(c) : 0;
-  is_disturbed = is_disturbed || !cloth.is_free() || cloth.pressure != 0 || blows(wind_) || !(speed < kFast) ||
+  is_disturbed = is_disturbed || !cloth.is_free() || cloth.pressure != 0 || blows(wind_on(cloth)) || !(speed < kFast) ||
                  std::ranges::any_of(movers_, [&](uint32_t i) { return meets(cloth, i); });
   cloth.alone_for = is_disturbed ? 0 : cloth.alone_for + settings_.frame_time;
   const double drawn = double{length(gravity_of(cloth))} * settings_.frame_time;
@@ -422,14 +428,14 @@ void Solver::Impl::fall_asleep() {
   frame_.measure_motion = frame_.may_sleep || std::ranges::any_of(cloths_, &Cloth::is_free);
   frame_.motion_word = 1 - frame_.motion_word;
   const bool changed = std::exchange(scene_changed_, false);
-  const bool stirred = changed || blows(wind_) || !frame_.may_sleep;
+  const bool stirred = changed || !frame_.may_sleep;
   const uint32_t groups_changed = std::exchange(groups_changed_, 0);
   bool others_wake = false;  // of the cloths that collide with each other
   for (uint32_t c = 0; c < cloths_.size(); ++c) {
     Cloth& cloth = cloths_[c];
     const bool disturbed = std::exchange(cloth.disturbed, false) || (cloth.meets & groups_changed) != 0;
     leave_alone(c, changed || disturbed);
-    if (!stirred && !disturbed && !(cloth.asleep && is_reached(c))) continue;
+    if (!stirred && !disturbed && !blows(wind_on(cloth)) && !(cloth.asleep && is_reached(c))) continue;
     wake(cloth);
     others_wake = others_wake || meets_others(cloth);
   }

@@ -45,6 +45,7 @@ class Solver::Impl {
   [[nodiscard]] std::vector<uint32_t> held_pixels(uint32_t cloth) const;
   void set_pressure(uint32_t cloth, float pressure);
   void set_gravity_scale(uint32_t cloth, float scale);
+  void set_wind_scale(uint32_t cloth, float scale);
   void set_sewing(uint32_t cloth, std::optional<float> share);
   [[nodiscard]] float sewing_gap(uint32_t cloth);
   void set_material(uint32_t cloth, const Material& material);
@@ -145,6 +146,7 @@ class Solver::Impl {
     std::optional<InterCollision> inter_collision;
     float pressure = 0;  ///< [Pa]
     float gravity_scale = 1;
+    float wind_scale = 1;
     std::optional<float> sewn_from, sewn_to;  ///< see set_sewing(), at the start and the end of the next frame
     uint32_t meets = 0;                       ///< groups of colliders
     bool collide_cells = false;               ///< a collider was met that may slip through between pixels
@@ -242,6 +244,7 @@ class Solver::Impl {
   [[nodiscard]] bool meets_others(const Cloth& cloth) const { return inter_.points > 0 && cloth.inter_collision; }
   [[nodiscard]] float stretch_limit(const Cloth& cloth) const;
   [[nodiscard]] Vec3 gravity_of(const Cloth& cloth) const { return cloth.gravity_scale * settings_.gravity; }
+  [[nodiscard]] std::optional<Wind> wind_on(const Cloth& cloth) const;
   [[nodiscard]] FrameClock clock() const;
   [[nodiscard]] std::optional<ClothBox> box_of_pins(const Cloth& cloth) const;
   [[nodiscard]] uint32_t even_substeps();

@@ -35,7 +35,7 @@ float Solver::Impl::fastest_about(const Cloth& cloth) const {
     if (meets(cloth, i)) way = std::max(way, frame_.shapes[i].way * static_cast<float>(usual_substeps_));
   for (const auto& [pixel, pin] : cloth.pins) way = std::max(way, length(pin.target - pin.from));
   if (cloth.sewn_from) way = std::max(way, (*cloth.sewn_from - *cloth.sewn_to) * cloth.size);
-  const float wind = wind_ ? (1 + wind_->turbulence) * length(wind_->velocity) : 0;
+  const float wind = wind_ ? cloth.wind_scale * (1 + wind_->turbulence) * length(wind_->velocity) : 0;
   constexpr float kAnySpeed = 1e6F;  // planes that turn have no bound
   return std::min(std::max(way / frame_time, wind), kAnySpeed);
 }

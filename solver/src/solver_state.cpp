@@ -27,7 +27,7 @@ namespace {
 using shader::vec4;
 
 constexpr uint32_t kMagic = 0x53434C47;  // "GLCS"; read in another order of bytes it is another number
-constexpr uint32_t kVersion = 10;        ///< one more whenever what is written changes, or what a frame makes of it
+constexpr uint32_t kVersion = 11;        ///< one more whenever what is written changes, or what a frame makes of it
 
 /// Of one point.
 struct SavedPoint {
@@ -290,7 +290,7 @@ struct Solver::Impl::SavedCloth {
   std::array<Ride, 2> rides;
   std::optional<Seen> seen;
   double look_again = 0;
-  float limit = 0, reach = 0, strayed = 0, pressure = 0, gravity_scale = 1;
+  float limit = 0, reach = 0, strayed = 0, pressure = 0, gravity_scale = 1, wind_scale = 1;
   std::optional<float> sewn_from, sewn_to;
   uint32_t calm_frames = 0, meets = 0;
   std::array<float, 2> longest_way{};
@@ -341,6 +341,7 @@ struct Solver::Impl::SavedCloth {
     bytes.value(strayed);
     bytes.value(pressure);
     bytes.value(gravity_scale);
+    bytes.value(wind_scale);
     for (std::optional<float>* share : {&sewn_from, &sewn_to})
       bytes.optional(*share, [&](float& s) { bytes.value(s); });
     bytes.value(meets);
@@ -500,6 +501,7 @@ void Solver::Impl::keep_cloth(uint32_t index, SavedCloth& saved) {
   saved.strayed = cloth.strayed;
   saved.pressure = cloth.pressure;
   saved.gravity_scale = cloth.gravity_scale;
+  saved.wind_scale = cloth.wind_scale;
   saved.sewn_from = cloth.sewn_from;
   saved.sewn_to = cloth.sewn_to;
   saved.meets = cloth.meets;
@@ -661,6 +663,7 @@ void Solver::Impl::check_cloth(SavedCloth& saved, uint32_t index) const {
     require(finite(time) && time >= 0, where, ": a step is not finite, or below 0");
   check_pressure(saved.pressure, where);
   check_gravity_scale(saved.gravity_scale, where);
+  check_wind_scale(saved.wind_scale, where);
   for (const std::optional<float>& share : {saved.sewn_from, saved.sewn_to}) check_sewing(share.value_or(0), where);
   require(saved.sewn_from.has_value() == saved.sewn_to.has_value(), where, " is half sewn");
   require(finite(saved.displaced_in) && saved.displaced_in > 0, where, ": displaced_in is not above 0");
@@ -777,6 +780,7 @@ void Solver::Impl::take_cloth(SavedCloth& saved, uint32_t index) {
   cloth.strayed = saved.strayed;
   cloth.pressure = saved.pressure;
   cloth.gravity_scale = saved.gravity_scale;
+  cloth.wind_scale = saved.wind_scale;
   cloth.sewn_from = saved.sewn_from;
   cloth.sewn_to = saved.sewn_to;
   cloth.meets = saved.meets;

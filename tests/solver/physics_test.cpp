@@ -219,6 +219,34 @@ TEST(Wind, CarriesLooseClothAlongAndGustsDiffer) {
   EXPECT_GT(highest - lowest, 1e-4);
 }
 
+TEST(Wind, OfHalfTheScaleIsAsIfItBlewHalfAsFast) {
+  const auto flown = [](float speed, float scale) {
+    Solver solver(std::vector{test::describe(make_sheet({.nx = 17, .ny = 17, .charts_x = 2}))}, test::cpu_settings());
+    solver.set_wind({{speed, 0, speed}, 0, 1, 1.0F, 0.5F});
+    solver.set_wind_scale(0, scale);
+    test::run(solver, 30);
+    return test::positions_of(solver);
+  };
+  EXPECT_EQ(flown(6, 0.5F), flown(3, 1));
+  EXPECT_NE(flown(6, 1), flown(3, 1));
+}
+
+TEST(Wind, OfNoScaleIsStillAirThatDrags) {
+  const auto fallen = [](const Wind& wind, float scale) {
+    Solver solver(std::vector{test::describe(make_sheet({.nx = 17, .ny = 17}))}, test::cpu_settings());
+    const std::vector<Vec3> start = test::positions_of(solver);
+    solver.write_state(0, start, std::vector<Vec3>(start.size(), Vec3{0, 0, 3}));  // broadside on
+    solver.set_wind(wind);
+    solver.set_wind_scale(0, scale);
+    test::run(solver, 30);
+    return test::positions_of(solver);
+  };
+  const std::vector<Vec3> sheltered = fallen({{4, 0, 5}, 0.8F, 1, 1.5F, 0.5F}, 0);
+  const std::vector<Vec3> still = fallen({{}, 0, 1, 1.5F, 0.5F}, 1), empty = fallen({{4, 0, 5}, 0.8F, 1, 0, 0}, 1);
+  EXPECT_EQ(sheltered, still);
+  EXPECT_NE(sheltered, empty);  // it is no vacuum
+}
+
 TEST(Wind, IsTheSameForAllCopies) {
   Solver solver(std::vector{test::describe(make_sheet({.nx = 17, .ny = 17, .charts_x = 4, .charts_y = 4}))},
                 test::cpu_settings());

@@ -139,7 +139,7 @@ void add_fabric(Chance& chance, ClothDesc& cloth) {
     if (cloth.asset->valid(p)) fabric.pixels.push_back(p);
 }
 
-constexpr uint32_t kDeeds = 20;
+constexpr uint32_t kDeeds = 21;
 
 /// On the points of a cloth that are farthest along some direction: all held, soft, or free within a distance.
 std::vector<Pin> any_pins(Chance& chance, const ClothDesc& cloth, const Vec3& way) {
@@ -236,6 +236,8 @@ void act(const RandomScene& scene, const Deed& deed, Stage& stage) {
       return solver.set_sewing(c, chance.happens(0.2F) ? std::nullopt : std::optional(chance.within(0, 1.5F)));
     case 19:
       return solver.set_gravity_scale(c, chance.within(-1, 2));
+    case 20:
+      return solver.set_wind_scale(c, chance.within(0, 3));
     default:
       return solver.restore(solver.save());
   }

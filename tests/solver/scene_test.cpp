@@ -31,7 +31,7 @@ constexpr const char* kFull = R"({ "version": 1, "frame_rate": 30, "frames": 10,
                   "bend_weft": 1e-5, "damping": 0.5, "thickness": 0.004, "friction": 0.2, "max_speed": 9,
                   "max_stretch": 0.05, "stiffness": 0.9, "bend_stiffness": 0.1, "verlet_damping": 0.99 },
     "transform": { "translate": [0, 1, 0], "rotate_deg": [0, 90, 0], "scale": 2 },
-    "inertia_scale": [1, 1, 1], "gravity_scale": -0.5, "motion": [ { "time": 0, "translate": [0, 0, 0], "rotate_deg": [0, 0, 0] } ],
+    "inertia_scale": [1, 1, 1], "gravity_scale": -0.5, "wind_scale": 0.25, "motion": [ { "time": 0, "translate": [0, 0, 0], "rotate_deg": [0, 0, 0] } ],
     "pins": [ { "where": { "top": 0.02 }, "follow": "cloth" }, { "where": { "boundary": 1 }, "follow": "world" },
               { "where": { "boundary": "highest" }, "follow": "ball", "motion": [ { "time": 1, "translate": [0, 1, 0] } ] },
               { "where": { "box": [[0, 0, 0], [1, 1, 1]] } }, { "where": { "sphere": { "center": [0, 0, 0], "radius": 1 } } },
@@ -58,6 +58,7 @@ TEST(Scene, EveryKeyIsRead) {
   const SceneCloth& cloth = scene.cloths[0];
   EXPECT_EQ(cloth.asset, std::filesystem::path("folder/shirt.glb"));
   EXPECT_EQ(cloth.gravity_scale, -0.5F);
+  EXPECT_EQ(cloth.wind_scale, 0.25F);
   EXPECT_EQ(gravity_of(scene, cloth), (Vec3{0, 0.5F, 0}));
   EXPECT_EQ(cloth.material.areal_density, 0.3F);
   EXPECT_EQ(cloth.material.verlet_damping, 0.99F);
@@ -366,6 +367,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{"Inertia", "\"inertia_scale\": [1, 1, 1]", "\"inertia_scale\": [0, 2, 1]", "between 0 and 1"},
         BadScene{"GravityScale", "\"gravity_scale\": -0.5", "\"gravity_scale\": 101",
                  "cloths[0].gravity_scale: gravity_scale is 101; it must be between -100 and 100"},
+        BadScene{"WindScale", "\"wind_scale\": 0.25", "\"wind_scale\": -1",
+                 "cloths[0].wind_scale: wind_scale is -1; it must be between 0 and 100"},
         BadScene{"Convex", "\"shape\": \"box\"", "\"shape\": \"convex\"", "center"},
         BadScene{"HullOfANumber",
                  "\"shape\": \"box\", \"center\": [0, 1, 0], \"half_extents\": [1, 2, 3], \"rotate_deg\": [0, 0, 45]",

@@ -198,6 +198,11 @@ TEST(Sleeping, WindKeepsItAwakeAndStillAirDoesNot) {
   EXPECT_FALSE(windy.asleep(0));
   still.set_wind({.turbulence = 0, .frequency = 1, .drag = 1, .lift = 0});
   run_to_sleep(still);
+  windy.set_wind_scale(0, 0);
+  run_to_sleep(windy);
+  windy.set_wind_scale(0, 1);
+  windy.step();
+  EXPECT_FALSE(windy.asleep(0));
 }
 
 TEST(Sleeping, OneOfTenIsDisturbed) {

@@ -434,7 +434,7 @@ TEST_P(State, OfOthersIsRefusedAndLeavesTheSolverAsItIs) {
   EXPECT_THAT(refusal(solver, bytes), testing::HasSubstr("it does not begin as one"));
   bytes = before;
   bytes[4] = std::byte{200};
-  EXPECT_THAT(refusal(solver, bytes), testing::HasSubstr("it has version 200, this library reads version 10"));
+  EXPECT_THAT(refusal(solver, bytes), testing::HasSubstr("it has version 200, this library reads version 11"));
   bytes = before;
   bytes.push_back({});
   EXPECT_THAT(refusal(solver, bytes), testing::HasSubstr("1 bytes too many"));

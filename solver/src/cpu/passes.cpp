@@ -91,7 +91,7 @@ vec3 air_at(const PassContext& context, const vec3& position) {
   for (const shader::Wave& wave : context.frame.substeps[context.substep].waves) {
     air = air + shader::gust_at(wave, position);
   }
-  return air;
+  return air * context.cloth.params.wind.w;
 }
 
 void predict(const PassContext& context, ClothState& state) {

@@ -40,7 +40,7 @@ HWY_INLINE Points<D> air_acceleration(D d, const shader::ClothParams& params, co
     air = add(air, scale(d, set(d, wave.gust.x, wave.gust.y, wave.gust.z), sine_of_turns(d, turns)));
   }
   const auto zero = hn::Zero(d), one = hn::Set(d, 1.F);
-  const Points<D> v = sub(air, velocity);
+  const Points<D> v = sub(scale(d, air, hn::Set(d, params.wind.w)), velocity);
   const auto speed = length(d, v);
   const auto toward = dot(d, v, normal);
   const auto c = hn::Abs(toward);

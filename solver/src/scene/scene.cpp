@@ -397,8 +397,8 @@ SceneFabric read_fabric(const JsonReader& json, const SceneCloth& cloth) {
 SceneCloth read_cloth(const JsonReader& json, const std::filesystem::path& folder) {
   expect_no_placing(json);
   json.expect_object({"asset", "material", "fabrics", "transform", "inertia_scale", "motion", "pins", "skin", "start",
-                      "cuts", "tear", "gravity_scale", "pressure", "sewing", "self_collision", "inter_collision",
-                      "collides_with", "ignores"});
+                      "cuts", "tear", "gravity_scale", "wind_scale", "pressure", "sewing", "self_collision",
+                      "inter_collision", "collides_with", "ignores"});
   SceneCloth cloth;
   const std::string asset = json.at("asset").text();
   if (asset.empty()) json.at("asset").fail("must name an asset file");
@@ -428,6 +428,10 @@ SceneCloth read_cloth(const JsonReader& json, const std::filesystem::path& folde
   if (json.has("gravity_scale")) {
     json.read("gravity_scale", cloth.gravity_scale);
     checked([&] { check_gravity_scale(cloth.gravity_scale, json.at("gravity_scale").where()); });
+  }
+  if (json.has("wind_scale")) {
+    json.read("wind_scale", cloth.wind_scale);
+    checked([&] { check_wind_scale(cloth.wind_scale, json.at("wind_scale").where()); });
   }
   if (json.has("pressure")) read_pressure(json.at("pressure"), cloth);
   if (json.has("sewing")) {

@@ -220,6 +220,7 @@ Simulation::Simulation(Scene scene, SolverSettings settings, const BodyReader& b
     const SceneCloth& cloth = scene_.cloths[c];
     if (!cloth.motion.empty()) solver_->set_parent(c, pose_at(cloth.motion, 0), cloth.inertia_scale);
     solver_->set_gravity_scale(c, cloth.gravity_scale);
+    solver_->set_wind_scale(c, cloth.wind_scale);
     solver_->set_pressure(c, pressure_at(cloth, 0));
   }
 }

@@ -183,6 +183,7 @@ struct SceneCloth {
   bool names_sewing = false;  ///< the scene says that it is sewn: there has to be something to sew
   std::vector<SceneCut> cuts;
   float gravity_scale = 1;                   ///< see Solver::set_gravity_scale
+  float wind_scale = 1;                      ///< see Solver::set_wind_scale
   float pressure = 0;                        ///< [Pa] see Solver::set_pressure
   std::vector<PressureKey> pressure_motion;  ///< in place of `pressure`; empty: it stays
   float tear = 0;                            ///< above 1: the stretch that it tears at, see Solver::tear; 0: never

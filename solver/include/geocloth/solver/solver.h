@@ -220,6 +220,10 @@ class Solver {
   /// How much of gravity a cloth feels from the next step on, -100..100; 1 for a new cloth.
   void set_gravity_scale(uint32_t cloth, float scale);
 
+  /// How much of the wind a cloth feels from the next step on, mean and gusts, 0..100; 1 for a new cloth. Below 1 it is
+  /// in the lee: indoors, or a lining under a coat. By 0 the air about it is still, and drags all the same.
+  void set_wind_scale(uint32_t cloth, float scale);
+
   /// Sews what ClothAsset::sewing names: at the end of the next step such points are no farther apart than this share,
   /// 0..1e6, of what they are at rest (at least one spacing), and on the way there the share goes on evenly from that
   /// of the last call. So seams close as it sinks to 0, and are held closed by 0. The first call holds points from then
