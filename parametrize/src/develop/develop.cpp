@@ -634,6 +634,9 @@ DevelopedSurface develop(std::span<const CutSurface> cuts, const DevelopOptions&
   } catch (const Error&) {  // some piece between folds has no layout; the whole has one
   }
   even_out_stretch(result.charts);
+  // Threads drawn straight may have turned a chart as a whole.
+  for (Chart& c : result.charts)
+    if (is_askew(c)) turn_upright(c);
   open_met_holes(result.charts);
   return assembled(result.cut, result.charts);
 }

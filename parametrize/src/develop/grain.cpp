@@ -194,6 +194,11 @@ void turn_upright(Chart& c) {
   for (Point2& p : c.uv) p = {p[0] * up[1] - p[1] * up[0], along(p, up)};
 }
 
+bool is_askew(const Chart& c) {
+  constexpr double kSeen = 0.05;  // sine: less the eye does not see at a hem
+  return std::abs(upward(sum_of(c), c.uv)[0]) > kSeen;
+}
+
 void straighten_threads(Chart& c, double share, std::span<const double> times) {
   const std::vector<Point2> before = c.uv;
   SymmetricDirichlet energy = chart_energy(c);

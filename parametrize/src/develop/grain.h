@@ -37,6 +37,9 @@ struct GrainSum {
 /// tailor lays a cloth straight, and a slender one (ribbons and trims, whose thread runs along them) lies along itself.
 void turn_upright(Chart& chart);
 
+/// Does a chart lie otherwise than turn_upright() would have it, by more than the eye sees?
+[[nodiscard]] bool is_askew(const Chart& chart);
+
 /// Lets an upright chart's threads, the plane's x and y, meet on the surface at angles nearer to right ones. That costs
 /// the map a little stretch and nothing else: the outline stays simple and no triangle flips.
 /// @param share  of what angles are worth usually
