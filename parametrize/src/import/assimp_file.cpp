@@ -142,8 +142,7 @@ std::vector<MemoryFile> prepare(const std::filesystem::path& file, std::span<con
       out.obj = read_obj(file, text);
       return {{"mesh.obj", std::move(out.obj.coded)}};
     case Format::ply:
-      check_ply(file, text);
-      return {{"mesh.ply", std::move(text)}};
+      return {{"mesh.ply", checked_ply(file, std::move(text))}};
     case Format::stl:
       return {{"mesh.stl", checked_stl(file, std::move(text))}};
     case Format::fbx:

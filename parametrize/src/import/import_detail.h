@@ -93,7 +93,8 @@ struct GltfBytes {
                                                 bool binary, std::vector<std::string>& left_out);
 
 /// Checks that the sizes a PLY file announces are the sizes it has.
-void check_ply(const std::filesystem::path& file, std::string_view bytes);
+/// @returns it as assimp reads it: what assimp does not know stands before no vertices or faces, and strips are faces
+[[nodiscard]] std::string checked_ply(const std::filesystem::path& file, std::string text);
 /// The same for STL. @returns it as assimp reads it: without padding at the end, words in small letters
 [[nodiscard]] std::string checked_stl(const std::filesystem::path& file, std::string text);
 /// An OFF file as the OBJ text that says the same, on the same lines.
