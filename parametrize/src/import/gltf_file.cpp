@@ -31,8 +31,8 @@ GltfFile::GltfFile(const std::filesystem::path& file, Bytes bytes, bool binary) 
   json = Json::parse(text.begin(), text.end(), nullptr, false);
   if (json.is_discarded()) bad("its JSON is broken; is the file cut off?");
   if (!json.is_object()) bad("its JSON is not an object, so this is no glTF file");
+  check_version();  // first: glTF 1.0 has objects for arrays
   for (const auto& [name, value] : json.items()) check_objects(name, value);
-  check_version();
 }
 
 /// Those of its arrays that elements of the file refer to hold objects.

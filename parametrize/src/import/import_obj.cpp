@@ -112,6 +112,16 @@ class ObjReader {
     fail(file_, ErrorCode::invalid_data, "line " + std::to_string(line_) + ": " + what);
   }
 
+  /// Programs in a language that writes 1,5 for one and a half may write so into files.
+  [[noreturn]] void refuse_number(std::string_view word, const char* otherwise) const {
+    const std::size_t comma = word.find(',');
+    std::string pointed(word.substr(0, 64));
+    double value = 0;
+    if (comma + 1 < pointed.size()) pointed[comma] = '.';
+    if (comma >= pointed.size() || comma + 1 == pointed.size() || !read_number(pointed, value)) bad(otherwise);
+    bad("the number '" + printable(word) + "' has a decimal comma; export the mesh with decimal points");
+  }
+
   void read_record(std::string_view line) {
     const std::string_view keyword = next_word(line);
     if (keyword == "v") {
@@ -154,7 +164,8 @@ class ObjReader {
   void read_vertex(std::string_view line) {
     Point3 p;
     for (double& c : p) {
-      if (!read_number(next_word(line), c)) bad("a vertex needs three numbers; is the file cut off?");
+      const std::string_view word = next_word(line);
+      if (!read_number(word, c)) refuse_number(word, "a vertex needs three numbers; is the file cut off?");
     }
     if (out_.position.size() >= kMaxElements) fail(file_, ErrorCode::limit, "more than 100 million vertices");
     const auto number = static_cast<uint32_t>(out_.position.size());
@@ -194,7 +205,7 @@ class ObjReader {
       const std::string_view word = next_word(line);
       double value = 0;
       if (!word.empty() || k < least) {
-        if (!read_number(word, value)) bad("a number is missing or broken; is the file cut off?");
+        if (!read_number(word, value)) refuse_number(word, "a number is missing or broken; is the file cut off?");
       }
       if (!std::isfinite(value) || std::abs(value) > 1e9) value = 0;
       char buffer[32];
