@@ -186,6 +186,17 @@ TEST(Convert, WritesAssetReportAndPictures) {
   EXPECT_TRUE(std::filesystem::exists(folder / "pictures/geometry_image.png"));
 }
 
+// A batch program of 4 GB made each of its conversions report 4 GB.
+TEST(Convert, TheReportsMemoryIsNotThatOfTheProgramThatStartedIt) {
+  const TemporaryFolder folder;
+  constexpr std::size_t kOurs = std::size_t{768} << 20U;
+  const std::vector<char> ours(kOurs, 1);
+  const ProgramResult result = run_program({"convert", kMeshes + "defects/pocket.obj", "-o", folder / "out.glb",
+                                            "--resolution", "32", "--report", folder / "report.json", "-q"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_LT(json::parse(read_text(folder / "report.json"))["peak_memory_bytes"].get<std::size_t>(), ours.size());
+}
+
 TEST(Convert, QuietSaysNothingOnStandardError) {
   const TemporaryFolder folder;
   const ProgramResult result = run_program(
