@@ -297,6 +297,19 @@ TEST(SmallPieces, OfEqualSequinsAllAreCarried) {
   EXPECT_THAT(report.warnings, ElementsAre(HasSubstr("100 small pieces, 3.8 % of the area, have no pixels")));
 }
 
+// As many as fit into a hundredth of the area rode, and the other 40 fell.
+TEST(SmallPieces, OfEqualSequinsNoneIsCarriedWhereNotAllMayBe) {
+  TriangleMesh mesh = sheet();
+  constexpr uint32_t kSequins = 100;
+  for (uint32_t i = 0; i < kSequins; ++i) add_square(mesh, 0.03 + 0.1 * (i % 10), 0.002, 0.02 + 0.1 * (i / 10), 0.013);
+  add_square(mesh, 0.05, 0.002, 0.07, 0.02);  // one of its own that may be
+  close_mesh(mesh);
+  const ConvertReport report = convert_at(mesh, 48).report;
+  ASSERT_EQ(report.carried.size(), 1U);
+  EXPECT_EQ(report.represented.components, 1 + kSequins);
+  EXPECT_THAT(report.warnings, Contains(HasSubstr("100 small pieces")));
+}
+
 // The button moves with the cloth beside it and keeps its shape while the cloth rolls up.
 TEST(SmallPieces, ACarriedButtonRidesOnTheClothAndKeepsItsShape) {
   TriangleMesh mesh = sheet();

@@ -115,36 +115,89 @@ LoosePieces find_small_ones(const CleanSurface& clean, const std::vector<double>
   return result;
 }
 
+std::vector<uint32_t> component_triangles(const CleanSurface& clean) {
+  std::vector<uint32_t> triangles(clean.component_count, 0);
+  for (const uint32_t c : clean.component) ++triangles[c];
+  return triangles;
+}
+
+/// What pieces of one kind have in common, such as sequins or the teeth of a zipper.
+struct PieceKind {
+  double area = 0;
+  uint32_t triangles = 0;
+};
+
+bool is_same_kind(const PieceKind& a, const PieceKind& b) {
+  constexpr double kRounding = 1e-3;  // of coordinates as texts have them
+  return a.triangles == b.triangles && std::abs(a.area - b.area) <= kRounding * a.area;
+}
+
+/// Pieces by area, in groups of one kind.
+std::vector<std::vector<uint32_t>> by_kind(const std::vector<PieceKind>& piece) {
+  std::vector<uint32_t> order(piece.size());
+  std::iota(order.begin(), order.end(), 0U);
+  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return piece[a].area < piece[b].area; });
+  std::vector<std::vector<uint32_t>> groups;
+  for (const uint32_t p : order) {
+    if (groups.empty() || !is_same_kind(piece[groups.back()[0]], piece[p])) groups.emplace_back();
+    groups.back().push_back(p);
+  }
+  return groups;
+}
+
+std::vector<std::vector<uint32_t>> components_by_kind(const CleanSurface& clean, const std::vector<double>& area) {
+  const std::vector<uint32_t> triangles = component_triangles(clean);
+  std::vector<PieceKind> kind;
+  for (size_t c = 0; c < area.size(); ++c) kind.push_back({area[c], triangles[c]});
+  return by_kind(kind);
+}
+
 /// Those of an area below a pixel's, ascending by area. Of equal sequins all are left out or none: beside a garment
 /// loose ones are, also beyond what may be left out usually.
 /// @param left  [m^2] that may be left out, less what this takes
-std::vector<LeftOut> too_small(const std::vector<double>& area, const LoosePieces& loose, double pixel, double& left) {
-  std::vector<uint32_t> order(area.size());
-  std::iota(order.begin(), order.end(), 0U);
-  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return area[a] < area[b]; });
+std::vector<LeftOut> too_small(const CleanSurface& clean, const std::vector<double>& area, const LoosePieces& loose,
+                               double pixel, double& left) {
+  const auto rides_anyhow = [&](uint32_t c) { return loose.have_garment && loose.is_small[c] != 0; };
   std::vector<LeftOut> result;
-  for (const uint32_t c : order) {
-    if (result.size() + 1 == order.size() || area[c] >= pixel) break;
-    if (area[c] > left && !(loose.have_garment && loose.is_small[c] != 0)) continue;
-    left -= area[c];
-    result.push_back({{c}, "its area is " + rounded(area[c] / pixel) + " of a pixel's"});
+  for (const std::vector<uint32_t>& group : components_by_kind(clean, area)) {
+    double asked = 0;
+    for (const uint32_t c : group) asked += rides_anyhow(c) ? 0 : area[c];
+    const bool all_fit = asked <= left;
+    for (const uint32_t c : group) {
+      if (result.size() + 1 == area.size() || area[c] >= pixel) return result;
+      if (!all_fit && !rides_anyhow(c)) continue;
+      left -= area[c];
+      result.push_back({{c}, "its area is " + rounded(area[c] / pixel) + " of a pixel's"});
+    }
   }
   return result;
 }
 
-/// Those that are too narrow for one, ascending by area, as far as there is room.
+std::vector<std::vector<uint32_t>> narrow_by_kind(const CleanSurface& clean, const std::vector<NarrowPieces>& narrow) {
+  const std::vector<uint32_t> triangles = component_triangles(clean);
+  std::vector<PieceKind> kind;
+  for (const NarrowPieces& pieces : narrow) {
+    kind.push_back({pieces.area, 0});
+    for (const uint32_t c : pieces.component) kind.back().triangles += triangles[c];
+  }
+  return by_kind(kind);
+}
+
+/// Those that are too narrow for one, ascending by area, as far as there is room for all of a kind.
 void add_narrow(const CleanSurface& clean, double spacing, double left, std::vector<LeftOut>& left_out) {
   std::vector<uint8_t> is_left_out(clean.component_count, 0);
   for (const LeftOut& l : left_out) is_left_out[l.component[0]] = 1;
-  std::vector<NarrowPieces> narrow = find_narrow_pieces(clean, spacing, left, is_left_out);
-  std::stable_sort(narrow.begin(), narrow.end(),
-                   [](const NarrowPieces& a, const NarrowPieces& b) { return a.area < b.area; });
-  for (const NarrowPieces& pieces : narrow) {
-    if (pieces.area > left) break;
-    left -= pieces.area;
-    for (const uint32_t c : pieces.component) {
-      left_out.push_back(
-          {{c}, "it is a strip " + rounded(pieces.width / spacing) + " of a pixel wide where it is widest"});
+  const std::vector<NarrowPieces> narrow = find_narrow_pieces(clean, spacing, left, is_left_out);
+  for (const std::vector<uint32_t>& group : narrow_by_kind(clean, narrow)) {
+    double area = 0;
+    for (const uint32_t i : group) area += narrow[i].area;
+    if (area > left) continue;
+    left -= area;
+    for (const uint32_t i : group) {
+      for (const uint32_t c : narrow[i].component) {
+        left_out.push_back(
+            {{c}, "it is a strip " + rounded(narrow[i].width / spacing) + " of a pixel wide where it is widest"});
+      }
     }
   }
 }
@@ -234,7 +287,7 @@ void leave_out_small_pieces(const TriangleMesh& mesh, const CleanSurface& clean,
   double left = kMostCarried * total;
   const LoosePieces loose = carry_loose ? find_small_ones(clean, area, spacing)
                                         : LoosePieces{{}, std::vector<uint8_t>(clean.component_count, 0), false, 0};
-  std::vector<LeftOut> left_out = too_small(area, loose, spacing * spacing, left);
+  std::vector<LeftOut> left_out = too_small(clean, area, loose, spacing * spacing, left);
   add_narrow(clean, spacing, left, left_out);
   result.too_small = left_out.size();
   add_riding(clean, loose, left_out);
@@ -316,7 +369,7 @@ LoosePiecesLeft find_loose_pieces(const CleanSurface& clean, double spacing) {
   if (spacing > 0) {
     const LoosePieces loose = find_small_ones(clean, area, spacing);
     double none_left = 0;
-    std::vector<LeftOut> left_out = too_small(area, loose, spacing * spacing, none_left);
+    std::vector<LeftOut> left_out = too_small(clean, area, loose, spacing * spacing, none_left);
     add_riding(clean, loose, left_out);
     for (const LeftOut& l : left_out) {
       for (const uint32_t c : l.component) would_ride[c] = 1;
