@@ -657,6 +657,12 @@ TEST_F(Import, PlyElementsOfAnyNameMayStandBeforeVerticesAndFaces) {
   }
 }
 
+// The format allows it, and the properties after the comment were lost.
+TEST_F(Import, PlyCommentsMayStandBetweenProperties) {
+  expect_one_square(read("a.ply", replaced(kTextPly, "property float y", "comment the height\nproperty float y")));
+  expect_one_square(read("b.ply", replaced(kTextPly, "property list", "obj_info corners\nproperty list")));
+}
+
 // assimp makes room for the first of them and writes all.
 TEST_F(Import, PlyOfTwoVertexElementsIsRefused) {
   const std::string more = "element vertex 4\nproperty float x\nelement face";

@@ -5,7 +5,8 @@
 //
 // assimp 5.2 also takes an element whose name it does not know for one of no records, so that what follows is read from
 // the wrong place, and of a triangle strip it keeps the first triangle. Such files it gets in another form, with
-// vertices first, then faces, and nothing that it does not know before them.
+// vertices first, then faces, and nothing that it does not know before them. So it gets those with comments between
+// properties, for it reads none of the properties after them.
 #include <algorithm>
 #include <array>
 #include <span>
@@ -85,7 +86,7 @@ class PlyReader {
 
   /// Whether assimp would take what it reads from the wrong place, or too little of it. After check().
   bool is_misread() const {
-    bool unknown = false, vertices = false, misread = has_strips_;
+    bool unknown = false, vertices = false, misread = has_strips_ || has_inner_comment_;
     for (const PlyElement& element : element_) {
       if (element.name == kVertices || element.name == kFaces) misread = misread || unknown;
       if (element.name == kFaces && !vertices) misread = true;
@@ -155,7 +156,7 @@ class PlyReader {
       } else if (!line.empty() && line[0] == "property") {
         read_property(line);
       }
-      keep_line(whole, !line.empty() && (line[0] == "element" || line[0] == "property"));
+      keep_line(whole, line.empty() ? "" : line[0]);
       whole = next_line();
     }
     if (!has_format) bad(file_, "the header names no known format");
@@ -163,7 +164,10 @@ class PlyReader {
   }
 
   /// Comments may name a picture.
-  void keep_line(std::string_view line, bool is_of_element) {
+  void keep_line(std::string_view line, std::string_view keyword) {
+    const bool is_of_element = keyword == "element" || keyword == "property";
+    has_inner_comment_ = has_inner_comment_ || (keyword == "property" && !was_of_element_);
+    was_of_element_ = is_of_element;
     if (line.ends_with('\r')) line.remove_suffix(1);
     (is_of_element ? element_.back().header : preamble_).append(line).push_back('\n');
   }
@@ -324,6 +328,7 @@ class PlyReader {
   std::string_view bytes_;
   std::size_t at_ = 0, vertices_ = 0;
   bool ascii_ = false, big_ = false, has_strips_ = false;
+  bool has_inner_comment_ = false, was_of_element_ = false;
   std::string preamble_;  // lines of the header that are of no element
   std::vector<PlyElement> element_;
   std::vector<uint32_t> corner_;  // of the face or strip that is being read, where there are strips
