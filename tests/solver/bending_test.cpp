@@ -9,6 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "geocloth/asset/grid_mesh.h"
 #include "solver_fixture.h"
 
 namespace geocloth {
@@ -92,6 +93,80 @@ TEST(Bending, IsAsStiffOnAGridWhoseLinesAreNotStraight) {
     EXPECT_NEAR(rolled_energy(0.1F, across), straight, 0.05 * straight);
     EXPECT_NEAR(rolled_energy(0.2F, across), straight, 0.15 * straight);
   }
+}
+
+/// Takes pixels out of a sheet, with their springs and triangles; areas are shared anew.
+void keep_pixels(ClothAsset& asset, const std::vector<bool>& kept) {
+  for (uint32_t p = 0; p < asset.pixel_count(); ++p) {
+    if (!kept[p]) {
+      asset.chart[p] = kNoChart;
+      asset.rest_position[p] = {};
+    }
+    for (uint32_t s = 0; s < kSpringCount; ++s) {
+      const auto to = static_cast<int64_t>(p) + kSpringOffset[s][1] * int64_t{asset.width} + kSpringOffset[s][0];
+      const bool leads = (asset.spring_mask[p] & (1U << s)) != 0;
+      if (leads && !(kept[p] && kept[static_cast<size_t>(to)]))
+        asset.spring_mask[p] &= static_cast<uint8_t>(~(1U << s));
+    }
+    if (asset.cell[p] == 0) continue;
+    const bool left = (asset.cell[p] & kCellDiagonalLeft) != 0;
+    const bool a = kept[p], b = kept[p + 1], c = kept[p + asset.width], d = kept[p + asset.width + 1];
+    uint8_t cell = left ? kCellDiagonalLeft : 0;
+    if (left ? a && c && b : a && c && d) cell |= kCellFirst;
+    if (left ? b && c && d : a && d && b) cell |= kCellSecond;
+    asset.cell[p] = cell;
+  }
+  const auto first = static_cast<uint32_t>(std::find(kept.begin(), kept.end(), true) - kept.begin());
+  for (Binding& binding : asset.binding) binding.pixel = {first, first, first};  // nobody looks at the vertices
+  asset.area.assign(asset.pixel_count(), 0);
+  const auto& x = asset.rest_position;
+  for (const auto& t : pixel_triangles(asset))
+    for (const uint32_t p : t) asset.area[p] += length(cross(x[t[1]] - x[t[0]], x[t[2]] - x[t[0]])) / 6;
+}
+
+/// What a strip at 45 degrees to the grid stores as a cylinder along it, of what the cloth should.
+/// @param lines  of pixels along the strip, beside the middle one on each side
+double rigidity_of_bias_strip(int32_t lines, bool with_bias) {
+  constexpr double kCurvature = 0.5, kRigidity = 1;
+  constexpr int32_t kPoints = 49, kHalfLength = 40;
+  ClothAsset asset = test::make_sheet({.nx = kPoints, .ny = kPoints});
+  std::vector<bool> kept(asset.pixel_count());
+  for (uint32_t p = 0; p < asset.pixel_count(); ++p) {
+    const auto i = static_cast<int32_t>(p % asset.width), j = static_cast<int32_t>(p / asset.width);
+    kept[p] = asset.valid(p) && std::abs(i - j) <= lines && std::abs(i + j - (kPoints - 1)) <= kHalfLength;
+    // the diagonals of the outline run along it
+    if (asset.cell[p] != 0) {
+      const bool at_side = std::abs(i - j) >= lines - 1;
+      asset.cell[p] = static_cast<uint8_t>(kCellFirst | kCellSecond | (at_side ? 0 : kCellDiagonalLeft));
+    }
+  }
+  keep_pixels(asset, kept);
+  double area = 0;
+  for (const float a : asset.area) area += static_cast<double>(a);
+
+  Material material;
+  material.bend_warp = material.bend_weft = kRigidity;
+  if (with_bias) material.bend_bias = kRigidity;
+  const ClothDesc cloth = test::describe(std::move(asset), material);
+  std::vector<Vec3> x = cloth.asset->rest_position;
+  for (Vec3& p : x) {
+    const double along = static_cast<double>(p.x - p.y) / std::sqrt(2), across = static_cast<double>(p.x + p.y) / 2;
+    const double bent = std::sin(kCurvature * along) / kCurvature / std::sqrt(2);
+    p = {static_cast<float>(across + bent), static_cast<float>(across - bent),
+         static_cast<float>((1 - std::cos(kCurvature * along)) / kCurvature)};
+  }
+  const std::vector<Vec3> still(x.size());
+  const double stored = measure_energy(cloth, {}, x, still).elastic -
+                        measure_energy(cloth, {}, cloth.asset->rest_position, still).elastic;
+  return stored / (0.5 * kRigidity * kCurvature * kCurvature * area * (with_bias ? 1 : 0.5));
+}
+
+// Lines that end at a slanted outline left their share of the rigidity there: a strip four spacings wide had half of
+// it.
+TEST(Bending, ANarrowStripOnTheBiasHasTheRigidityOfTheCloth) {
+  for (const bool with_bias : {true, false})
+    for (const int32_t lines : {3, 6, 11})  // 4, 8 and 16 spacings across
+      EXPECT_NEAR(rigidity_of_bias_strip(lines, with_bias), 1, 0.01) << lines << (with_bias ? ", bias" : "");
 }
 
 // Measured cotton on a grid of 3 mm is much stiffer than one sweep of its curvatures can be. Swept in one direction

@@ -34,11 +34,26 @@ Series material_series(const Material& m) {
   return {3.0 / 8 * (weft + warp) + 0.25 * h, 0.5 * (weft - warp), 0, 0.125 * (weft + warp) - 0.25 * h, 0};
 }
 
+/// Warp and weft are at right angles in the cloth: the cross that is nearest to the grid's two directions.
+double right_from_weft(const GridDirections& grid) {
+  return 0.5 * (std::numbers::pi / 2 - grid.angle);
+}
+
 }  // namespace
 
+double angle_from_weft(const GridDirections& grid, double angle_from_right) {
+  return right_from_weft(grid) + angle_from_right;
+}
+
+double rigidity_along(const Material& material, double angle) {
+  const double weft = material.bend_weft, warp = material.bend_warp, bias = material.bend_bias;
+  const double c = std::cos(angle) * std::cos(angle), s = 1 - c;
+  const double h = bias >= 0 ? 0.5 * (4 * bias - weft - warp) : 0;
+  return weft * c * c + warp * s * s + 2 * h * c * s;
+}
+
 std::array<double, kBendDirections> spread_rigidity(const Material& material, const GridDirections& grid) {
-  // Warp and weft are at right angles in the cloth: the cross that is nearest to the grid's two directions.
-  const double right = 0.5 * (std::numbers::pi / 2 - grid.angle), down = right + grid.angle;
+  const double right = right_from_weft(grid), down = right + grid.angle;
   const double x = grid.right * std::cos(right), y = grid.right * std::sin(right);
   const double u = grid.down * std::cos(down), v = grid.down * std::sin(down);
   const std::array<Series, kBendDirections> direction{direction_series(right), direction_series(down),

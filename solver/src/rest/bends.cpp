@@ -21,6 +21,7 @@
 #include "lib/bend.h"
 #include "lib/yield.h"
 #include "rest/bend_directions.h"
+#include "rest/bend_rigidity.h"
 #include "rest/seam_list.h"
 #include "rest/spring_neighbors.h"
 #include "rest/turned_bend.h"
@@ -39,18 +40,17 @@ constexpr double kLargestTurn = 0.2;
 /// Diagonals with less than this share of the material's rigidity are left out.
 constexpr double kLeastShare = 0.01;
 
-/// Grid directions within this of each other have no cross of warp and weft between them.
-constexpr double kLargestCosine = 0.99;
-
 constexpr uint32_t kRowBend = 4, kColumnBend = 5;  ///< components of the bending family
-
-constexpr uint32_t kWeft = 0, kWarp = 1;  ///< of the directions of bend_directions.h
 
 class BendBuilder {
  public:
   BendBuilder(const ClothDesc& cloth, const FabricMap& fabrics, const RestShape& rest, ClothData& data)
       : asset_(*cloth.asset), by_share_(cloth.material.bend_stiffness), fabrics_(fabrics), rest_(rest), data_(data) {
-    if (by_share_ < 0) compute_normals(asset_, asset_.rest_position, normal_);
+    if (by_share_ >= 0) return;
+    compute_normals(asset_, asset_.rest_position, normal_);
+    rigidity_.emplace(asset_, fabrics, rest, [&](uint32_t middle, uint32_t direction, const Vec3& along) {
+      return share_seen(middle - way(direction), middle, middle + way(direction), along);
+    });
   }
 
   void build() {
@@ -95,9 +95,9 @@ class BendBuilder {
     const auto along = static_cast<uint8_t>(component == kRowBend ? kSpringRight : kSpringDown);
     if ((asset_.spring_mask[a] & asset_.spring_mask[middle] & along) == 0) return;
     if (!(structural_rest(a, component) > 0 && structural_rest(middle, component) > 0)) return;  // they give the chord
-    const double rigidity = rigidities_at(middle, fabrics_.bending_at(middle))[component == kRowBend ? kWeft : kWarp];
+    const uint32_t direction = component - kRowBend;
     const shader::SeamSpring bend =
-        make_bend(a, middle, b, rest_.pixel_area(middle), rigidity, kink(a, component - kRowBend));
+        make_bend(a, middle, b, rest_.pixel_area(middle), rigidity_->at(middle, direction), kink(a, direction));
     if (!(bend.compliance > 0)) return;
     if (bend.turn != 0) {
       listed_.push_back(bend);
@@ -112,41 +112,20 @@ class BendBuilder {
   void add_diagonal_bends() {
     if (!fabrics_.has_bias()) return;
     for (uint32_t p = 0; p < asset_.pixel_count(); ++p) {
-      const Material material = fabrics_.bending_at(p);
-      const Rigidities rigidity = rigidities_at(p, material);
-      const auto stiffest = static_cast<double>(stiffest_bend(material));
+      const auto stiffest = static_cast<double>(stiffest_bend(fabrics_.bending_at(p)));
       for (const uint32_t direction : {kWarp + 1, kWarp + 2}) {
-        if (!(rigidity[direction] > kLeastShare * stiffest)) continue;
+        if (!runs_through(asset_, p, direction)) continue;
+        const double rigidity = rigidity_->at(p, direction);
+        if (!(rigidity > kLeastShare * stiffest)) continue;
         const uint32_t a = p - way(direction), b = p + way(direction);
-        const shader::SeamSpring bend =
-            make_bend(a, p, b, rest_.pixel_area(p), rigidity[direction], kink(a, direction));
+        const shader::SeamSpring bend = make_bend(a, p, b, rest_.pixel_area(p), rigidity, kink(a, direction));
         if (bend.compliance > 0) listed_.push_back(bend);
       }
     }
   }
 
-  using Rigidities = std::array<double, kBendDirections>;
-  /// [N m] at a pixel that is the middle of a bend. Where one of the four is missing, at an outline, warp and weft have
-  /// their own.
-  /// @param material  as it bends there
-  [[nodiscard]] Rigidities rigidities_at(uint32_t p, const Material& material) const {
-    const Rigidities own{material.bend_weft, material.bend_warp, 0, 0};
-    if (!fabrics_.has_bias()) return own;
-    for (uint32_t direction = 0; direction < kBendDirections; ++direction)
-      if (!runs_through(p, direction)) return own;
-    const Vec3 right = asset_.rest_position[p + 1] - asset_.rest_position[p - 1];
-    const Vec3 down = asset_.rest_position[p + asset_.width] - asset_.rest_position[p - asset_.width];
-    const double a = length(right), b = length(down);
-    if (!(a > 0 && b > 0)) return own;
-    const double cosine = static_cast<double>(dot(right, down)) / (a * b);
-    return spread_rigidity(material, {a, b, std::acos(std::clamp(cosine, -kLargestCosine, kLargestCosine))});
-  }
   /// Pixels from one to the next.
   [[nodiscard]] uint32_t way(uint32_t direction) const { return step_in(asset_, direction); }
-  [[nodiscard]] bool runs_through(uint32_t p, uint32_t direction) const {
-    const auto bit = static_cast<uint8_t>(1U << direction);
-    return p >= way(direction) && (asset_.spring_mask[p] & asset_.spring_mask[p - way(direction)] & bit) != 0;
-  }
 
   [[nodiscard]] uint32_t step_of(uint32_t component) const { return component == kRowBend ? 1 : asset_.width; }
 
@@ -175,11 +154,30 @@ class BendBuilder {
     Vec3 beside{};
     float count = 0;
     for (const uint32_t p : {a, b}) {
-      if (!runs_through(p, direction)) continue;
+      if (!runs_through(asset_, p, direction)) continue;
       beside = beside + within_sheet(p - step, p, p + step);
       ++count;
     }
     return static_cast<double>(count > 0 ? length(own - (1 / count) * beside) : length(own));
+  }
+
+  /// Of the energy of a cylinder, which bends along a unit vector: the share that a bend stores of what it would if it
+  /// lay along it.
+  [[nodiscard]] double share_seen(uint32_t a, uint32_t middle, uint32_t b, const Vec3& along) const {
+    const Vec3& at = asset_.rest_position[middle];
+    const auto square_along = [&](uint32_t p) {
+      const auto projected = static_cast<double>(dot(asset_.rest_position[p] - at, along));
+      return projected * projected;
+    };
+    const Vec3 e = to_chord(a, middle, b);
+    const bool turns = length(within_sheet(a, middle, b)) > std::abs(dot(e, normal_[middle]));
+    const Turn turn = turns ? take_up_turn(a, middle, b) : Turn{};
+    const double h1 = length(asset_.rest_position[a] - at), h2 = length(asset_.rest_position[b] - at);
+    const bool taken_up = turn.bend.weight != 0;
+    const double chord = taken_up ? turn.bend.chord : h1 / (h1 + h2), seen = taken_up ? turn.bend.seen : 0.5 * h1 * h2;
+    const double turned = taken_up ? turn.bend.weight * square_along(turn.beside) : 0;
+    const double along_seen = 0.5 * ((1 - chord) * square_along(a) + chord * square_along(b) - turned);
+    return seen > 0 ? along_seen * along_seen / (seen * seen) : 0;
   }
 
   /// @param area  [m^2] whose curvature it is
@@ -309,6 +307,7 @@ class BendBuilder {
   const RestShape& rest_;
   ClothData& data_;
   std::vector<Vec3> normal_;                ///< at rest, only with a rigidity
+  std::optional<BendRigidity> rigidity_;    ///< only then
   std::vector<shader::SeamSpring> listed_;  ///< bends that have no place in the images
   std::vector<float> yield_;                ///< see ClothData::bend_yield
   uint64_t before_ = data_.springs_per_sweep;

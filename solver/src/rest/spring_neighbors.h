@@ -14,6 +14,13 @@ namespace geocloth {
                                static_cast<int32_t>(asset.width) * kSpringOffset[direction][1]);
 }
 
+/// Whether springs lead on from a pixel to both sides of a direction.
+[[nodiscard]] inline bool runs_through(const ClothAsset& asset, uint32_t p, uint32_t direction) {
+  const auto bit = static_cast<uint8_t>(1U << direction);
+  const uint32_t step = step_in(asset, direction);
+  return p >= step && (asset.spring_mask[p] & asset.spring_mask[p - step] & bit) != 0;
+}
+
 /// Calls visit(pixel) for those that a structural or a shear spring joins to p.
 template <class Visit>
 void for_spring_neighbors(const ClothAsset& asset, uint32_t p, const Visit& visit) {
