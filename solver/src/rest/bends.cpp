@@ -40,6 +40,9 @@ constexpr double kLargestTurn = 0.2;
 /// Diagonals with less than this share of the material's rigidity are left out.
 constexpr double kLeastShare = 0.01;
 
+/// Cosine of the largest turn of a line where it leads over a seam.
+constexpr float kLeastContinued = 0.85F;
+
 constexpr uint32_t kRowBend = 4, kColumnBend = 5;  ///< components of the bending family
 
 class BendBuilder {
@@ -269,7 +272,10 @@ class BendBuilder {
     std::map<std::array<uint32_t, 3>, uint32_t> siblings;
     for (const SeamBend& bend : asset_.seam_bends) ++siblings[ends(bend)];
 
+    std::vector<uint32_t> bends_at(asset_.pixel_count(), 0);
+    for (const SeamBend& bend : asset_.seam_bends) ++bends_at[point[bend.middle]];
     for (const SeamBend& seam : asset_.seam_bends) {
+      if (bends_at[point[seam.middle]] == 1 && add_lines_over(seam, point_area[point[seam.middle]])) continue;
       const double area = 0.5 * (point_area[point[seam.a]] + point_area[point[seam.b]]) / siblings[ends(seam)];
       shader::SeamSpring bend = make_bend(seam.a, seam.middle, seam.b, area, seam_rigidity(seam),
                                           length(within_sheet(seam.a, seam.middle, seam.b)));
@@ -277,6 +283,71 @@ class BendBuilder {
       bend.middle_share = static_cast<float>(std::min(1.0, rest_.pixel_area(seam.middle) / area));
       listed_.push_back(bend);
     }
+  }
+
+  /// The part of a line that a seam ends.
+  struct EndedLine {
+    uint32_t inside, middle, beyond;  ///< beyond: on the other side of the seam
+    double rigidity;                  ///< [N m]
+  };
+
+  /// Where a seam runs across the grid, rows and columns both lead over it: one bend at a slant would not see what
+  /// bends along one of them, and twist the cloth. @return whether both do on both sides
+  /// @param point_area  [m^2] of all copies
+  [[nodiscard]] bool add_lines_over(const SeamBend& seam, double point_area) {
+    const uint32_t row = rows_[seam.middle];
+    if (row == kNoPixel || asset_.splits.copies(row).size() != 2) return false;
+    const std::array<uint32_t, 2> copies{asset_.splits.copies(row)[0], asset_.splits.copies(row)[1]};
+    std::vector<EndedLine> lines;
+    bool slanted = false;
+    for (const size_t k : {0U, 1U}) {
+      const size_t before = lines.size();
+      if (!find_ended_lines(copies[k], copies[1 - k], lines)) return false;
+      slanted = slanted || lines.size() != before + 1 || !ends_at(lines.back(), seam);
+    }
+    if (!slanted) return false;
+    for (const EndedLine& line : lines) {
+      const double area = rest_.pixel_area(line.middle);
+      shader::SeamSpring bend = make_bend(line.inside, line.middle, line.beyond, area, line.rigidity,
+                                          length(within_sheet(line.inside, line.middle, line.beyond)));
+      if (!(bend.compliance > 0)) continue;
+      bend.middle_share = static_cast<float>(std::min(1.0, area / point_area));
+      listed_.push_back(bend);
+    }
+    return true;
+  }
+  [[nodiscard]] static bool ends_at(const EndedLine& line, const SeamBend& seam) {
+    return (line.inside == seam.a && line.beyond == seam.b) || (line.inside == seam.b && line.beyond == seam.a);
+  }
+  /// @return false where one leads nowhere
+  [[nodiscard]] bool find_ended_lines(uint32_t copy, uint32_t other, std::vector<EndedLine>& lines) const {
+    const Material material = fabrics_.bending_at(copy);
+    for (const uint32_t direction : {kWeft, kWarp}) {
+      if (runs_through(asset_, copy, direction)) continue;
+      uint32_t inside = kNoPixel;
+      for_spring_neighbors(asset_, copy, [&](uint32_t q) {
+        if (q == copy + way(direction) || q + way(direction) == copy) inside = q;
+      });
+      const uint32_t beyond = inside == kNoPixel ? kNoPixel : opposite(inside, copy, other);
+      if (beyond == kNoPixel) return false;
+      lines.push_back(
+          {inside, copy, beyond, static_cast<double>(direction == kWeft ? material.bend_weft : material.bend_warp)});
+    }
+    return true;
+  }
+  /// The neighbour of the other copy that continues a line best.
+  [[nodiscard]] uint32_t opposite(uint32_t inside, uint32_t copy, uint32_t other) const {
+    const Vec3& at = asset_.rest_position[copy];
+    const Vec3 ahead = normalized(at - asset_.rest_position[inside]);
+    uint32_t best = kNoPixel;
+    float most = kLeastContinued;
+    for_spring_neighbors(asset_, other, [&](uint32_t q) {
+      const float cosine = dot(normalized(asset_.rest_position[q] - at), ahead);
+      if (!(cosine > most)) return;
+      most = cosine;
+      best = q;
+    });
+    return best;
   }
 
   /// Between both sides'; each bends along a row or a column of its chart, or, beside a ragged outline, along neither.
@@ -302,6 +373,7 @@ class BendBuilder {
   }
 
   const ClothAsset& asset_;
+  std::vector<uint32_t> rows_ = split_rows(asset_);
   float by_share_;  ///< Material::bend_stiffness
   const FabricMap& fabrics_;
   const RestShape& rest_;
