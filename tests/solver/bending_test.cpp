@@ -169,6 +169,69 @@ TEST(Bending, ANarrowStripOnTheBiasHasTheRigidityOfTheCloth) {
       EXPECT_NEAR(rigidity_of_bias_strip(lines, with_bias), 1, 0.01) << lines << (with_bias ? ", bias" : "");
 }
 
+/// A sheet of 16 x 8 cells, whole or cut from top to bottom along a diagonal of its grid, the second panel beside the
+/// first one in the image.
+ClothAsset make_sheet_in_two(bool cut) {
+  constexpr uint32_t kColumns = 17, kRows = 9, kTop = 4, kBeside = 20;
+  constexpr float kCell = 1.F / 16;
+  ClothAsset asset = test::make_sheet({.nx = kBeside + kColumns,
+                                       .ny = kRows,
+                                       .width = kCell * (kBeside + kColumns - 1),
+                                       .height = kCell * (kRows - 1)});
+  std::vector<bool> kept(asset.pixel_count());
+  const auto pixel = [&](uint32_t i, uint32_t j) { return j * asset.width + i; };
+  for (uint32_t j = 0; j < kRows; ++j)
+    for (uint32_t i = 0; i < kColumns; ++i) {
+      kept[pixel(i, j)] = !cut || i <= kTop + j;
+      kept[pixel(kBeside + i, j)] = cut && i >= kTop + j;
+      asset.rest_position[pixel(kBeside + i, j)] = asset.rest_position[pixel(i, j)];
+    }
+  for (uint8_t& cell : asset.cell)
+    if (cell != 0) cell = kCellFirst | kCellSecond;  // the diagonal of the seam
+  keep_pixels(asset, kept);
+  if (!cut) return asset;
+  for (uint32_t p = 0; p < asset.pixel_count(); ++p)
+    if (kept[p] && p % asset.width >= kBeside) asset.chart[p] = 1;
+  asset.chart_count = 2;
+  asset.splits.offset = {0};
+  for (uint32_t j = 0; j < kRows; ++j) {
+    const uint32_t i = kTop + j;
+    asset.splits.pixel.insert(asset.splits.pixel.end(), {pixel(i, j), pixel(kBeside + i, j)});
+    asset.splits.offset.push_back(static_cast<uint32_t>(asset.splits.pixel.size()));
+    if (j == 0 || j == kRows - 1) continue;
+    const uint32_t a = pixel(i - 1, j + 1), b = pixel(kBeside + i + 1, j - 1);
+    const auto& x = asset.rest_position;
+    asset.seam_bends.push_back({a, pixel(i, j), b, length(x[b] - x[a])});
+  }
+  return asset;
+}
+
+/// [J] What a sheet in the xy plane stores as a cylinder along x.
+double cylinder_energy(const ClothDesc& cloth) {
+  constexpr double kCurvature = 0.5;
+  std::vector<Vec3> x = cloth.asset->rest_position;
+  for (Vec3& p : x) {
+    const double angle = kCurvature * static_cast<double>(p.x);
+    p.x = static_cast<float>(std::sin(angle) / kCurvature);
+    p.z = static_cast<float>((1 - std::cos(angle)) / kCurvature);
+  }
+  const std::vector<Vec3> still(x.size());
+  return measure_energy(cloth, {}, x, still).elastic -
+         measure_energy(cloth, {}, cloth.asset->rest_position, still).elastic;
+}
+
+// One bend over each point of such a seam, at 45 degrees, saw half of the curvature along the rows: the seam folded.
+TEST(Bending, ASeamAcrossTheGridBendsAsTheClothDoes) {
+  for (const bool with_bias : {false, true}) {
+    Material material;
+    material.bend_warp = material.bend_weft = 1;
+    if (with_bias) material.bend_bias = 1;
+    const double whole = cylinder_energy(test::describe(make_sheet_in_two(false), material));
+    const double sewn = cylinder_energy(test::describe(make_sheet_in_two(true), material));
+    EXPECT_NEAR(sewn, whole, 0.01 * whole) << with_bias;
+  }
+}
+
 // Measured cotton on a grid of 3 mm is much stiffer than one sweep of its curvatures can be. Swept in one direction
 // only it gained energy, and the cloth trembled for ever, by 3 mm from frame to frame.
 TEST(Bending, StiffClothOverABallComesToRest) {
