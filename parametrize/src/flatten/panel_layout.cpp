@@ -21,6 +21,7 @@
 #include "develop/develop.h"
 #include "develop/met_holes.h"
 #include "develop/round_chart.h"
+#include "flatten/narrow_strips.h"
 #include "flatten/open_holes.h"
 #include "flatten/take_mesh.h"
 #include "geocloth/asset/error.h"
@@ -61,6 +62,7 @@ struct Plan {
   std::vector<SeamMeasure> seams;
   std::vector<uint32_t> steps;  // per seam
   std::vector<Shape> shape;     // per chart
+  bool has_strips = false;      // that were cut off
 };
 
 /// Of the cloth.
@@ -112,20 +114,25 @@ double choose_spacing(const std::vector<double>& area, const std::vector<Outline
   return 1 / per_metre;
 }
 
-Plan make_plan(DevelopedSurface developed, const FlattenOptions& options) {
+/// @param has_strips  that were cut off: what they hang by should be no wider than they are
+Plan make_plan(DevelopedSurface developed, const FlattenOptions& options, bool has_strips) {
   Plan plan;
+  plan.has_strips = has_strips;
   plan.developed = std::move(developed);
   plan.outlines = trace_outlines(plan.developed.cut);
   plan.spacing = choose_spacing(chart_areas(plan.developed.cut), plan.outlines, rims_of(plan.developed.cut), options);
   plan.shape.assign(plan.outlines.size(), Shape::own);
   plan.steps = least_seam_steps(plan.developed.cut, plan.outlines);
+  plan.seams = measure_seams(plan.outlines, plan.developed.uv, plan.spacing, plan.steps.size());
+  std::vector<uint32_t> natural;
+  for (const SeamMeasure& seam : plan.seams) natural.push_back(natural_steps(seam));
+  if (has_strips) plan.steps = least_seam_steps(plan.developed.cut, plan.outlines, natural);
   for (const Outline& outline : plan.outlines) {
     if (outline.path.size() != 1) continue;
     uint32_t& steps = plan.steps[outline.path[0].seam];
     steps = std::max(steps, kLeastLoopSteps);
   }
-  plan.seams = measure_seams(plan.outlines, plan.developed.uv, plan.spacing, plan.steps.size());
-  for (size_t s = 0; s < plan.steps.size(); ++s) plan.steps[s] = std::max(plan.steps[s], natural_steps(plan.seams[s]));
+  for (size_t s = 0; s < plan.steps.size(); ++s) plan.steps[s] = std::max(plan.steps[s], natural[s]);
   return plan;
 }
 
@@ -248,6 +255,12 @@ void lengthen(Plan& plan, size_t chart) {
   for (const uint32_t seam : seams) ++plan.steps[seam];
 }
 
+/// [pixels] of a chart as a disk.
+double disk_area(const Laid& laid, size_t chart) {
+  const auto outline = static_cast<double>(sample_vertices(laid.sampled[chart]).size());
+  return outline * outline / (4 * std::numbers::pi);
+}
+
 /// A disk has room for an outline of any length, at the price of an area that grows with its square: right for a
 /// button, nonsense for a net whose threads are narrower than a pixel.
 /// @throws Error(verification) when the disk would be many times as large as all charts as they are
@@ -255,15 +268,20 @@ void check_room_for_disk(const Plan& plan, const Laid& laid, size_t chart) {
   const auto outline = static_cast<double>(sample_vertices(laid.sampled[chart]).size());
   double area = 0;
   for (const double a : chart_areas(plan.developed.cut)) area += a;
-  const double disk = outline * outline / (4 * std::numbers::pi);
-  if (disk <= std::max(kMostDisk, kMostDiskShare * area / (plan.spacing * plan.spacing))) return;
+  if (disk_area(laid, chart) <= std::max(kMostDisk, kMostDiskShare * area / (plan.spacing * plan.spacing))) return;
   throw Error(ErrorCode::verification,
               "the strips of a part are too narrow for pixels on either side (its outline has " +
                   std::to_string(std::lround(outline)) + " of them); raise the resolution");
 }
 
-/// Changes the plan where pixels could not be found. @returns how many charts that concerns
-size_t give_room(Plan& plan, const Laid& laid, std::vector<ChartChain>& charts) {
+/// Charts that found no pixels: which are widened now, which have to become round, and how many there are in all.
+struct Stuck {
+  std::vector<size_t> widened, to_round;
+  size_t count = 0;
+};
+
+/// Changes the plan where pixels could not be found, but makes no chart round.
+Stuck give_room(Plan& plan, const Laid& laid, std::vector<ChartChain>& charts) {
   std::vector<size_t> crowded, too_short;
   for (size_t c = 0; c < charts.size(); ++c) {
     if (charts[c].chain.result == PixelChain::Result::crowded) crowded.push_back(c);
@@ -276,14 +294,17 @@ size_t give_room(Plan& plan, const Laid& laid, std::vector<ChartChain>& charts) 
     }
     crowded = part_pinches(points, charts);
   }
+  Stuck stuck{{}, {}, crowded.size() + too_short.size()};
   for (const size_t c : crowded) {
-    if (plan.shape[c] == Shape::round) too_short.push_back(c);
-    if (plan.shape[c] == Shape::widened) check_room_for_disk(plan, laid, c);
-    plan.shape[c] = plan.shape[c] == Shape::own ? Shape::widened : Shape::round;
     charts[c].target.clear();
+    if (plan.shape[c] == Shape::round) too_short.push_back(c);
+    if (plan.shape[c] == Shape::widened) stuck.to_round.push_back(c);
+    if (plan.shape[c] != Shape::own) continue;
+    plan.shape[c] = Shape::widened;
+    stuck.widened.push_back(c);
   }
   for (const size_t c : too_short) lengthen(plan, c);
-  return crowded.size() + too_short.size();
+  return stuck;
 }
 
 /// Samples slide along their seams to where they suit the pixels of all charts on them.
@@ -360,18 +381,60 @@ struct Placed {
   std::optional<Packing> packing;
 };
 
+/// Is a chart's disk small, or not much larger than the chart?
+bool is_worth_a_disk(const Placed& placed, size_t chart) {
+  constexpr double kSmall = 256, kMuchLarger = 2;
+  const double pixels = chart_areas(placed.plan.developed.cut)[chart] / (placed.plan.spacing * placed.plan.spacing);
+  return disk_area(placed.laid, chart) <= std::max(kSmall, kMuchLarger * pixels);
+}
+
+/// Do many pixels of a chart's outline lie far from where they should?
+bool is_entangled(const ChartChain& chart) {
+  constexpr double kFar = 2, kMany = 0.1;  // [pixels]; share
+  size_t far = 0;
+  for (size_t i = 0; i < chart.chain.pixel.size(); ++i) {
+    const Pixel& p = chart.chain.pixel[i];
+    if (std::hypot(p[0] - chart.target[i][0], p[1] - chart.target[i][1]) > kFar) ++far;
+  }
+  return static_cast<double>(far) > kMany * static_cast<double>(chart.chain.pixel.size());
+}
+
+/// Strips are cut off charts that have no pixels but on disks that are too large, and fringes where they are crowded or
+/// entangled. @returns whether there are any
+bool cut_off_crowded_strips(Placed& placed, const Stuck& stuck, const FlattenOptions& options) {
+  constexpr size_t kFringe = 6;
+  Plan& plan = placed.plan;
+  std::vector<size_t> least(plan.shape.size(), kNoStrips);
+  for (size_t c = 0; c < placed.charts.size(); ++c) {
+    if (is_entangled(placed.charts[c])) least[c] = kFringe;
+  }
+  for (const size_t c : stuck.widened) least[c] = kFringe;
+  for (const size_t c : stuck.to_round) {
+    if (!is_worth_a_disk(placed, c)) least[c] = 1;
+  }
+  if (std::all_of(least.begin(), least.end(), [](size_t n) { return n == kNoStrips; })) return false;
+  if (!cut_off_strips(plan.developed, least, plan.spacing)) return false;
+  placed = {make_plan(std::move(plan.developed), options, true), {}, {}, {}};
+  return true;
+}
+
 /// @throws Error(verification) when no pixels can be found for some chart
-Placed placed_at(Plan plan, const Progress& progress) {
+Placed placed_at(Plan plan, const FlattenOptions& options, const Progress& progress) {
   Placed placed{std::move(plan), {}, {}, {}};
   for (int round = 0;; ++round) {
     if (progress) progress("flatten", 1);
     placed.laid = lay_out(placed.plan);
     place_chains(placed.plan, placed.laid, placed.charts);
-    const size_t stuck = give_room(placed.plan, placed.laid, placed.charts);
-    if (stuck == 0) return placed;
+    const Stuck stuck = give_room(placed.plan, placed.laid, placed.charts);
+    if (cut_off_crowded_strips(placed, stuck, options)) continue;
+    if (stuck.count == 0) return placed;
     if (round == kRounds) {
-      throw Error(ErrorCode::verification, "no pixels could be found for the outlines of " + std::to_string(stuck) +
-                                               " charts; raise the resolution");
+      throw Error(ErrorCode::verification, "no pixels could be found for the outlines of " +
+                                               std::to_string(stuck.count) + " charts; raise the resolution");
+    }
+    for (const size_t c : stuck.to_round) {
+      check_room_for_disk(placed.plan, placed.laid, c);
+      placed.plan.shape[c] = Shape::round;
     }
   }
 }
@@ -414,7 +477,7 @@ void find_fuller_image(Placed& placed, const FlattenOptions& options) {
       FlattenOptions other = options;
       other.spacing = placed.plan.spacing * (1 + (i % 2 == 0 ? -steps : steps) * kStep);
       try {
-        Placed p = placed_at(make_plan(placed.plan.developed, other), {});
+        Placed p = placed_at(make_plan(placed.plan.developed, other, placed.plan.has_strips), other, {});
         if (packed(p) >= enough) trial[static_cast<size_t>(i)] = std::move(p);
       } catch (const Error&) {  // this one has no room for some chart
       }
@@ -473,7 +536,7 @@ FlatSurface lay_out_panels(std::span<const CutSurface> cuts, const FlattenOption
 FlatSurface lay_out_developed(DevelopedSurface developed, const FlattenOptions& options, const Progress& progress) {
   const double longest = kLongestEdge * rough_spacing(developed.cut, options);
   developed.cut = subdivide_long_edges(std::move(developed.cut), developed.uv, longest);
-  Placed placed = placed_at(make_plan(std::move(developed), options), progress);
+  Placed placed = placed_at(make_plan(std::move(developed), options, false), options, progress);
   if (!(options.spacing > 0)) find_fuller_image(placed, options);
   auto& [plan, laid, charts, packing] = placed;
   laid = lay_out(plan, {suit_samples(plan, laid, charts), laid.shift});

@@ -6,7 +6,8 @@
 
 namespace geocloth {
 
-std::vector<uint32_t> least_seam_steps(const CutSurface& cut, std::span<const Outline> outlines) {
+std::vector<uint32_t> least_seam_steps(const CutSurface& cut, std::span<const Outline> outlines,
+                                       std::span<const uint32_t> natural) {
   std::vector<uint32_t> least;
   std::vector<std::pair<std::pair<uint32_t, uint32_t>, uint32_t>> ends;  // both end points of a seam, the seam
   for (const Outline& outline : outlines) {
@@ -23,9 +24,15 @@ std::vector<uint32_t> least_seam_steps(const CutSurface& cut, std::span<const Ou
   }
   std::sort(ends.begin(), ends.end());
   ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
-  for (size_t i = 0; i + 1 < ends.size(); ++i) {
-    if (ends[i].first != ends[i + 1].first) continue;
-    for (const size_t k : {i, i + 1}) least[ends[k].second] = std::max(least[ends[k].second], 2U);
+  const auto length = [&](size_t i) { return natural.empty() ? 0 : natural[ends[i].second]; };
+  for (size_t i = 0, end = 0; i < ends.size(); i = end) {
+    size_t shortest = i;
+    for (end = i; end < ends.size() && ends[end].first == ends[i].first; ++end) {
+      if (length(end) < length(shortest)) shortest = end;
+    }
+    for (size_t k = i; k < end && end - i > 1; ++k) {
+      if (natural.empty() || k != shortest) least[ends[k].second] = std::max(least[ends[k].second], 2U);
+    }
   }
   return least;
 }
