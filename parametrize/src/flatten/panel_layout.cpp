@@ -47,7 +47,7 @@ constexpr double kLeastCut = 5;          // [pixels] shorter cut extensions are 
 constexpr double kLongestEdge = 400;     // [pixels] samples beside a longer one would make slivers of its length
 constexpr int kRounds = 40;
 /// Pixels that a round chart may have, and how many times those of all charts as they are.
-constexpr double kMostDisk = 4096, kMostDiskShare = 8;
+constexpr double kMostDisk = 4096, kMostDiskShare = 1;
 
 /// What a chart looks like to the pixels of its outline: as it is; where that has no room for them, as if it were a few
 /// pixels wide everywhere; where that has none either, round.
@@ -263,7 +263,7 @@ double disk_area(const Laid& laid, size_t chart) {
 
 /// A disk has room for an outline of any length, at the price of an area that grows with its square: right for a
 /// button, nonsense for a net whose threads are narrower than a pixel.
-/// @throws Error(verification) when the disk would be many times as large as all charts as they are
+/// @throws Error(verification) when the disk would be larger than all charts as they are
 void check_room_for_disk(const Plan& plan, const Laid& laid, size_t chart) {
   const auto outline = static_cast<double>(sample_vertices(laid.sampled[chart]).size());
   double area = 0;
@@ -392,6 +392,7 @@ bool is_worth_a_disk(const Placed& placed, size_t chart) {
 bool is_entangled(const ChartChain& chart) {
   constexpr double kFar = 2, kMany = 0.1;  // [pixels]; share
   size_t far = 0;
+  if (chart.chain.pixel.size() != chart.target.size()) return false;
   for (size_t i = 0; i < chart.chain.pixel.size(); ++i) {
     const Pixel& p = chart.chain.pixel[i];
     if (std::hypot(p[0] - chart.target[i][0], p[1] - chart.target[i][1]) > kFar) ++far;
@@ -399,12 +400,43 @@ bool is_entangled(const ChartChain& chart) {
   return static_cast<double>(far) > kMany * static_cast<double>(chart.chain.pixel.size());
 }
 
+/// Do so many samples want the same pixels that to look for others takes long and finds none?
+bool is_overfull(const std::vector<Point2>& target) {
+  constexpr double kMany = 0.2;
+  std::vector<Pixel> pixel;
+  for (const Point2& p : target) {
+    pixel.push_back({static_cast<int32_t>(std::lround(p[0])), static_cast<int32_t>(std::lround(p[1]))});
+  }
+  std::sort(pixel.begin(), pixel.end());
+  const auto single = static_cast<double>(std::unique(pixel.begin(), pixel.end()) - pixel.begin());
+  const auto all = static_cast<double>(target.size());
+  return all - single > kMany * all;
+}
+
+constexpr size_t kFringe = 6;  // strips
+
+/// @param least  per chart, see narrow_strips.h. @returns whether there are any
+bool cut_off(Placed& placed, const std::vector<size_t>& least, const FlattenOptions& options) {
+  Plan& plan = placed.plan;
+  if (std::all_of(least.begin(), least.end(), [](size_t n) { return n == kNoStrips; })) return false;
+  if (!cut_off_strips(plan.developed, least, plan.spacing)) return false;
+  placed = {make_plan(std::move(plan.developed), options, true), {}, {}, {}};
+  return true;
+}
+
+/// Fringes are cut off where there is clearly no room for them.
+bool cut_off_overfull_fringes(Placed& placed, const FlattenOptions& options) {
+  std::vector<size_t> least(placed.plan.shape.size(), kNoStrips);
+  for (size_t c = 0; c < least.size(); ++c) {
+    if (is_overfull(chain_targets(sample_places(placed.laid, c), kNarrow))) least[c] = kFringe;
+  }
+  return cut_off(placed, least, options);
+}
+
 /// Strips are cut off charts that have no pixels but on disks that are too large, and fringes where they are crowded or
 /// entangled. @returns whether there are any
 bool cut_off_crowded_strips(Placed& placed, const Stuck& stuck, const FlattenOptions& options) {
-  constexpr size_t kFringe = 6;
-  Plan& plan = placed.plan;
-  std::vector<size_t> least(plan.shape.size(), kNoStrips);
+  std::vector<size_t> least(placed.plan.shape.size(), kNoStrips);
   for (size_t c = 0; c < placed.charts.size(); ++c) {
     if (is_entangled(placed.charts[c])) least[c] = kFringe;
   }
@@ -412,10 +444,7 @@ bool cut_off_crowded_strips(Placed& placed, const Stuck& stuck, const FlattenOpt
   for (const size_t c : stuck.to_round) {
     if (!is_worth_a_disk(placed, c)) least[c] = 1;
   }
-  if (std::all_of(least.begin(), least.end(), [](size_t n) { return n == kNoStrips; })) return false;
-  if (!cut_off_strips(plan.developed, least, plan.spacing)) return false;
-  placed = {make_plan(std::move(plan.developed), options, true), {}, {}, {}};
-  return true;
+  return cut_off(placed, least, options);
 }
 
 /// @throws Error(verification) when no pixels can be found for some chart
@@ -424,6 +453,7 @@ Placed placed_at(Plan plan, const FlattenOptions& options, const Progress& progr
   for (int round = 0;; ++round) {
     if (progress) progress("flatten", 1);
     placed.laid = lay_out(placed.plan);
+    if (round == 0 && cut_off_overfull_fringes(placed, options)) placed.laid = lay_out(placed.plan);
     place_chains(placed.plan, placed.laid, placed.charts);
     const Stuck stuck = give_room(placed.plan, placed.laid, placed.charts);
     if (cut_off_crowded_strips(placed, stuck, options)) continue;
@@ -432,9 +462,9 @@ Placed placed_at(Plan plan, const FlattenOptions& options, const Progress& progr
       throw Error(ErrorCode::verification, "no pixels could be found for the outlines of " +
                                                std::to_string(stuck.count) + " charts; raise the resolution");
     }
-    for (const size_t c : stuck.to_round) {
-      check_room_for_disk(placed.plan, placed.laid, c);
-      placed.plan.shape[c] = Shape::round;
+    for (const size_t c : stuck.to_round) placed.plan.shape[c] = Shape::round;
+    for (size_t c = 0; c < placed.plan.shape.size(); ++c) {
+      if (placed.plan.shape[c] == Shape::round) check_room_for_disk(placed.plan, placed.laid, c);
     }
   }
 }
