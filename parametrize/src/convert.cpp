@@ -455,9 +455,11 @@ ConvertResult convert_mesh(const TriangleMesh& mesh, std::span<const SewingRun> 
   }
   report.parts = measure_parts(mesh, carried.represented, result.flat);
   report.uncut_corners = count_uncut_corners(result.flat);
+  report.disk_share = disk_share(result.flat);
+  report.panels_failed = !panels_failed.empty() && result.asset.layout == Layout::square;
   const double side = options.flatten.spacing > 0 ? 0.0 : static_cast<double>(options.flatten.resolution);
   report.warnings = plain_warnings(report, result.asset, side * side);
-  if (!panels_failed.empty() && result.asset.layout == Layout::square) {
+  if (report.panels_failed) {
     report.warnings.insert(report.warnings.begin(),
                            "laid out in squares, because panels could not be made: " + panels_failed);
   } else if (finer) {

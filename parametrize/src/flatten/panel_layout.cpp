@@ -351,11 +351,12 @@ Frame frame_of(const std::vector<Pixel>& chain) {
 }
 
 /// Cuts a chart's rectangle out of the plane around its chain, and moves its vertices into it.
-FlatChart make_chart(Laid& laid, size_t c, const std::vector<Pixel>& chain) {
+FlatChart make_chart(Laid& laid, size_t c, const std::vector<Pixel>& chain, Shape shape) {
   const auto [low, width, height] = frame_of(chain);
   FlatChart chart;
   chart.width = width;
   chart.height = height;
+  chart.is_disk = shape == Shape::round;
   const std::vector<uint32_t> samples = sample_vertices(laid.sampled[c]);
   for (size_t i = 0; i < chain.size(); ++i) {
     chart.outline.push_back(
@@ -572,7 +573,8 @@ FlatSurface lay_out_developed(DevelopedSurface developed, const FlattenOptions& 
   laid = lay_out(plan, {suit_samples(plan, laid, charts), laid.shift});
 
   FlatSurface flat;
-  for (size_t c = 0; c < charts.size(); ++c) flat.charts.push_back(make_chart(laid, c, charts[c].chain.pixel));
+  for (size_t c = 0; c < charts.size(); ++c)
+    flat.charts.push_back(make_chart(laid, c, charts[c].chain.pixel, plan.shape[c]));
   take_mesh(flat, std::move(laid.mesh));
   flat.uv = std::move(laid.uv);
   set_spacing(flat);

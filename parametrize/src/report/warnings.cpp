@@ -62,13 +62,27 @@ std::string where_stretched(const std::vector<PartShape>& parts) {
   return text;
 }
 
+/// Is most of what is stretched so because it is drawn as a disk?
+bool is_mostly_disks(const ConvertReport& report) {
+  double stretched = 0;
+  for (const PartShape& part : report.parts) stretched += part.stretched_share * part.area_share;
+  return report.disk_share > 0 && report.disk_share >= stretched / 2;
+}
+
 /// Away from its corners a bag or a folded tie is developable. What texture coordinates stretch says nothing of that:
 /// they may be stretched on flat cloth.
 std::string why_stretched(const ConvertReport& report, Layout layout) {
-  if (layout == Layout::square) return ": a square cannot keep shapes (--layout panels does)";
+  if (layout == Layout::square) {
+    return report.panels_failed ? ": a square cannot keep shapes"
+                                : ": a square cannot keep shapes (--layout panels does)";
+  }
   if (layout == Layout::uv) {
     return ": the texture coordinates are stretched there, and the springs are that uneven; --layout panels lays the "
            "garment out afresh";
+  }
+  if (is_mostly_disks(report)) {
+    return ": its strips have no room for pixels beside each other, so that it is drawn as a disk; give a larger "
+           "--resolution";
   }
   if (report.uncut_corners == 0) {
     return ": the garment is not developable there (woven cloth would need a dart), and its springs are that uneven";
@@ -135,7 +149,8 @@ void warn_of_uneven_springs(const ConvertReport& report, const ClothAsset& asset
   if (q.spring_p99_over_p1 <= kLargestRatio && q.shear_deg_p95 <= kLargestAngle) return;
   const char* of_what = "strips, holes or layers that are not much wider than";
   const char* remedy = "give a larger --resolution, or leave such parts out with --parts";
-  const Uneven uneven = find_uneven(asset);
+  Uneven uneven = find_uneven(asset);
+  if (uneven == Uneven::folds && is_mostly_disks(report)) uneven = Uneven::outlines;
   // Stretched texture coordinates, which were told of, stay so at any resolution.
   if (uneven != Uneven::crumbs && asset.layout == Layout::uv && is_stretched(report, asset)) return;
   switch (uneven) {
@@ -289,6 +304,17 @@ uint32_t count_uncut_corners(const FlatSurface& flat) {
     ++corners;
   }
   return in_corners > kMost * all ? corners : 0;
+}
+
+double disk_share(const FlatSurface& flat) {
+  double disks = 0, whole = 0;
+  for (size_t t = 0; t < flat.triangle.size(); ++t) {
+    const Triangle& k = flat.triangle[t];
+    const double area = triangle_area(flat.position[k[0]], flat.position[k[1]], flat.position[k[2]]);
+    whole += area;
+    if (flat.charts[flat.chart[t]].is_disk) disks += area;
+  }
+  return whole > 0 ? disks / whole : 0;
 }
 
 std::vector<std::string> plain_warnings(const ConvertReport& report, const ClothAsset& asset, double wanted_pixels) {

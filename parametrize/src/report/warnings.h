@@ -14,6 +14,8 @@ namespace geocloth {
 
 /// Corners of the surface that no cut ends at, if most of the curvature inside of the charts is in them: else 0.
 [[nodiscard]] uint32_t count_uncut_corners(const FlatSurface& flat);
+/// Share of the area that is drawn as disks.
+[[nodiscard]] double disk_share(const FlatSurface& flat);
 
 /// What a user should know of a conversion that came out valid: one sentence each, with the remedy where there is one.
 /// @param wanted_pixels  that the user asked for; 0: asked for a spacing

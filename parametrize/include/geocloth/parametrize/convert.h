@@ -97,6 +97,8 @@ struct ConvertReport {
   std::optional<MirrorPlane> mirror;  ///< of the surface, where left and right are to be cut alike
   std::vector<PartShape> parts;       ///< as in the file
   uint32_t uncut_corners = 0;         ///< where nothing but corners keeps the charts from lying flat
+  double disk_share = 0;              ///< of the area that is drawn as disks (FlatChart::is_disk)
+  bool panels_failed = false;         ///< so that the image is in squares, though panels were wanted
   Topology represented;
   Topology welded;
   Quality quality;

@@ -21,6 +21,7 @@ struct FlatChart {
   std::vector<OutlineSample> outline;  ///< counter-clockwise in uv (y up); every outline pixel once
   /// Around every hole inside, clockwise; those of layout panels only. Their pixels are outline pixels as well.
   std::vector<std::vector<OutlineSample>> holes{};
+  bool is_disk = false;  ///< for want of room for the pixels of its outline, and whatever its shape
 };
 
 /// Charts in the plane, packed into one atlas. Triangles have positive area in uv, charts do not overlap.
