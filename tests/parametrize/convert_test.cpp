@@ -514,8 +514,9 @@ TEST(ConvertReport, WarnsOfCracksAndSaysWhatMendsThem) {
   EXPECT_THAT(mended.report.warnings, testing::IsEmpty());
 }
 
-// A fringe whose strips were too narrow for panels became a square, stretched eightfold.
-TEST(ConvertReport, NarrowStripsGetMorePixelsRatherThanASquare) {
+// A fringe whose strips were too narrow for panels became a square, stretched eightfold, later a net of many times the
+// pixels asked for.
+TEST(ConvertReport, NarrowStripsAreCutOffRatherThanGivenMorePixelsOrASquare) {
   TriangleMesh fringe = patch("fringe", 80, 30, [](double u, double v) {
     return Point3{u, -0.6 * v, 0.02 * std::sin(6 * u)};
   });
@@ -533,8 +534,8 @@ TEST(ConvertReport, NarrowStripsGetMorePixelsRatherThanASquare) {
   const ConvertResult result = convert(fringe, options);
   EXPECT_EQ(result.asset.layout, Layout::panels);
   EXPECT_LT(result.report.quality.l2_stretch, 1.05);
-  EXPECT_THAT(result.report.warnings, testing::Contains(HasSubstr("more pixels than asked for")));
-  EXPECT_LT(count_valid_pixels(result.asset), 3U * 32 * 32);
+  EXPECT_THAT(result.report.warnings, testing::Each(testing::Not(HasSubstr("more pixels than asked for"))));
+  EXPECT_LT(count_valid_pixels(result.asset), 3U * 32 * 32 / 2);
 }
 
 TEST(ConvertReport, SaysWhatTheFileHasAndTheGarmentHasNot) {
