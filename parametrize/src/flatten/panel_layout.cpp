@@ -414,7 +414,7 @@ bool is_overfull(const std::vector<Point2>& target) {
   return all - single > kMany * all;
 }
 
-constexpr size_t kFringe = 6;  // strips
+constexpr size_t kFringe = 12;  // strips; an outline finds its way around fewer
 
 /// @param least  per chart, see narrow_strips.h. @returns whether there are any
 bool cut_off(Placed& placed, const std::vector<size_t>& least, const FlattenOptions& options) {
