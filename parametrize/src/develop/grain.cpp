@@ -195,7 +195,7 @@ void turn_upright(Chart& c) {
 }
 
 bool is_askew(const Chart& c) {
-  constexpr double kSeen = 0.05;  // sine: less the eye does not see at a hem
+  constexpr double kSeen = 0.1;  // sine: less does not stand out at a hem
   return std::abs(upward(sum_of(c), c.uv)[0]) > kSeen;
 }
 
