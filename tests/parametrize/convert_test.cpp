@@ -66,6 +66,10 @@ TriangleMesh sheet(const Point3& origin = {0, 0, 0}, const Point3& across = {1, 
                   origin[2] + u * across[2] + v * down[2]};
   });
 }
+Triangle sorted_corners(Triangle t) {
+  std::ranges::sort(t);
+  return t;
+}
 TriangleMesh tube() {
   return patch(
       "tube", 24, 10,
@@ -247,6 +251,32 @@ TEST(ConvertReport, CountsTheGarmentsOwnEdgesAsFreeBorderAndNoSeams) {
     const ImageSummary image = summarize_image(convert(sheet(), small(layout)).asset);
     EXPECT_GT(image.border_share, 0.05);
     EXPECT_EQ(image.free_border_share, image.border_share);
+  }
+}
+
+// Of a mesh whose faces are wound at random an engine that culls backs would draw half, and shade the rest wrongly.
+TEST(Convert, DrawsFacesTheWayRoundThatTheClothHasThem) {
+  const TriangleMesh even = sheet();
+  for (const bool has_normals : {false, true}) {
+    TriangleMesh mesh = even;
+    for (size_t t = 0; t < mesh.triangle.size(); t += 3) std::swap(mesh.triangle[t][1], mesh.triangle[t][2]);
+    for (size_t t = 0; has_normals && t < mesh.triangle.size(); ++t) {
+      const Point3 n{0, 0, t % 3 == 0 ? -1.0 : 1.0};
+      mesh.normal.push_back({n, n, n});
+    }
+    const ConvertResult result = convert(mesh, small());
+    ASSERT_EQ(result.asset.source.triangle.size(), even.triangle.size());
+    for (size_t t = 0; t < even.triangle.size(); ++t) {
+      const Triangle& drawn = result.asset.source.triangle[t];
+      EXPECT_EQ(
+          sorted_corners({result.asset.source.source_vertex[drawn[0]], result.asset.source.source_vertex[drawn[1]],
+                          result.asset.source.source_vertex[drawn[2]]}),
+          sorted_corners(even.triangle[t]));
+      const auto at = [&](size_t k) { return result.asset.source.position[drawn[k]]; };
+      EXPECT_GT(cross(at(1) - at(0), at(2) - at(0)).z, 0);
+      for (const uint32_t v : drawn) EXPECT_EQ(result.asset.source.normal[v], (Vec3{0, 0, 1}));
+    }
+    EXPECT_EQ(result.asset.source.position.size(), even.position.size());
   }
 }
 

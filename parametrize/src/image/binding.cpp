@@ -18,12 +18,31 @@ namespace {
 
 // ---------------------------------------------------------------------------------------------- render vertices
 
+Point3 area_normal(std::span<const Point3> position, const Triangle& t) {
+  return cross(position[t[1]] - position[t[0]], position[t[2]] - position[t[0]]);
+}
+
+/// The triangles of the file with those turned that run the other way round in the cloth (the repair's flipped_faces):
+/// drawn as they were, half of a badly made garment would show its back.
+std::vector<Triangle> turned_as_cloth(const TriangleMesh& mesh, const CleanSurface& clean) {
+  std::vector<double> agrees(mesh.triangle.size(), 0);
+  for (std::size_t i = 0; i < clean.triangle.size(); ++i) {
+    const uint32_t t = clean.source_triangle[i];
+    if (t == kNone) continue;
+    agrees[t] += dot(area_normal(clean.position, clean.triangle[i]), area_normal(mesh.position, mesh.triangle[t]));
+  }
+  std::vector<Triangle> triangle = mesh.triangle;
+  for (std::size_t t = 0; t < triangle.size(); ++t)
+    if (agrees[t] < 0) std::swap(triangle[t][1], triangle[t][2]);
+  return triangle;
+}
+
 /// Normals for meshes (or corners) without any: area-weighted over the triangles around the surface point.
-std::vector<Point3> smooth_normals(const TriangleMesh& mesh, const CleanSurface& clean) {
+std::vector<Point3> smooth_normals(const TriangleMesh& mesh, std::span<const Triangle> triangle,
+                                   const CleanSurface& clean) {
   std::vector<Point3> of_point(clean.point_count, Point3{}), normal(mesh.position.size(), Point3{0, 1, 0});
-  for (const Triangle& t : mesh.triangle) {
-    const Point3 &a = mesh.position[t[0]], &b = mesh.position[t[1]], &c = mesh.position[t[2]];
-    const Point3 weighted = cross(b - a, c - a);
+  for (const Triangle& t : triangle) {
+    const Point3 weighted = area_normal(mesh.position, t);
     for (const uint32_t v : t) {
       const uint32_t p = clean.source_point[v];
       if (p != kNone) of_point[p] = of_point[p] + weighted;
@@ -45,23 +64,30 @@ struct Attributes {
 
 /// Splits the vertices of the file by texture coordinate and normal. Vertices that no triangle uses are kept.
 SourceMesh render_mesh(const TriangleMesh& mesh, const CleanSurface& clean) {
-  const std::vector<Point3> smooth = smooth_normals(mesh, clean);
+  const std::vector<Triangle> triangle = turned_as_cloth(mesh, clean);
+  const std::vector<Point3> smooth = smooth_normals(mesh, triangle, clean);
   const auto attributes = [&](std::size_t t, std::size_t k) {
-    const uint32_t v = mesh.triangle[t][k];
+    const uint32_t v = triangle[t][k];
+    const bool turned = triangle[t] != mesh.triangle[t];
+    const std::size_t corner = turned && k > 0 ? 3 - k : k;  // of the file's
     Attributes a{{}, to_single(smooth[v])};
-    if (!mesh.normal.empty()) a.normal = to_single(direction_of(mesh.normal[t][k]).value_or(smooth[v]));
+    if (!mesh.normal.empty()) {
+      Point3 normal = direction_of(mesh.normal[t][corner]).value_or(smooth[v]);
+      if (turned && dot(normal, area_normal(mesh.position, triangle[t])) < 0) normal = normal * -1;
+      a.normal = to_single(normal);
+    }
     if (!mesh.uv.empty()) {
-      const Point2& uv = mesh.uv[t][k];
+      const Point2& uv = mesh.uv[t][corner];
       if (std::isfinite(to_single(uv).x) && std::isfinite(to_single(uv).y)) a.uv = to_single(uv);
     }
     return a;
   };
 
   std::vector<std::vector<Attributes>> variants(mesh.position.size());
-  std::vector<std::array<uint32_t, 3>> chosen(mesh.triangle.size());
-  for (std::size_t t = 0; t < mesh.triangle.size(); ++t) {
+  std::vector<std::array<uint32_t, 3>> chosen(triangle.size());
+  for (std::size_t t = 0; t < triangle.size(); ++t) {
     for (std::size_t k = 0; k < 3; ++k) {
-      auto& known = variants[mesh.triangle[t][k]];
+      auto& known = variants[triangle[t][k]];
       const Attributes a = attributes(t, k);
       const auto found = std::find(known.begin(), known.end(), a);
       chosen[t][k] = static_cast<uint32_t>(found - known.begin());
@@ -81,9 +107,9 @@ SourceMesh render_mesh(const TriangleMesh& mesh, const CleanSurface& clean) {
       source.source_vertex.push_back(v);
     }
   }
-  source.triangle = mesh.triangle;
-  for (std::size_t t = 0; t < mesh.triangle.size(); ++t) {
-    for (std::size_t k = 0; k < 3; ++k) source.triangle[t][k] = first[mesh.triangle[t][k]] + chosen[t][k];
+  source.triangle = triangle;
+  for (std::size_t t = 0; t < triangle.size(); ++t) {
+    for (std::size_t k = 0; k < 3; ++k) source.triangle[t][k] = first[triangle[t][k]] + chosen[t][k];
   }
   source.part = mesh.part;
   source.material = mesh.material;
