@@ -61,6 +61,14 @@ void add_button(TriangleMesh& mesh, double x, double z, double size) {
   }
 }
 
+/// Adds a level square.
+void add_square(TriangleMesh& mesh, double x, double y, double z, double side) {
+  const auto first = static_cast<uint32_t>(mesh.position.size());
+  mesh.position.insert(mesh.position.end(), {{x, y, z}, {x, y, z + side}, {x + side, y, z + side}, {x + side, y, z}});
+  mesh.triangle.push_back({first, first + 1, first + 2});
+  mesh.triangle.push_back({first, first + 2, first + 3});
+}
+
 ConvertResult convert_at(const TriangleMesh& mesh, uint32_t resolution, bool carry_loose = false) {
   ConvertOptions options;
   options.carry_loose = carry_loose;
@@ -143,6 +151,23 @@ TEST(SmallPieces, AButtonOverAPixelIsClothUnlessItIsToRide) {
   EXPECT_THAT(report.warnings, Contains(HasSubstr("--carry-loose")));
 }
 
+// Two triangles back to back would be all of it, whose normals cancel: what is bound to them flew about.
+TEST(SmallPieces, AButtonAsWideAsAPixelIsCarriedAndAPatchOfThatAreaIsCloth) {
+  TriangleMesh mesh = sheet();
+  add_button(mesh, 0.52, 0.37, 0.029);
+  close_mesh(mesh);
+  const ConvertReport report = convert_at(mesh, 32).report;
+  ASSERT_EQ(report.carried.size(), 1U);
+  EXPECT_THAT(report.carried[0].why, HasSubstr("it is closed, and its area is 2"));
+  EXPECT_EQ(report.welded.components, 1U);
+  TriangleMesh patched = sheet();
+  add_square(patched, 0.52, 0.01, 0.37, 0.045);
+  close_mesh(patched);
+  const ConvertReport with_patch = convert_at(patched, 32).report;
+  EXPECT_TRUE(with_patch.carried.empty());
+  EXPECT_EQ(with_patch.welded.components, 2U);
+}
+
 // A thing of 10 cm on a sheet of 1 m is cloth. It is sewn to nothing, and the user is told.
 TEST(SmallPieces, WhatIsMoreThanATwentiethOfTheGarmentIsCloth) {
   TriangleMesh mesh = sheet();
@@ -152,14 +177,6 @@ TEST(SmallPieces, WhatIsMoreThanATwentiethOfTheGarmentIsCloth) {
   EXPECT_TRUE(report.carried.empty());
   EXPECT_EQ(report.welded.components, 2U);
   EXPECT_THAT(report.warnings, Contains(HasSubstr("1 small piece, up to 0.104 m across, is attached to nothing")));
-}
-
-/// Adds a level square.
-void add_square(TriangleMesh& mesh, double x, double y, double z, double side) {
-  const auto first = static_cast<uint32_t>(mesh.position.size());
-  mesh.position.insert(mesh.position.end(), {{x, y, z}, {x, y, z + side}, {x + side, y, z + side}, {x + side, y, z}});
-  mesh.triangle.push_back({first, first + 1, first + 2});
-  mesh.triangle.push_back({first, first + 2, first + 3});
 }
 
 // Buttons of a few pixels were cloths of their own, sewn to nothing: they stayed in mid-air when the shirt fell.

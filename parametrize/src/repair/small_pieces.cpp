@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -25,8 +26,9 @@
 namespace geocloth {
 namespace {
 
-constexpr double kMostCarried = 0.01;  // share of the area
-constexpr double kLongestHole = 3;     // [pixels] around it: less than a pixel's own outline
+constexpr double kMostCarried = 0.01;       // share of the area
+constexpr double kLongestHole = 3;          // [pixels] around it: less than a pixel's own outline
+constexpr double kBall = std::numbers::pi;  // [pixels] area of a ball as wide as one
 
 // Loose pieces that are small beside the garment:
 constexpr double kSmallAcross = 0.05;  // share of the garment's diagonal
@@ -152,22 +154,35 @@ std::vector<std::vector<uint32_t>> components_by_kind(const CleanSurface& clean,
   return by_kind(kind);
 }
 
-/// Those of an area below a pixel's, ascending by area. Of equal sequins all are left out or none: beside a garment
+/// [pixels] Per component, the area below which it has no place on the grid. What is closed, such as a button, needs
+/// more: pressed flat it would be two triangles back to back, whose normals cancel.
+std::vector<double> least_areas(const CleanSurface& clean) {
+  std::vector<double> least(clean.component_count, kBall);
+  const std::vector<uint32_t> opposite = opposite_half_edges(clean.triangle);
+  for (size_t h = 0; h < opposite.size(); ++h)
+    if (opposite[h] == kNone) least[clean.component[h / 3]] = 1;
+  return least;
+}
+
+/// Those that are smaller than a pixel, ascending by area. Of equal sequins all are left out or none: beside a garment
 /// loose ones are, also beyond what may be left out usually.
 /// @param left  [m^2] that may be left out, less what this takes
 std::vector<LeftOut> too_small(const CleanSurface& clean, const std::vector<double>& area, const LoosePieces& loose,
                                double pixel, double& left) {
+  const std::vector<double> least = least_areas(clean);
   const auto rides_anyhow = [&](uint32_t c) { return loose.have_garment && loose.is_small[c] != 0; };
   std::vector<LeftOut> result;
-  for (const std::vector<uint32_t>& group : components_by_kind(clean, area)) {
+  for (std::vector<uint32_t>& group : components_by_kind(clean, area)) {
+    std::erase_if(group, [&](uint32_t c) { return area[c] >= least[c] * pixel; });
     double asked = 0;
     for (const uint32_t c : group) asked += rides_anyhow(c) ? 0 : area[c];
     const bool all_fit = asked <= left;
     for (const uint32_t c : group) {
-      if (result.size() + 1 == area.size() || area[c] >= pixel) return result;
+      if (result.size() + 1 == area.size()) return result;
       if (!all_fit && !rides_anyhow(c)) continue;
       left -= area[c];
-      result.push_back({{c}, "its area is " + rounded(area[c] / pixel) + " of a pixel's"});
+      const char* shape = least[c] > 1 ? "it is closed, and its area is " : "its area is ";
+      result.push_back({{c}, shape + rounded(area[c] / pixel) + " of a pixel's"});
     }
   }
   return result;
