@@ -405,6 +405,7 @@ bool is_entangled(const ChartChain& chart) {
 bool is_overfull(const std::vector<Point2>& target) {
   constexpr double kMany = 0.2;
   std::vector<Pixel> pixel;
+  pixel.reserve(target.size());
   for (const Point2& p : target) {
     pixel.push_back({static_cast<int32_t>(std::lround(p[0])), static_cast<int32_t>(std::lround(p[1]))});
   }
