@@ -16,6 +16,7 @@
 #include "develop/chart_overlap.h"
 #include "geocloth/asset/error.h"
 #include "mesh/point_math.h"
+#include "mesh/triangle_middles.h"
 
 namespace geocloth {
 namespace {
@@ -88,9 +89,7 @@ bool flip_free(const Chart& c) {
 bool embed_flat(Chart& c) {
   constexpr double kFlat = 1e-6;  // of the energy, which grows with the fourth power of how steep a triangle stands
   Point3 normal{0, 0, 0};
-  for (const Triangle& t : c.triangle) {
-    normal = normal + cross(c.position[t[1]] - c.position[t[0]], c.position[t[2]] - c.position[t[0]]);
-  }
+  for (const Triangle& t : c.triangle) normal = normal + normal_of(c.position, t);
   if (!(length(normal) > 0)) return false;
   normal = normal * (1 / length(normal));
   Point3 across{0, 0, 0};

@@ -89,10 +89,8 @@ bool open_met_holes(std::vector<Chart>& charts) {
 }
 
 DevelopedSurface with_holes_cut_open(const DevelopedSurface& developed, std::span<const uint32_t> hole) {
-  std::vector<Chart> charts;
-  for (std::vector<uint32_t>& triangles : triangles_of_components(developed.cut)) {
-    Chart chart = extract_chart(developed.cut, std::move(triangles));
-    for (const uint32_t v : chart.cut_vertex) chart.uv.push_back(developed.uv[v]);
+  std::vector<Chart> charts = charts_of(developed);
+  for (Chart& chart : charts) {
     std::vector<uint32_t> within;
     for (const uint32_t h : chart.hole) {
       if (std::binary_search(hole.begin(), hole.end(), h)) within.push_back(h);
@@ -100,10 +98,18 @@ DevelopedSurface with_holes_cut_open(const DevelopedSurface& developed, std::spa
     std::sort(within.begin(), within.end());
     within.erase(std::unique(within.begin(), within.end()), within.end());
     for (const uint32_t h : within) chart = reached(chart, h);
-    charts.push_back(std::move(chart));
   }
   open_met_holes(charts);
   return assembled(developed.cut, charts);
+}
+
+std::vector<Chart> charts_of(const DevelopedSurface& developed) {
+  std::vector<Chart> charts;
+  for (std::vector<uint32_t>& triangles : triangles_of_components(developed.cut)) {
+    Chart& chart = charts.emplace_back(extract_chart(developed.cut, std::move(triangles)));
+    for (const uint32_t v : chart.cut_vertex) chart.uv.push_back(developed.uv[v]);
+  }
+  return charts;
 }
 
 DevelopedSurface assembled(const CutSurface& cut, const std::vector<Chart>& charts) {

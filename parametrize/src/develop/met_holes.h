@@ -18,6 +18,9 @@ bool open_met_holes(std::vector<Chart>& charts);
 /// @param hole  ascending
 [[nodiscard]] DevelopedSurface with_holes_cut_open(const DevelopedSurface& developed, std::span<const uint32_t> hole);
 
+/// The components of a developed surface, by number.
+[[nodiscard]] std::vector<Chart> charts_of(const DevelopedSurface& developed);
+
 /// The charts as one surface, without what is in none of them.
 [[nodiscard]] DevelopedSurface assembled(const CutSurface& cut, const std::vector<Chart>& charts);
 

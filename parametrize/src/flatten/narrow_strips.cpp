@@ -145,26 +145,18 @@ class StripFinder {
   std::vector<Root> roots_;
 };
 
-Chart chart_in_plane(const DevelopedSurface& developed, std::vector<uint32_t> triangles) {
-  Chart chart = extract_chart(developed.cut, std::move(triangles));
-  for (const uint32_t v : chart.cut_vertex) chart.uv.push_back(developed.uv[v]);
-  return chart;
-}
-
 }  // namespace
 
 bool cut_off_strips(DevelopedSurface& developed, std::span<const size_t> least, double spacing) {
-  std::vector<Chart> all, strips;
-  std::vector<std::vector<uint32_t>> triangles = triangles_of_components(developed.cut);
-  for (size_t c = 0; c < triangles.size(); ++c) {
-    all.push_back(chart_in_plane(developed, std::move(triangles[c])));
+  std::vector<Chart> all = charts_of(developed), strips;
+  for (size_t c = 0; c < all.size(); ++c) {
     if (least[c] == kNoStrips) continue;
-    const std::vector<std::vector<uint32_t>> paths = StripFinder(all.back(), spacing).run();
+    const std::vector<std::vector<uint32_t>> paths = StripFinder(all[c], spacing).run();
     if (paths.size() < least[c]) continue;
-    std::vector<Chart> pieces = separated(opened(all.back(), paths));
+    std::vector<Chart> pieces = separated(opened(all[c], paths));
     const auto body = std::max_element(pieces.begin(), pieces.end(),
                                        [](const Chart& a, const Chart& b) { return total_area(a) < total_area(b); });
-    all.back() = std::move(*body);
+    all[c] = std::move(*body);
     pieces.erase(body);
     for (Chart& strip : pieces) {
       turn_upright(strip);

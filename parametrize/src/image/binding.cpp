@@ -11,16 +11,13 @@
 #include "geocloth/parametrize/seams.h"
 #include "mesh/nearest_weights.h"
 #include "mesh/point_math.h"
+#include "mesh/triangle_middles.h"
 #include "mesh/triangle_tree.h"
 
 namespace geocloth {
 namespace {
 
 // ---------------------------------------------------------------------------------------------- render vertices
-
-Point3 area_normal(std::span<const Point3> position, const Triangle& t) {
-  return cross(position[t[1]] - position[t[0]], position[t[2]] - position[t[0]]);
-}
 
 /// The triangles of the file with those turned that run the other way round in the cloth (the repair's flipped_faces):
 /// drawn as they were, half of a badly made garment would show its back.
@@ -29,7 +26,7 @@ std::vector<Triangle> turned_as_cloth(const TriangleMesh& mesh, const CleanSurfa
   for (std::size_t i = 0; i < clean.triangle.size(); ++i) {
     const uint32_t t = clean.source_triangle[i];
     if (t == kNone) continue;
-    agrees[t] += dot(area_normal(clean.position, clean.triangle[i]), area_normal(mesh.position, mesh.triangle[t]));
+    agrees[t] += dot(normal_of(clean, i), normal_of(mesh.position, mesh.triangle[t]));
   }
   std::vector<Triangle> triangle = mesh.triangle;
   for (std::size_t t = 0; t < triangle.size(); ++t)
@@ -42,7 +39,7 @@ std::vector<Point3> smooth_normals(const TriangleMesh& mesh, std::span<const Tri
                                    const CleanSurface& clean) {
   std::vector<Point3> of_point(clean.point_count, Point3{}), normal(mesh.position.size(), Point3{0, 1, 0});
   for (const Triangle& t : triangle) {
-    const Point3 weighted = area_normal(mesh.position, t);
+    const Point3 weighted = normal_of(mesh.position, t);
     for (const uint32_t v : t) {
       const uint32_t p = clean.source_point[v];
       if (p != kNone) of_point[p] = of_point[p] + weighted;
@@ -73,7 +70,7 @@ SourceMesh render_mesh(const TriangleMesh& mesh, const CleanSurface& clean) {
     Attributes a{{}, to_single(smooth[v])};
     if (!mesh.normal.empty()) {
       Point3 normal = direction_of(mesh.normal[t][corner]).value_or(smooth[v]);
-      if (turned && dot(normal, area_normal(mesh.position, triangle[t])) < 0) normal = normal * -1;
+      if (turned && dot(normal, normal_of(mesh.position, triangle[t])) < 0) normal = normal * -1;
       a.normal = to_single(normal);
     }
     if (!mesh.uv.empty()) {

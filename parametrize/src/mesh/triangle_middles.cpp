@@ -15,10 +15,13 @@ std::vector<TriangleMiddle> triangle_middles(std::span<const Point3> position, s
   return result;
 }
 
+Point3 normal_of(std::span<const Point3> position, const Triangle& triangle) {
+  const Point3& a = position[triangle[0]];
+  return cross(position[triangle[1]] - a, position[triangle[2]] - a);
+}
+
 Point3 normal_of(const CleanSurface& surface, size_t triangle) {
-  const Triangle& t = surface.triangle[triangle];
-  const Point3& a = surface.position[t[0]];
-  return cross(surface.position[t[1]] - a, surface.position[t[2]] - a);
+  return normal_of(surface.position, surface.triangle[triangle]);
 }
 
 double total_area(std::span<const TriangleMiddle> middle) {

@@ -18,6 +18,7 @@ struct TriangleMiddle {
                                                            std::span<const Triangle> triangle);
 
 /// Twice as long as the triangle's area.
+[[nodiscard]] Point3 normal_of(std::span<const Point3> position, const Triangle& triangle);
 [[nodiscard]] Point3 normal_of(const CleanSurface& surface, std::size_t triangle);
 
 /// [m^2]

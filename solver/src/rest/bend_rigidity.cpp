@@ -29,7 +29,7 @@ constexpr double kLargestCosine = 0.99;
 
 BendRigidity::BendRigidity(const ClothAsset& asset, const FabricMap& fabrics, const RestShape& rest,
                            const ShareSeen& share_seen)
-    : asset_(asset), fabrics_(fabrics), rest_(rest), slanted_(asset.pixel_count(), 0), received_(asset.pixel_count()) {
+    : asset_(asset), fabrics_(fabrics), rest_(rest), slanted_(asset.pixel_count(), 0), rigidity_(asset.pixel_count()) {
   std::vector<uint8_t> sewn(asset.pixel_count(), 0);  // bends lead over the seam there
   for (const uint32_t p : asset.splits.pixel) sewn[p] = 1;
   for (const auto& pair : asset.sewing)
@@ -38,6 +38,12 @@ BendRigidity::BendRigidity(const ClothAsset& asset, const FabricMap& fabrics, co
     slanted_[p] = asset.valid(p) && sewn[p] == 0 && is_slanted(p) ? 1 : 0;
   for (uint32_t p = 0; p < asset.pixel_count(); ++p)
     if (slanted_[p] != 0) give(p, share_seen);
+  for (uint32_t p = 0; p < asset.pixel_count(); ++p) {
+    if (!asset.valid(p)) continue;
+    const Rigidities by_itself = own(p);
+    for (uint32_t d = 0; d < kBendDirections; ++d)
+      rigidity_[p][d] = by_itself[d] + rigidity_[p][d] / rest_.pixel_area(p);
+  }
 }
 
 bool BendRigidity::whole(uint32_t p) const {
@@ -152,8 +158,8 @@ void BendRigidity::give(uint32_t p, const ShareSeen& share_seen) {
   const std::optional<SlantedEdge> edge = edge_at(p);
   if (!edge) {
     const Material material = fabrics_.bending_at(p);
-    received_[p][kWeft] += rest_.pixel_area(p) * static_cast<double>(material.bend_weft);
-    received_[p][kWarp] += rest_.pixel_area(p) * static_cast<double>(material.bend_warp);
+    rigidity_[p][kWeft] += rest_.pixel_area(p) * static_cast<double>(material.bend_weft);
+    rigidity_[p][kWarp] += rest_.pixel_area(p) * static_cast<double>(material.bend_warp);
     return;
   }
   std::array<std::vector<uint32_t>, kBendDirections> to;
@@ -166,7 +172,7 @@ void BendRigidity::give(uint32_t p, const ShareSeen& share_seen) {
   const double scale = borne > 0 ? std::clamp(edge->along_rigidity / borne, 1 / kLargestScale, kLargestScale) : 1;
   for (uint32_t d = 0; d < kBendDirections; ++d)
     for (const uint32_t q : to[d])
-      received_[q][d] += scale * edge->rigidity[d] * rest_.pixel_area(p) / static_cast<double>(to[d].size());
+      rigidity_[q][d] += scale * edge->rigidity[d] * rest_.pixel_area(p) / static_cast<double>(to[d].size());
 }
 
 }  // namespace geocloth

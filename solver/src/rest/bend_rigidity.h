@@ -25,9 +25,7 @@ class BendRigidity {
   BendRigidity(const ClothAsset& asset, const FabricMap& fabrics, const RestShape& rest, const ShareSeen& share_seen);
 
   /// [N m] Only where there is such a bend.
-  [[nodiscard]] double at(uint32_t p, uint32_t direction) const {
-    return own(p)[direction] + received_[p][direction] / rest_.pixel_area(p);
-  }
+  [[nodiscard]] double at(uint32_t p, uint32_t direction) const { return rigidity_[p][direction]; }
 
  private:
   using Rigidities = std::array<double, kBendDirections>;
@@ -54,7 +52,7 @@ class BendRigidity {
   const FabricMap& fabrics_;
   const RestShape& rest_;
   std::vector<uint8_t> slanted_;      ///< pixels whose rigidity is all given, to themselves or to others
-  std::vector<Rigidities> received_;  ///< [N m m^2]
+  std::vector<Rigidities> rigidity_;  ///< [N m], and times the area [m^2] what a pixel is given, until all is
 };
 
 }  // namespace geocloth

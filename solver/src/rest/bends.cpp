@@ -50,6 +50,7 @@ class BendBuilder {
   BendBuilder(const ClothDesc& cloth, const FabricMap& fabrics, const RestShape& rest, ClothData& data)
       : asset_(*cloth.asset), by_share_(cloth.material.bend_stiffness), fabrics_(fabrics), rest_(rest), data_(data) {
     if (by_share_ >= 0) return;
+    rows_ = split_rows(asset_);
     compute_normals(asset_, asset_.rest_position, normal_);
     rigidity_.emplace(asset_, fabrics, rest, [&](uint32_t middle, uint32_t direction, const Vec3& along) {
       return share_seen(middle - way(direction), middle, middle + way(direction), along);
@@ -373,8 +374,8 @@ class BendBuilder {
   }
 
   const ClothAsset& asset_;
-  std::vector<uint32_t> rows_ = split_rows(asset_);
-  float by_share_;  ///< Material::bend_stiffness
+  std::vector<uint32_t> rows_;  ///< of the split-vertex table, only with a rigidity
+  float by_share_;              ///< Material::bend_stiffness
   const FabricMap& fabrics_;
   const RestShape& rest_;
   ClothData& data_;
