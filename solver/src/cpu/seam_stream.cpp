@@ -130,8 +130,8 @@ void pull_whole(const WholeTie& tie, float share, const ClothData& data, const P
 /// turned_bend_move() of lib/bend.h.
 void project_bend(const SeamBend& bend, const Positions& positions, const ClothState& state) {
   const vec3 middle = positions.at(bend.middle);
-  const vec3 e = (positions.at(bend.a) - middle) * (1.F - bend.chord) + (positions.at(bend.b) - middle) * bend.chord -
-                 (positions.at(bend.beside) - middle) * bend.turn;
+  vec3 e = (positions.at(bend.a) - middle) * (1.F - bend.chord) + (positions.at(bend.b) - middle) * bend.chord;
+  if (bend.turn != 0) e = e - (positions.at(bend.beside) - middle) * bend.turn;  // few have one to take up
   const float l = shader::length3(e);
   const bool bent = l > 1e-12F;
   const float change = bent ? (l - bend.rest) * bend.inverse : 0.F;
