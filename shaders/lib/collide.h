@@ -196,14 +196,25 @@ inline vec3 way_out(vec3 normal, float depth, float thickness, vec3 last) {
   return way;
 }
 
+// What friction takes back of a way along a surface.
+// @param brake  [m] at most
+inline vec3 braked_way(vec3 way, vec3 n, float brake) {
+  precise vec3 sliding = way - n * dot3(way, n);
+  precise float slid = length3(sliding);
+  precise vec3 back = sliding * (slid > brake ? brake * (1.0f / slid) : 1.0f);
+  return back;
+}
+
 // Pushes the point out; takes away what of the relative displacement leads inwards, never adds
-// speed for the push itself (a point that starts deep inside comes out at rest), and brakes the rest by friction.
+// speed for the push itself (a point that starts deep inside comes out at rest), and brakes the rest by friction. So it
+// does how far other layers moved the point: what they press against a slope would creep down on it.
 // @param n          the contact's normal in the world
 // @param out_of_it  [m] how the point is moved out
 // @param grip       [m] see largest_grip()
+// @param layers     other layers may have moved it
 inline PointState respond(ColliderSet set, uint collider, ColliderShape shape, PointState point, ColliderPose before,
                           ColliderPose after, vec3 local, Contact contact, vec3 n, vec3 out_of_it, float friction,
-                          float grip) {
+                          float grip, bool layers) {
   precise vec3 on_surface = local + contact.normal * contact.depth;
   vec3 carried = carried_by(set, shape, before, after, on_surface);
   vec3 displacement = way_of(point);
@@ -214,7 +225,10 @@ inline PointState respond(ColliderSet set, uint collider, ColliderShape shape, P
   precise float brake = friction * min(contact.depth, grip);
   precise float held = slid > brake ? brake * (1.0f / slid) : 1.0f;
 
-  precise vec3 position = point.position + out_of_it - sliding * held;
+  precise vec3 back = sliding * held;
+  if (layers) back = braked_way(point.position - point.previous - carried, n, brake);
+
+  precise vec3 position = point.position + out_of_it - back;
   precise vec3 kept = carried + sliding * (1.0f - held) + n * max(along, 0.0f);
   precise vec3 changed = kept - displacement;
   add_contact(set, collider, changed, n, position);
@@ -335,6 +349,7 @@ inline PointState push_out(ColliderSet set, ClothParams params, uint substep, Po
   vec3 start = state.previous;
   vec3 last = vec3(0.0f, 0.0f, 0.0f);
   bool again = params.collider_count > 0u;
+  bool layers = params.self_points + params.inter_points > 0u;
   for (uint round = 0u; round < kContactRounds && again; ++round) {
     again = false;
     float deep = worth_a_round(params, round);
@@ -353,7 +368,7 @@ inline PointState push_out(ColliderSet set, ClothParams params, uint substep, Po
         vec3 n = rotate_to_world(after, contact.normal);
         vec3 out_of_it = way_out(n, contact.depth, params.thickness, slides_out(round) ? last : vec3(0.0f, 0.0f, 0.0f));
         float grip = largest_grip(params, shape);
-        state = respond(set, i, shape, state, before, after, local, contact, n, out_of_it, friction, grip);
+        state = respond(set, i, shape, state, before, after, local, contact, n, out_of_it, friction, grip, layers);
         last = n;
         way = length3(state.position - start);
         again = again || ((params.collider_count > 1u || shape.kind == kShapeMesh) && contact.depth > deep);

@@ -447,7 +447,7 @@ inline PointState self_pushed(SelfSet set, SelfRoom room, uint point, PointState
   vec3 impulse = self_vector(set, word + 3u);
   precise vec3 kept = way_of(state) + impulse;
   precise vec3 position = state.position + shift;
-  return arrived(position, kept);
+  return moved_to(state, position, kept);
 }
 
 #ifdef __cplusplus

@@ -149,11 +149,20 @@ HWY_NOINLINE void add_contacts(D d, const ContactSums& to, Mask<D> lanes, const 
   shader::add_sum(*to.sum, added);
 }
 
+/// braked_way() of lib/collide.h.
+template <class D>
+HWY_INLINE Points<D> braked_way(D d, const Points<D>& way, const Points<D>& n, Vec<D> brake) {
+  const auto one = hn::Set(d, 1.F);
+  const Points<D> sliding = sub(way, scale(d, n, dot(d, way, n)));
+  const auto slid = length(d, sliding);
+  return scale(d, sliding, hn::IfThenElse(hn::Gt(slid, brake), hn::Mul(brake, hn::Div(one, slid)), one));
+}
+
 /// respond() of lib/collide.h, for the lanes that touch.
 template <class D, class At>
 HWY_INLINE void respond(D d, PointStates<D>& point, const At& before, const At& after, const Points<D>& local,
                         const Contacts<D>& contact, const Points<D>& n, const Points<D>& out_of_it, Vec<D> friction,
-                        Vec<D> grip, const ContactSums& sums) {
+                        Vec<D> grip, bool layers, const ContactSums& sums) {
   const auto one = hn::Set(d, 1.F), zero = hn::Zero(d);
   const Points<D> on_surface = add(local, scale(d, contact.normal, contact.depth));
   const Points<D> carried = carried_by(d, before, after, on_surface);
@@ -165,7 +174,9 @@ HWY_INLINE void respond(D d, PointStates<D>& point, const At& before, const At& 
   const auto brake = hn::Mul(friction, hn::Min(contact.depth, grip));
   const auto held = hn::IfThenElse(hn::Gt(slid, brake), hn::Mul(brake, hn::Div(one, slid)), one);
 
-  const Points<D> position = sub(add(point.position, out_of_it), scale(d, sliding, held));
+  const Points<D> back =
+      layers ? braked_way(d, sub(sub(point.position, point.previous), carried), n, brake) : scale(d, sliding, held);
+  const Points<D> position = sub(add(point.position, out_of_it), back);
   const Points<D> kept = add(add(carried, scale(d, sliding, hn::Sub(one, held))),
                              scale(d, n, hn::IfThenElse(hn::Lt(along, zero), zero, along)));
   if (sums.sum != nullptr) add_contacts(d, sums, contact.touches, sub(kept, displacement), n, position);
@@ -352,6 +363,7 @@ HWY_INLINE void push_out(D d, const Meeting& meeting, Mask<D> lanes, const Point
   const auto thickness = hn::Set(d, meeting.params.thickness), room = hn::Set(d, kRoomForRounding);
   const Points<D> start{points.previous.x, points.previous.y, points.previous.z};
   const Points<D> none = set(d, 0, 0, 0);
+  const bool layers = meeting.params.self_points + meeting.params.inter_points > 0;
   Points<D> last = set(d, 0, 0, 0);
   Mask<D> again = lanes;
   for (uint32_t round = 0; round < shader::kContactRounds && !hn::AllFalse(d, again); ++round) {
@@ -382,7 +394,7 @@ HWY_INLINE void push_out(D d, const Meeting& meeting, Mask<D> lanes, const Point
       const Points<D> n = rotate_to_world(d, after.pose, contact.normal);
       const Points<D> out_of_it = way_out(d, n, contact.depth, thickness, shader::slides_out(round) ? last : none);
       respond(d, points, before, after, local, contact, n, out_of_it, hn::Set(d, friction),
-              hn::Set(d, shader::largest_grip(meeting.params, shape)), meeting.sum_of(i, masses));
+              hn::Set(d, shader::largest_grip(meeting.params, shape)), layers, meeting.sum_of(i, masses));
       replace(contact.touches, n, last);
       way = length(d, sub(points.position, start));
       if (count > 1 || shape.kind == shader::kShapeMesh)
