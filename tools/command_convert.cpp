@@ -233,7 +233,8 @@ CommandRun add_convert(CLI::App& app) {
       "which way is up in the mesh: the grain of panels runs along it; auto: by the garment's shape, and "
       "y where that does not tell");
   options->unit_option =
-      add_choice<double>(app, "--unit", options->unit, {{"m", 1.0}, {"cm", 0.01}, {"mm", 0.001}, {"in", 0.0254}},
+      add_choice<double>(app, "--unit", options->unit,
+                         {{"m", 1.0}, {"dm", 0.1}, {"cm", 0.01}, {"mm", 0.001}, {"in", 0.0254}, {"ft", 0.3048}},
                          "unit of the mesh's coordinates", "what the file says, else m");
   options->scale_option = add_number<double>(app, "--scale", "S", options->scale, 1e-9, 1e9, "m per unit of the file",
                                              "the same as a number", "by --unit");

@@ -269,6 +269,7 @@ TEST(Convert, UnitScalesTheGarment) {
   const double metres = height({});
   EXPECT_NEAR(metres, 0.59, 0.02);
   EXPECT_NEAR(height({"--unit", "in"}) / metres, 0.0254, 1e-5);
+  EXPECT_NEAR(height({"--unit", "dm"}) / metres, 0.1, 1e-5);  // MakeHuman's
   EXPECT_NEAR(height({"--scale", "2.5"}) / metres, 2.5, 1e-4);
 }
 

@@ -324,8 +324,8 @@ std::vector<std::string> plain_warnings(const ConvertReport& report, const Cloth
   constexpr double kLargest = 10, kSmallest = 0.05;  // [m] of a garment, with room to spare
   if (size > kLargest || size < kSmallest) {
     out.push_back("the garment is " + size_in_words(size) +
-                  " across; if that is not its true size, give the unit of the file with --unit mm, --unit cm, " +
-                  "--unit in, or a factor with --scale");
+                  " across; if that is not its true size, give the unit of the file with --unit (mm, cm, dm, in " +
+                  "or ft), or a factor with --scale");
   }
   constexpr double kManyMore = 1.5;
   const uint64_t pixels = count_valid_pixels(asset);
