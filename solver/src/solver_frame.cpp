@@ -323,8 +323,9 @@ void Solver::Impl::choose_compliance_step(Cloth& cloth) const {
   if (dt == cloth.last_step || !(std::abs(dt - cloth.compliance_step) <= kNear * dt)) cloth.compliance_step = dt;
 }
 
-/// More substeps for a cloth that may meet a collider which is too fast for it, and for those that it collides with.
-/// What is told by pins is enough where they hold all of it.
+/// More substeps for a cloth that may meet a collider which is too fast for it, and for those that it collides with. In
+/// shorter ones cloth that hangs is less stretched, and jumps up: where a collider could come to it by the pins it is
+/// looked at, too.
 void Solver::Impl::choose_factors() {
   constexpr uint32_t kMost = 32;
   constexpr double kShortest = 1.0 / 16000;  // [s] for a few frames; see kShortStep
@@ -355,8 +356,8 @@ void Solver::Impl::choose_factors() {
       const Haste haste = haste_of(shape, spacing, most);
       const bool nearly_fast = shape.way > kNearly * haste.way;
       if (nearly_fast && !box) box = box_of_pins(cloth);
-      const bool out_of_reach = nearly_fast && !(*box ? may_reach(frame_.shapes, frame_.poses, i, **box, margin)
-                                                      : may_meet(c, i, ride != nullptr));
+      const bool by_pins = nearly_fast && (!*box || may_reach(frame_.shapes, frame_.poses, i, **box, margin));
+      const bool out_of_reach = nearly_fast && !(by_pins && may_meet(c, i, ride != nullptr));
       misses = misses || out_of_reach;
       if (!out_of_reach) met = std::max(met, shape.way);
       if (!nearly_fast || out_of_reach) {

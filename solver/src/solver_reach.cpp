@@ -124,7 +124,7 @@ void Solver::Impl::let_seen_go(Cloth& cloth) const {
                       length(gravity_of(cloth)) * static_cast<float>(settings_.frame_time);
 }
 
-/// Whether a cloth without pins that tell where it is may meet a fast collider. It is looked at, which waits for the
+/// Whether a cloth may meet a fast collider, so far as its pins do not tell. It is looked at, which waits for the
 /// device, when the collider becomes fast and when it has come near; what is near is not looked at again for a while.
 /// @param rides  it is where its carrier is
 bool Solver::Impl::may_meet(uint32_t index, uint32_t collider, bool rides) {
