@@ -3,9 +3,10 @@
 // frame; a soft one is drawn to its moving target by a spring of the angular frequency w and braked relative to it,
 // both taken implicitly. With A = (w dt)^2, B = 2 w dt (critical damping) its position x after the substep solves
 //   x - predicted = A (goal - x) + B (previous + the goal's step - x)
-// per mass, so the result depends neither on the resolution nor on the step. A leashed one goes where it likes within
-// a distance of its moving target: the motion constraints of NvCloth, the max distance of other engines. What lies
-// behind its target is a ball that it stays out of: separation constraints there, the backstop of other engines.
+// per mass of the point: cloth all of which is held so sinks as far at any resolution, but an edge bears the less the
+// finer the grid is. A leashed one goes where it likes within a distance of its moving target: the motion constraints
+// of NvCloth, the max distance of other engines. What lies behind its target is a ball that it stays out of: separation
+// constraints there, the backstop of other engines.
 #ifndef GEOCLOTH_LIB_PIN_H
 #define GEOCLOTH_LIB_PIN_H
 

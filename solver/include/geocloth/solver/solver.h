@@ -117,8 +117,11 @@ struct Backstop {
 /// neither a frequency nor a largest distance it is held there.
 struct Pin {
   uint32_t pixel = 0;
-  Vec3 target = {};        ///< [m] components up to 1e6
-  float frequency = 0;     ///< [1/s] above 0, up to 1e4: soft, drawn by a critically damped spring of this frequency
+  Vec3 target = {};  ///< [m] components up to 1e6
+  /// [1/s] Above 0, up to 1e4: soft, drawn by a critically damped spring that would swing its own mass with this
+  /// frequency, at substeps that are short beside it. A row of pins that cloth hangs from gives way further on a finer
+  /// grid, where it is lighter.
+  float frequency = 0;
   float max_distance = 0;  ///< [m] above 0, up to 1e4: it moves freely, or softly, as far as that from its target
   std::optional<Backstop> backstop = {};  ///< not of points that are held
 };
