@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "cpu/collider_set.h"
+#include "geocloth/asset/vec3d.h"
 #include "lib/collide_cell.h"
 
 namespace geocloth {
@@ -170,13 +171,13 @@ struct LocalShape {
   }
 };
 
-shader::ColliderPose make_pose(const Transform& t, const Vec3& origin) {
-  const double x = t.rotate.x, y = t.rotate.y, z = t.rotate.z, w = t.rotate.w;
+/// @param p  [m] relative to the origin
+shader::ColliderPose make_pose(const Vec3& p, const Quat& rotate) {
+  const double x = rotate.x, y = rotate.y, z = rotate.z, w = rotate.w;
   const double s = 2.0 / (x * x + y * y + z * z + w * w);
   const auto row = [](double a, double b, double c, float translate) {
     return vec4{static_cast<float>(a), static_cast<float>(b), static_cast<float>(c), translate};
   };
-  const Vec3 p = t.translate - origin;
   shader::ColliderPose pose;
   pose.row0 = row(1 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y), p.x);
   pose.row1 = row(s * (x * y + w * z), 1 - s * (x * x + z * z), s * (y * z - w * x), p.y);
@@ -190,6 +191,15 @@ Vec3 near_place(const Collider& collider, const Transform& frame, const Vec3& or
   if (!std::holds_alternative<Plane>(collider.shape)) return {};
   const Vec3 seen = rotate(conjugate(frame.rotate), origin - frame.translate);
   return {seen.x, 0, seen.z};
+}
+
+/// Where a frame is before substep s on its way from `a` to `b`, as seen from the origin, and `turned` from there. In
+/// single precision a frame a hundred metres out would go by 4 um more or less in each substep; friction takes cloth
+/// along by what a collider goes, and it would slip.
+Vec3 place_on_way(const Vec3& a, const Vec3& b, uint32_t s, uint32_t substeps, const Vec3& turned, const Vec3& origin) {
+  const double t = static_cast<double>(s) / substeps;
+  const Vec3d start = to_double(a) - to_double(origin), end = to_double(b) - to_double(origin);
+  return to_float((1 - t) * start + t * end + to_double(turned));
 }
 
 /// Axis times angle [rad], the shorter way round.
@@ -319,12 +329,15 @@ void collider_poses(std::span<const Transform> from, std::span<const Collider> t
     const Transform& a = from[i];
     const Transform b = collider_frame(to[i]);
     const Vec3 place = near_place(to[i], a, origin);
+    const bool goes = a.translate != b.translate;
     for (uint32_t s = 0; s <= substeps; ++s) {
       const float t = static_cast<float>(s) / static_cast<float>(substeps);
-      const Vec3 translate = s == substeps ? b.translate : a.translate + t * (b.translate - a.translate);
       const Quat turn = a.rotate == b.rotate ? b.rotate : slerp(a.rotate, b.rotate, t);
+      const Vec3 turned = rotate(turn, place);
+      const Vec3 seen =
+          goes ? place_on_way(a.translate, b.translate, s, substeps, turned, origin) : b.translate + turned - origin;
       shader::ColliderPose& pose = poses[s * from.size() + i];
-      pose = make_pose({translate + rotate(turn, place), turn, 1}, origin);
+      pose = make_pose(seen, turn);
       pose.deform = deform[i] > 0 ? vec4{1 - t, deform[i], 0, 0} : vec4{};
     }
   }
