@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cloth on a moving parent (a rider's cape, a dancer's skirt). The parent's motion in a substep is a screw; FrameMotion
-// holds two displacement fields: `whole`, the parent's own, and `taken`, the share of it that the cloth is taken along
-// with as if it had no inertia. What is left of the motion the cloth feels, for its springs and pins pull it after. The
-// stored displacement of a point is the one besides `taken`; damping brakes it relative to what is left of `whole`.
+// Cloth on a moving parent (a rider's cape, a dancer's skirt). The parent's motion in a substep is a turn about a
+// centre near the cloth, which goes straight. ClothParams holds two displacement fields: `whole`, the parent's own, and
+// `taken`, the share of it that the cloth is taken along with as if it had no inertia. What is left of the motion the
+// cloth feels, for its springs and pins pull it after. The stored displacement of a point is the one besides `taken`;
+// damping brakes it relative to what is left of `whole`.
 #ifndef GEOCLOTH_LIB_FRAME_H
 #define GEOCLOTH_LIB_FRAME_H
 

@@ -166,6 +166,8 @@ struct PinTarget {
   vec4 limit;   // x [m] that the point may be from its target, 0: any if soft, else it is held
   vec4 behind;  // xyz [m] from the target to the middle of a ball that the point stays out of; w its radius, 0: none
   vec4 behind_start;  // xyz: the same at the start of the frame
+  vec4 bow;           // xyz [m] by which the target's way bows out in the middle of the frame; w 1: it does
+  vec4 lean;          // xyz [m] and by how much more later than earlier, see lib/pin.h
 };
 
 // Long-range attachment of a pixel: it stays within length * stretch_limit of the anchor, a pinned pixel.
@@ -255,7 +257,7 @@ struct PassConstants {
 static_assert(sizeof(ClothParams) == 432 && offsetof(ClothParams, whole) == 240 &&
               offsetof(ClothParams, gravity_step) == 16 && offsetof(ClothParams, dt) == 96);
 static_assert(sizeof(Wave) == 32 && sizeof(Substep) == 16 + 32 * kWindWaves);
-static_assert(sizeof(PinTarget) == 96 && sizeof(Attachment) == 8 && sizeof(SeamSpring) == 44 &&
+static_assert(sizeof(PinTarget) == 128 && sizeof(Attachment) == 8 && sizeof(SeamSpring) == 44 &&
               sizeof(SelfPoint) == 48);
 static_assert(sizeof(ColliderShape) == 64 && sizeof(ColliderPose) == 64 && sizeof(PassConstants) == 24);
 }  // namespace geocloth::shader

@@ -211,16 +211,28 @@ Vec3 rotation_vector(const Quat& q) {
   return {static_cast<float>(scale * x), static_cast<float>(scale * y), static_cast<float>(scale * z)};
 }
 
-/// Field of a rotation by the vector `turn` about a centre that goes on by `center_step` each substep, and a shift.
-/// R - 1 = sin K + (1 - cos) K K with K = [axis] (Rodrigues), in double precision, for both terms are small.
-shader::FrameField frame_field(const Vec3& turn, const Vec3& shift, const Vec3& center_step, const Vec3& center) {
+using Matrix = std::array<std::array<double, 3>, 3>;
+
+/// R - 1 of a rotation by the vector `turn`: sin K + (1 - cos) K K with K = [axis] (Rodrigues), in double precision,
+/// for both terms are small.
+Matrix turn_less_one(const Vec3& turn) {
   const double angle = std::sqrt(static_cast<double>(dot(turn, turn)));
   const double s = angle > 0 ? std::sin(angle) / angle : 0;
   const double c = angle > 0 ? 2 * std::pow(std::sin(0.5 * angle) / angle, 2) : 0;
   const double x = turn.x, y = turn.y, z = turn.z;
-  const std::array<std::array<double, 3>, 3> m{{{-c * (y * y + z * z), c * x * y - s * z, c * x * z + s * y},
-                                                {c * x * y + s * z, -c * (x * x + z * z), c * y * z - s * x},
-                                                {c * x * z - s * y, c * y * z + s * x, -c * (x * x + y * y)}}};
+  return {{{-c * (y * y + z * z), c * x * y - s * z, c * x * z + s * y},
+           {c * x * y + s * z, -c * (x * x + z * z), c * y * z - s * x},
+           {c * x * z - s * y, c * y * z + s * x, -c * (x * x + y * y)}}};
+}
+
+Vec3 product(const Matrix& m, const Vec3& v) {
+  const auto row = [&](size_t i) { return static_cast<float>(m[i][0] * v.x + m[i][1] * v.y + m[i][2] * v.z); };
+  return {row(0), row(1), row(2)};
+}
+
+/// Field of a rotation by the vector `turn` about a centre that goes on by `center_step` each substep, and a shift.
+shader::FrameField frame_field(const Vec3& turn, const Vec3& shift, const Vec3& center_step, const Vec3& center) {
+  const Matrix m = turn_less_one(turn);
   const auto times = [&](size_t i, const Vec3& v) { return m[i][0] * v.x + m[i][1] * v.y + m[i][2] * v.z; };
   const auto row = [&](size_t i, float along) {
     return vec4{static_cast<float>(m[i][0]), static_cast<float>(m[i][1]), static_cast<float>(m[i][2]),
@@ -369,7 +381,33 @@ shader::FrameField motion_field(const Transform& from, const Transform& to, floa
   return frame_field(rotate(from.rotate, turn), shift, shift, from.translate - origin);
 }
 
-void set_frame_motion(shader::ClothParams& params, const Transform& from, const Transform& to,
+ParentWay::ParentWay(const Transform& from, const Transform& to, const Vec3& center)
+    : center_(center), turn_(rotate(from.rotate, rotation_vector(conjugate(from.rotate) * to.rotate))) {
+  turns_ = from.rotate != to.rotate;
+  const Vec3 arm = center - from.translate;
+  for (size_t k = 0; k < turned_.size(); ++k)
+    turned_[k] = turn_less_one(static_cast<float>(k + 1) / static_cast<float>(turned_.size()) * turn_);
+  // The mean velocity of the end of the arm over its chord is that of a turn about its start with this arm.
+  const double half = 0.5 * length(turn_);
+  const auto chord_of_arc = static_cast<float>(half > 0 ? std::sin(half) / half : 1);
+  arm_ = chord_of_arc * (arm + product(turned_[1], arm));
+  shift_ = (to.translate - from.translate) + product(turned_[3], arm);
+}
+
+PinBow ParentWay::bow_of(const Vec3& from, const Vec3& to) const {
+  constexpr float kLike = 0.5F;  // of what the parent turns it by: what it may be beside that
+  if (!turns_) return {};
+  const Vec3 arm = from - center_, turned = product(turned_[3], arm);
+  const Vec3 beside = (to - from) - shift_ - turned;
+  if (!(length(beside) <= kLike * length(turned))) return {};
+  const auto off_chord = [&](size_t k) {
+    return product(turned_[k], arm) - static_cast<float>(k + 1) / static_cast<float>(turned_.size()) * turned;
+  };
+  constexpr float kLeanAtQuarter = 0.375F;  // of lean: 4 t (1 - t) (1 - 2 t)
+  return {off_chord(1), (0.5F / kLeanAtQuarter) * (off_chord(2) - off_chord(0)), true};
+}
+
+void set_frame_motion(shader::ClothParams& params, const Transform& from, const Transform& to, const ParentWay& way,
                       const Vec3& inertia_scale, uint32_t substeps, const Vec3& origin) {
   if (from.translate == to.translate && from.rotate == to.rotate) return;
   const Quat back = conjugate(from.rotate);
@@ -378,21 +416,29 @@ void set_frame_motion(shader::ClothParams& params, const Transform& from, const 
   const Vec3 turn = step * rotation_vector(back * to.rotate);  // about the parent's axes
   const Vec3 taken{1 - inertia_scale.x, 1 - inertia_scale.y, 1 - inertia_scale.z};
   const auto share = [&](const Vec3& v) { return Vec3{taken.x * v.x, taken.y * v.y, taken.z * v.z}; };
-  const Vec3 center = from.translate - origin;
+  const Vec3 taken_turn = rotate(from.rotate, share(turn));
+  const Vec3 taken_shift = rotate(from.rotate, share(rotate(back, shift)));
   params.moving = 1;
-  params.whole = motion_field(from, to, step, origin);
-  params.taken =
-      frame_field(rotate(from.rotate, share(turn)), rotate(from.rotate, share(rotate(back, shift))), shift, center);
+  if (!way.turns()) {
+    params.whole = motion_field(from, to, step, origin);
+    params.taken = frame_field(taken_turn, taken_shift, shift, from.translate - origin);
+    return;
+  }
+  const Vec3 center = way.center() - origin, center_step = step * way.shift();
+  params.whole = frame_field(step * way.turn(), center_step, center_step, center);
+  params.taken = frame_field(taken_turn, taken_shift + cross(taken_turn, way.arm()), center_step, center);
 }
 
 shader::PinTarget pin_target(uint32_t pixel, const Vec3& from, const Vec3& to, const PinHold& hold,
-                             const BackBall& back, double dt) {
+                             const BackBall& back, const PinBow& bow, double dt) {
   shader::PinTarget target{point4(to, 0),
                            point4(from, 0),
                            {pixel, 0, 0, 0},
                            {hold.max_distance, 0, 0, 0},
                            point4(back.to, back.radius),
-                           point4(back.from, 0)};
+                           point4(back.from, 0),
+                           point4(bow.middle, bow.bows ? 1.F : 0.F),
+                           point4(bow.lean, 0)};
   if (!(hold.frequency > 0)) return target;
   const double turn = 2 * std::numbers::pi * static_cast<double>(hold.frequency) * dt;
   const double a = turn * turn, b = 2 * turn;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -69,17 +70,46 @@ struct BackBall {
   float radius = 0;  ///< [m] 0: none
   bool operator==(const BackBall&) const = default;
 };
+/// By how much the way of a pin's target is off its chord; see lib/pin.h.
+struct PinBow {
+  Vec3 middle, lean;  ///< [m]
+  bool bows = false;
+};
 /// @param from, to  where the target is at the start and at the end of the frame, relative to the origin
 [[nodiscard]] shader::PinTarget pin_target(uint32_t pixel, const Vec3& from, const Vec3& to, const PinHold& hold,
-                                           const BackBall& back, double dt);
+                                           const BackBall& back, const PinBow& bow, double dt);
 
 /// The motion from one pose to another in steps that are this share of it: displacement field of lib/frame.h, by steps.
 [[nodiscard]] shader::FrameField motion_field(const Transform& from, const Transform& to, float share,
                                               const Vec3& origin);
 
+/// How a cloth's parent that turns gets from one pose to the next: evenly about a centre that goes straight. What is
+/// far from the centre goes on an arc, so it is where the cloth is, whatever the poses count from; pins that turn with
+/// the parent go on the same arcs, else they would pull to and fro at the cloth that is taken along.
+class ParentWay {
+ public:
+  /// @param center  [m, world] that goes straight, at the start
+  ParentWay(const Transform& from, const Transform& to, const Vec3& center);
+  [[nodiscard]] bool turns() const { return turns_; }
+  [[nodiscard]] const Vec3& center() const { return center_; }
+  [[nodiscard]] const Vec3& shift() const { return shift_; }  ///< [m] way of the centre
+  [[nodiscard]] const Vec3& turn() const { return turn_; }    ///< [rad] axis times angle, in the world
+  /// [m] from the parent's place to the centre as it is seen on the mean of the frame: shift() is that of the parent's
+  /// place and turn() x arm().
+  [[nodiscard]] const Vec3& arm() const { return arm_; }
+  /// Of a pin [m, world]; a straight one has none, nor has what does not turn as the parent does.
+  [[nodiscard]] PinBow bow_of(const Vec3& from, const Vec3& to) const;
+
+ private:
+  Vec3 center_, turn_, shift_, arm_;
+  std::array<std::array<std::array<double, 3>, 3>, 4> turned_{};  ///< R - 1 after each quarter of the frame
+  bool turns_ = false;
+};
+
 /// Motion of a cloth's parent over a frame, as both fields of lib/frame.h; nothing moves between equal poses.
+/// @param way            between the two poses
 /// @param inertia_scale  per axis of the parent: 1 the cloth feels all of the motion, 0 it is taken along
-void set_frame_motion(shader::ClothParams& params, const Transform& from, const Transform& to,
+void set_frame_motion(shader::ClothParams& params, const Transform& from, const Transform& to, const ParentWay& way,
                       const Vec3& inertia_scale, uint32_t substeps, const Vec3& origin);
 
 /// Largest strain of the long-range attachments, 0: none. An automatic one lies above what the weight of the cloth

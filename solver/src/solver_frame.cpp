@@ -106,6 +106,22 @@ float Solver::Impl::stretch_limit(const Cloth& cloth) const {
   return stretch > 0 ? 1 + stretch : 0;
 }
 
+/// How the parent of a cloth moves in the next frame, seen from the middle of its pins, else from where it is on the
+/// parent.
+std::optional<ParentWay> Solver::Impl::parent_way(const Cloth& cloth) {
+  if (!cloth.parent_to) return std::nullopt;
+  const Transform& from = *cloth.parent_from;
+  if (from.rotate == cloth.parent_to->rotate) return ParentWay(from, *cloth.parent_to, from.translate);
+  Vec3 center;
+  for (const auto& [pixel, pin] : cloth.pins)
+    center = center + (1 / static_cast<float>(cloth.pins.size())) * (pin.from - from.translate);
+  if (cloth.pins.empty()) {
+    const Quat turn = from.rotate * conjugate(cloth.parent_first.rotate);
+    center = rotate(turn, cloth.start_middle - cloth.parent_first.translate);
+  }
+  return ParentWay(from, *cloth.parent_to, from.translate + center);
+}
+
 void Solver::Impl::fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const {
   frame.params = cloth_params(cloth.material, clock(), gravity_of(cloth), wind_, cloth.wind_scale, cloth.pressure);
   frame.params.gravity_step.w = static_cast<float>(clock().dt / cloth.displaced_in);
@@ -124,14 +140,18 @@ void Solver::Impl::fill_cloth_frame(Cloth& cloth, ClothFrame& frame) const {
     frame.params.inter_points = inter_.points;
     frame.params.inter_buckets = inter_.buckets;
   }
-  if (cloth.parent_to) {
-    set_frame_motion(frame.params, *cloth.parent_from, *cloth.parent_to, cloth.inertia_scale, substeps_, origin_);
+  const std::optional<ParentWay> parent = parent_way(cloth);
+  if (parent) {
+    set_frame_motion(frame.params, *cloth.parent_from, *cloth.parent_to, *parent, cloth.inertia_scale, substeps_,
+                     origin_);
   }
   frame.pins.clear();
   cloth.pin_targets.clear();
   for (auto& [pixel, pin] : cloth.pins) {
     cloth.pin_targets.push_back(pin.target);
-    frame.pins.push_back(pin_target(pixel, pin.from - origin_, pin.target - origin_, pin.hold, pin.back, clock().dt));
+    const PinBow bow = parent ? parent->bow_of(pin.from, pin.target) : PinBow{};
+    frame.pins.push_back(
+        pin_target(pixel, pin.from - origin_, pin.target - origin_, pin.hold, pin.back, bow, clock().dt));
     pin.arrive();
   }
   frame.pulled_apart = pull_of_pins(cloth, 0) > frame.params.stretch_limit;

@@ -222,6 +222,7 @@ class Solver::Impl {
   [[nodiscard]] bool anything_deforms() const;
   void carry_over();
   [[nodiscard]] Vec3 middle_of_told(const Cloth& cloth) const;
+  [[nodiscard]] static std::optional<ParentWay> parent_way(const Cloth& cloth);
   void follow_cloths(const std::optional<Vec3>& arriving = std::nullopt);
   /// What may change of a cloth that others meet.
   struct Version {

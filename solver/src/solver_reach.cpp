@@ -19,10 +19,15 @@ using shader::vec4;
 std::optional<ClothBox> Solver::Impl::box_of_pins(const Cloth& cloth) const {
   if (!cloth.hangs) return std::nullopt;
   ClothBox box;
+  const std::optional<ParentWay> parent = parent_way(cloth);
   for (const auto& [pixel, pin] : cloth.pins) {
     if (!pin.held()) continue;
     box.add(pin.from - origin_);
     box.add(pin.target - origin_);
+    const PinBow bow = parent ? parent->bow_of(pin.from, pin.target) : PinBow{};
+    if (!bow.bows) continue;
+    box.add(pin.from + bow.middle - origin_);
+    box.add(pin.target + bow.middle - origin_);
   }
   return box;
 }

@@ -73,14 +73,19 @@ State state_after(const Case& c, bool plain, uint32_t threads, uint32_t frames) 
   if (c.wind) solver.set_wind(*c.wind);
   solver.set_pressure(0, c.pressure);
   for (uint32_t f = 0; f < frames; ++f) {
-    if (c.on_parent && f > 2 && f < 10) {  // stands still before and after
-      const float t = 0.02F * static_cast<float>(f);
-      solver.set_parent(0, {{t, 0, -t}, quat_from_euler_deg({0, 90 * t, 0}), 1}, {0.5F, 1, 0});
-    }
+    const float t = 0.02F * static_cast<float>(f);
+    const Transform parent{{t, 0, -t}, quat_from_euler_deg({0, 90 * t, 0}), 1};
+    if (c.on_parent && f > 2 && f < 10) solver.set_parent(0, parent, {0.5F, 1, 0});  // stands still before and after
     std::vector<Collider> colliders = c.colliders;
     for (Collider& collider : colliders) collider.pose.translate = {0, 0, c.collider_step * static_cast<float>(f)};
     solver.set_colliders(colliders);
-    if (c.every_pin) solver.set_pins(0, pins_of_every_kind(c.asset, f));
+    if (c.every_pin) {
+      std::vector<Pin> pins = pins_of_every_kind(c.asset, f);
+      if (c.on_parent)
+        for (Pin& pin : pins)
+          if (pin.pixel % 7 < 5) pin.target = apply(parent, c.asset.rest_position[pin.pixel]);
+      solver.set_pins(0, pins);
+    }
     // Halfway one corner is let go and the other is pulled.
     if (f == frames / 2 && !c.every_pin) {
       std::vector<Pin> pins = test::pins_at_rest(c.asset, c.pinned, {0, 0.05F, 0.02F});
@@ -285,6 +290,9 @@ std::vector<Case> cases() {
     list.push_back({"pins of every kind", make_sheet({.nx = 85, .ny = 40, .charts_x = charts, .jitter = 0.2F}),
                     attached(), few_substeps(), all_shapes(), breeze});
     list.back().every_pin = true;
+    list.push_back(list.back());
+    list.back().name = "pins of every kind, many of which ride on a moving parent";
+    list.back().on_parent = true;
   }
   list.push_back({"body and thin colliders", make_sheet({.nx = 33, .ny = 20, .charts_x = 2}), attached(),
                   few_substeps(), body_and_wire(), breeze, "top"});

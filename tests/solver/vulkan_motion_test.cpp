@@ -83,6 +83,24 @@ TEST_F(VulkanMotionTest, AParentThatTurnsWithInertiaAndWindAgrees) {
   expect_same_as_cpu(scene);
 }
 
+TEST_F(VulkanMotionTest, PinsThatRideOnAParentThatTurnsAgree) {
+  Play scene = hanging(kCut);
+  scene.frames = 8;
+  scene.before_frame = [asset = scene.cloths[0].asset](Solver& solver, uint32_t frame) {
+    const float t = static_cast<float>(frame);
+    const Transform pose{{0.02F * t, 0.1F, -0.01F * t}, quat_from_euler_deg({5 * t, 15 * t, 0}), 1};
+    solver.set_parent(0, pose, {0.3F, 0.6F, 0});
+    std::vector<Pin> pins = pins_of_top(kCut, *asset);
+    for (size_t k = 0; k < pins.size(); ++k) {
+      if (k % 5 != 0) pins[k].target = apply(pose, pins[k].target);
+      if (k % 3 == 0) pins[k].frequency = 4;
+      if (k % 4 == 0) pins[k].max_distance = 0.01F;
+    }
+    solver.set_pins(0, pins);
+  };
+  expect_same_as_cpu(scene);
+}
+
 /// A sheet falls on a collider that comes up and turns.
 Play falls_on(const ColliderShape& shape, float lift) {
   SheetOptions options = kCut;

@@ -11,7 +11,8 @@ namespace {
 std::array<float, kPinFloats> floats_of(const shader::PinTarget& pin) {
   return {pin.target.x,       pin.target.y,       pin.target.z,       pin.target.w, pin.start.x,  pin.start.y,
           pin.start.z,        pin.start.w,        pin.behind.x,       pin.behind.y, pin.behind.z, pin.behind.w,
-          pin.behind_start.x, pin.behind_start.y, pin.behind_start.z, pin.limit.x};
+          pin.behind_start.x, pin.behind_start.y, pin.behind_start.z, pin.limit.x,  pin.bow.x,    pin.bow.y,
+          pin.bow.z,          pin.bow.w,          pin.lean.x,         pin.lean.y,   pin.lean.z};
 }
 
 }  // namespace

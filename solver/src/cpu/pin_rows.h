@@ -19,7 +19,10 @@ enum PinFloat : uint32_t {
   kPinRadius = 11,
   kPinBehindStart = 12,
   kPinLimit = 15,
-  kPinFloats = 16
+  kPinBow = 16,
+  kPinBows = 19,
+  kPinLean = 20,
+  kPinFloats = 23
 };
 
 /// Blocks of pins whose pixels lie beside each other in a row, as many as a vector has lanes or fewer.

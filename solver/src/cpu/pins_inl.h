@@ -38,6 +38,13 @@ HWY_INLINE Points<D> out_of_ball(D d, const Points<D>& position, const Points<D>
   return choose<D>(inside, shifted(d, middle, out, radius), position);
 }
 
+/// lib/pin.h: bow_at().
+template <class D>
+HWY_INLINE Points<D> bow_at(D d, const Points<D>& bow, const Points<D>& lean, float t) {
+  const float height = 4.F * t * (1.F - t), side = 2.F * t - 1.F;
+  return scale(d, shifted(d, bow, lean, hn::Set(d, side)), hn::Set(d, height));
+}
+
 /// pinned_position() of lib/pin.h.
 /// @param floats  of the block, see pin_rows.h
 /// @param seen    seen(p) of a target: from where positions are
@@ -51,11 +58,25 @@ HWY_INLINE Points<D> pinned(D d, const shader::Substep& step, const float* float
                      hn::LoadU(d, floats + (n + 2) * lanes)};
   };
   const auto zero = hn::Zero(d), soft = one_of(kPinSoft), limit = one_of(kPinLimit);
-  const Points<D> target = seen(point_of(kPinTarget)), held = mix(d, position, target, step.pin_fraction);
+  const Points<D> target = seen(point_of(kPinTarget));
+  Points<D> held = mix(d, position, target, step.pin_fraction);
   const auto is_held = hn::And(hn::Eq(soft, zero), hn::Eq(limit, zero));
+  const auto bows = hn::Ne(one_of(kPinBows), zero);
+  const bool any_bows = !hn::AllFalse(d, bows);
+  Points<D> bow = set(d, 0, 0, 0), bow_before = bow;
+  if (any_bows) {
+    bow = bow_at(d, point_of(kPinBow), point_of(kPinLean), step.frame_fraction);
+    bow_before = bow_at(d, point_of(kPinBow), point_of(kPinLean), step.frame_fraction - step.substep_share);
+    held = choose<D>(bows, add(mix(d, sub(position, bow_before), target, step.pin_fraction), bow), held);
+  }
   if (hn::AllTrue(d, is_held)) return held;
-  const Points<D> start = seen(point_of(kPinStart)), goal = mix(d, start, target, step.frame_fraction);
-  const Points<D> along = shifted(d, previous, sub(target, start), hn::Set(d, step.substep_share));
+  const Points<D> start = seen(point_of(kPinStart));
+  Points<D> goal = mix(d, start, target, step.frame_fraction);
+  Points<D> along = shifted(d, previous, sub(target, start), hn::Set(d, step.substep_share));
+  if (any_bows) {
+    goal = choose<D>(bows, add(goal, bow), goal);
+    along = choose<D>(bows, add(along, sub(bow, bow_before)), along);
+  }
   Points<D> drawn = shifted(d, position, sub(goal, position), soft);
   drawn = shifted(d, drawn, sub(along, position), one_of(kPinBraked));
   if (!hn::AllTrue(d, hn::Eq(limit, zero))) drawn = attach(d, drawn, goal, limit);

@@ -208,11 +208,12 @@ class Solver {
   [[nodiscard]] std::vector<uint32_t> held_pixels(uint32_t cloth) const;
 
   /// The pose of what carries the cloth (a rider, a dancer), scale 1; takes effect in the next step, over which it
-  /// moves evenly from the pose of the last call. The cloth trails behind: by inertia_scale 1 it feels all of the
-  /// motion, by 0 it is taken along as if the parent stood still; each axis of the parent, shift and turn, by itself.
-  /// Damping acts relative to the parent. The first call places the parent; teleport takes cloth and parent there
-  /// without a jerk, as they are (waits for the device). A state that is written after that, before the next step,
-  /// stays where it is: the parent is there by then.
+  /// moves evenly from the pose of the last call: it turns about the middle of the cloth's pins, which goes straight,
+  /// and pins whose targets turn about as it does go on its arcs. The cloth trails behind: by inertia_scale 1 it feels
+  /// all of the motion, by 0 it is taken along as if the parent stood still; each axis of the parent, shift and turn,
+  /// by itself. Damping acts relative to the parent. The first call places the parent; teleport takes cloth and parent
+  /// there without a jerk, as they are (waits for the device). A state that is written after that, before the next
+  /// step, stays where it is: the parent is there by then.
   void set_parent(uint32_t cloth, const Transform& pose, const Vec3& inertia_scale = {1, 1, 1}, bool teleport = false);
 
   /// [Pa] -1e6..1e6 By how much more presses on the backs of a cloth's faces than on their fronts, from the next step
