@@ -206,8 +206,8 @@ inline vec3 braked_way(vec3 way, vec3 n, float brake) {
 }
 
 // Pushes the point out; takes away what of the relative displacement leads inwards, never adds
-// speed for the push itself (a point that starts deep inside comes out at rest), and brakes the rest by friction. So it
-// does how far other layers moved the point: what they press against a slope would creep down on it.
+// speed for the push itself (a point that starts deep inside comes out at rest), and brakes the rest by friction, which
+// takes back how far other layers moved the point, too: what they press against a slope would creep down on it.
 // @param n          the contact's normal in the world
 // @param out_of_it  [m] how the point is moved out
 // @param grip       [m] see largest_grip()
